@@ -76,15 +76,7 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
 
 
 def refuse_stature(height: float, mass: float) -> None:
-    """Refuse a height or mass that is not positive.
-
-    Args:
-        height: Height of the wearer [m].
-        mass: Mass of the wearer [kg].
-
-    Raises:
-        ExoidError: One is not positive or not finite.
-    """
+    """Refuse a height or mass that is not positive."""
     if not (0.0 < height < np.inf and 0.0 < mass < np.inf):
         raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give positive numbers")
 

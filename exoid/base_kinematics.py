@@ -14,24 +14,15 @@ from .reduction import GRAVITY, BaseSamples, Plane, TorsoSamples
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BaseKinematics:
-    """Angular velocity ω, angular acceleration ω̇ and specific force f of the base at N samples, in its own axes.
+    """Angular velocity ω, angular acceleration ω̇ and specific force f of the base at N samples, in its own axes."""
 
-    The base is the root link of the URDF. Joint torques depend on the motion of the base only through ω, ω̇ and
-    f = Rᵀ(p̈ − g), where R and p are its orientation and the position of its origin (Featherstone 2008).
-    Position, heading and linear velocity drop out. A base at rest that stands upright has f = (0, 0, 9.81) m/s².
+    # The base is the root link of the URDF. Joint torques depend on the motion of the base only through ω, ω̇ and
+    # f = Rᵀ(p̈ − g), where R and p are its orientation and the position of its origin (Featherstone 2008).
+    # Position, heading and linear velocity drop out. A base at rest that stands upright has f = (0, 0, 9.81) m/s².
 
-    Attributes:
-        angular_velocity: ω [rad/s], (N, 3).
-        angular_acceleration: ω̇ [rad/s²], (N, 3).
-        specific_force: f at the origin of the root link [m/s²], (N, 3).
-
-    Raises:
-        ExoidError: An array is not of shape (N, 3), or not finite.
-    """
-
-    angular_velocity: FloatArray
-    angular_acceleration: FloatArray
-    specific_force: FloatArray
+    angular_velocity: FloatArray  # ω [rad/s], (N, 3)
+    angular_acceleration: FloatArray  # ω̇ [rad/s²], (N, 3)
+    specific_force: FloatArray  # f at the origin of the root link [m/s²], (N, 3)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
@@ -55,52 +46,22 @@ class BaseKinematics:
         return f"BaseKinematics({len(self)} samples)"
 
     def rows(self, rows: slice | NDArray[np.intp]) -> BaseKinematics:
-        """Select samples.
-
-        Args:
-            rows: The samples.
-
-        Returns:
-            Their motion.
-        """
+        """Select samples."""
         return BaseKinematics(*(getattr(self, field.name)[rows] for field in fields(self)))
 
     def specific_force_at(self, point: FloatArray) -> FloatArray:
-        """Compute the specific force at another point of the base, f + ω̇ × r + ω × (ω × r).
-
-        Args:
-            point: Position r in the axes of the base [m], (3,).
-
-        Returns:
-            Specific force [m/s²], (N, 3).
-        """
+        """Compute the specific force at another point of the base, f + ω̇ × r + ω × (ω × r)."""
         spin = np.cross(self.angular_velocity, np.cross(self.angular_velocity, point))
         return np.asarray(self.specific_force + np.cross(self.angular_acceleration, point) + spin)
 
     def moved(self, point: FloatArray) -> BaseKinematics:
-        """Take the specific force at another point of the base.
-
-        Args:
-            point: Position in the axes of the base [m], (3,), relative to the point of :attr:`specific_force`.
-
-        Returns:
-            The same motion with the specific force at that point.
-        """
+        """Take the specific force at another point of the base."""
         return BaseKinematics(self.angular_velocity, self.angular_acceleration, self.specific_force_at(point))
 
     def in_plane(self, plane: Plane, hip: FloatArray) -> TorsoSamples:
-        """Take the part of the motion that lies in the plane of a leg, in axes that turn with the base.
-
-        In these axes the pitch is zero, and gravity is part of the acceleration of the hip. The angular velocity and
-        acceleration about −lateral are those of the pitch. What turns the plane itself is left out.
-
-        Args:
-            plane: Plane of motion.
-            hip: Origin of the first joint in the axes of the base [m], (3,).
-
-        Returns:
-            Motion of the torso.
-        """
+        """Take the part of the motion that lies in the plane of a leg, in axes that turn with the base."""
+        # In these axes the pitch is zero, and gravity is part of the acceleration of the hip. The angular velocity and
+        # acceleration about −lateral are those of the pitch. What turns the plane itself is left out.
         force = self.specific_force_at(hip)
         return TorsoSamples(
             np.zeros(len(self)),
@@ -111,25 +72,13 @@ class BaseKinematics:
         )
 
     def within_plane(self, plane: Plane, hip: FloatArray) -> BaseKinematics:
-        """Leave out the part of the motion that turns the plane of a leg or moves it sideways.
-
-        Args:
-            plane: Plane of motion.
-            hip: Origin of the first joint in the axes of the base [m], (3,).
-
-        Returns:
-            Motion with rotation about the lateral axis only, and the same specific force at the hip within the plane.
-        """
+        """Leave out the part of the motion that turns the plane of a leg or moves it sideways."""
         along = np.outer(plane.lateral, plane.lateral)
         force = self.specific_force_at(hip)
         at_hip = BaseKinematics(self.angular_velocity @ along, self.angular_acceleration @ along, force - force @ along)
         return at_hip.moved(-hip)
 
     def spatial(self) -> BaseSamples:
-        """Write the motion as spatial vectors: velocity (0, ω), acceleration less gravity (f, ω̇).
-
-        Returns:
-            Motion of the base for a tree of joints.
-        """
+        """Write the motion as spatial vectors: velocity (0, ω), acceleration less gravity (f, ω̇)."""
         velocity = np.hstack([np.zeros_like(self.angular_velocity), self.angular_velocity])
         return BaseSamples(velocity, np.hstack([self.specific_force, self.angular_acceleration]))

@@ -20,14 +20,7 @@ URDFS = {
 
 
 def urdf_folder() -> Path:
-    """Find the folder of the built-in URDFs, inside an installed package or beside it in a source tree.
-
-    Returns:
-        Path of the folder.
-
-    Raises:
-        ExoidError: The folder is missing: the installation is incomplete.
-    """
+    """Find the folder of the built-in URDFs, inside an installed package or beside it in a source tree."""
     package = Path(__file__).resolve().parent
     for folder in (package / "urdf", package.parent / "urdf"):
         if (folder / "bleex.urdf").is_file():

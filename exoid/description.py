@@ -56,17 +56,11 @@ REQUIRED = ("mass", "inertia")
 
 @dataclass(frozen=True)
 class Description:
-    """URDF as text, with the name and hash that identify it in results.
+    """URDF as text, with the name and hash that identify it in results."""
 
-    Attributes:
-        text: XML of the URDF.
-        name: File name, for messages and reports.
-        sha256: Hash of the text, hexadecimal.
-    """
-
-    text: str = field(repr=False)
-    name: str
-    sha256: str
+    text: str = field(repr=False)  # XML of the URDF
+    name: str  # file name, for messages and reports
+    sha256: str  # hash of the text, hexadecimal
 
     @cached_property
     def child_links(self) -> dict[str, str]:
@@ -82,11 +76,9 @@ class Description:
 
     @property
     def plain(self) -> str:
-        """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space.
-
-        Angles of joints in few digits become exact, see :func:`exoid.rounded_angles.exact_angle`. Shapes are left out,
-        as the parser prints about those that it does not understand.
-        """
+        """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space."""
+        # Angles of joints in few digits become exact, see `exoid.rounded_angles.exact_angle`. Shapes are left out,
+        # as the parser prints about those that it does not understand.
         root = self.parse()
         for link in root.findall("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
@@ -105,17 +97,7 @@ class Description:
 
 
 def read_description(path: str | Path) -> Description:
-    """Read a URDF file.
-
-    Args:
-        path: The file.
-
-    Returns:
-        The checked description.
-
-    Raises:
-        ExoidError: The file cannot be read, or is not a plain URDF (see :func:`describe`).
-    """
+    """Read a URDF file."""
     path = Path(path)
     try:
         with path.open("rb") as file:
@@ -142,18 +124,7 @@ def read_description(path: str | Path) -> Description:
 
 
 def describe(text: str, name: str = "URDF") -> Description:
-    """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree.
-
-    Args:
-        text: XML of the URDF.
-        name: Name of the URDF in messages.
-
-    Returns:
-        The checked description.
-
-    Raises:
-        ExoidError: A check fails.
-    """
+    """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree."""
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise ExoidError(
             "declares a document type or entities, which can expand without bound",
@@ -223,17 +194,7 @@ def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
 def check_numbers(
     root: etree._Element, counts: Mapping[str, Mapping[str, int]], required: Container[str], name: str
 ) -> None:
-    """Check that attributes are finite decimal numbers of plausible size.
-
-    Args:
-        root: Element from which the paths start.
-        counts: Number of values in each attribute, by the path of its elements.
-        required: Tags of elements that must have all of their attributes.
-        name: Name of the URDF in messages.
-
-    Raises:
-        ExoidError: Names the first attribute that is not, and its link or joint.
-    """
+    """Check that attributes are finite decimal numbers of plausible size."""
     for path, attributes in counts.items():
         for element in root.findall(path):
             for attribute, count in attributes.items():

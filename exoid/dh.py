@@ -29,33 +29,20 @@ LARGEST_ANGLE = 2.0 * math.pi
 
 
 class DHRow(NamedTuple):
-    """One row of a Denavit-Hartenberg table, of a revolute joint.
+    """One row of a Denavit-Hartenberg table, of a revolute joint."""
 
-    Attributes:
-        a: Length of the common normal [m].
-        alpha: Twist about it [rad].
-        d: Offset along the joint axis [m].
-        offset: Joint angle θ of the table at q = 0 [rad].
-    """
-
-    a: float
-    alpha: float
-    d: float
-    offset: float = 0.0
+    a: float  # length of the common normal [m]
+    alpha: float  # twist about it [rad]
+    d: float  # offset along the joint axis [m]
+    offset: float = 0.0  # joint angle θ of the table at q = 0 [rad]
 
 
 class DHBody(NamedTuple):
-    """Inertia of the link that carries frame i.
+    """Inertia of the link that carries frame i."""
 
-    Attributes:
-        mass: Mass [kg].
-        center: Centre of mass in frame i [m], (3,).
-        inertia: Inertia about the centre of mass in the axes of frame i [kg·m²], (3, 3).
-    """
-
-    mass: float = 1.0
-    center: Sequence[float] = (0.0, 0.0, 0.0)
-    inertia: ArrayLike = np.eye(3) * 1e-2
+    mass: float = 1.0  # mass [kg]
+    center: Sequence[float] = (0.0, 0.0, 0.0)  # centre of mass in frame i [m], (3,)
+    inertia: ArrayLike = np.eye(3) * 1e-2  # inertia about the centre of mass in the axes of frame i [kg·m²], (3, 3)
 
 
 def describe_dh(
@@ -67,23 +54,7 @@ def describe_dh(
     base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
     name: str = "dh",
 ) -> Description:
-    """Write the URDF of a Denavit-Hartenberg table.
-
-    Args:
-        table: Rows (a, α, d, offset) in m and rad, (n, 4); without the offset (n, 3).
-        convention: "standard" or "modified".
-        joint_names: Names of the n joints; None for joint1, joint2, ….
-        bodies: Inertia of each link, n of them; None for a unit mass at the origin of each frame.
-        base_rpy: Roll, pitch and yaw [rad] of frame 0 in the base, whose z axis points up.
-        name: Name of the robot.
-
-    Returns:
-        The URDF.
-
-    Raises:
-        ExoidError: The convention is neither, numbers are not finite, of a wrong count or of another unit, or names or
-            bodies do not fit the table.
-    """
+    """Write the URDF of a Denavit-Hartenberg table."""
     if convention not in ("standard", "modified"):
         raise ExoidError(
             f"no DH convention {convention!r}",

@@ -12,15 +12,10 @@ from .model import configuration, joint_axis
 
 
 class SegmentPlacements(NamedTuple):
-    """Placement of each segment frame, at its joint, in the base frame.
+    """Placement of each segment frame, at its joint, in the base frame."""
 
-    Attributes:
-        rotation: Rotation matrices, (N, n, 3, 3).
-        translation: Origins [m], (N, n, 3).
-    """
-
-    rotation: FloatArray
-    translation: FloatArray
+    rotation: FloatArray  # rotation matrices, (N, n, 3, 3)
+    translation: FloatArray  # origins [m], (N, n, 3)
 
     def __repr__(self) -> str:
         """Write the size in one line."""
@@ -29,17 +24,7 @@ class SegmentPlacements(NamedTuple):
 
 
 def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Compute joint torques by the recursive Newton-Euler algorithm.
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-
-    Returns:
-        Torques [N·m], (N, n).
-    """
+    """Compute joint torques by the recursive Newton-Euler algorithm."""
     data = model.createData()
     rows = zip(configuration(model, q), v, a, strict=True)
     return np.array([pin.rnea(model, data, *row) for row in rows]).reshape(v.shape)
@@ -48,19 +33,7 @@ def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArr
 def inverse_dynamics_on_base(
     free: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, velocity: FloatArray, acceleration: FloatArray
 ) -> FloatArray:
-    """Compute force and moment on the base, and joint torques, behind a free-flyer joint.
-
-    Args:
-        free: Model of joints with one degree of freedom behind a free-flyer.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-        velocity: Spatial velocity of the base in its axes, linear [m/s] before angular [rad/s], (N, 6).
-        acceleration: Spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6).
-
-    Returns:
-        Force [N] and moment [N·m] on the base at its origin, in its axes, and joint torques [N·m], (N, 6 + n).
-    """
+    """Compute force and moment on the base, and joint torques, behind a free-flyer joint."""
     weightless = pin.Model(free)
     weightless.gravity.setZero()
     data = weightless.createData()
@@ -71,31 +44,15 @@ def inverse_dynamics_on_base(
 
 
 class TorqueSlopes(NamedTuple):
-    """Derivatives of joint torques by angles, velocities and accelerations.
+    """Derivatives of joint torques by angles, velocities and accelerations."""
 
-    Attributes:
-        q: By angles [N·m/rad], (N, n, n).
-        v: By velocities [N·m·s/rad], (N, n, n).
-        a: By accelerations, the mass matrix [kg·m²], (N, n, n).
-    """
-
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
+    q: FloatArray  # by angles [N·m/rad], (N, n, n)
+    v: FloatArray  # by velocities [N·m·s/rad], (N, n, n)
+    a: FloatArray  # by accelerations, the mass matrix [kg·m²], (N, n, n)
 
 
 def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> TorqueSlopes:
-    """Compute the derivatives of :func:`inverse_dynamics`.
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-
-    Returns:
-        Derivatives, [i, j, k] that of torque j by joint k at sample i.
-    """
+    """Compute the derivatives of :func:`inverse_dynamics`."""
     data = model.createData()
     slopes = np.empty((3, len(v), model.nv, model.nv))
     for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
@@ -105,17 +62,7 @@ def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: F
 
 
 def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a).
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-
-    Returns:
-        Y, (N, n, 10 n).
-    """
+    """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a)."""
     data = model.createData()
     out = np.empty((*v.shape, 10 * (model.njoints - 1)))
     for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
@@ -124,15 +71,7 @@ def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: Fl
 
 
 def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
-    """Compute the mass matrix M(q) by the composite rigid-body algorithm.
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        M [kg·m²], (N, n, n).
-    """
+    """Compute the mass matrix M(q) by the composite rigid-body algorithm."""
     data = model.createData()
     upper = np.array([np.triu(pin.crba(model, data, row)) for row in configuration(model, q)])
     upper = upper.reshape(len(q), model.nv, model.nv)
@@ -140,16 +79,7 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
 
 
 def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Compute C(q, v), with C v the Coriolis and centrifugal torque and ½Ṁ − C skew-symmetric.
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-
-    Returns:
-        C, (N, n, n).
-    """
+    """Compute C(q, v), with C v the Coriolis and centrifugal torque and ½Ṁ − C skew-symmetric."""
     data = model.createData()
     rows = zip(configuration(model, q), v, strict=True)
     matrices = [pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows]
@@ -157,37 +87,20 @@ def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArra
 
 
 def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
-    """Compute the gravity torque G(q).
-
-    Args:
-        model: The model.
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        G [N·m], (N, n).
-    """
+    """Compute the gravity torque G(q)."""
     data = model.createData()
     torques = [pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)]
     return np.array(torques).reshape(len(q), model.nv)
 
 
 def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
-    """Compute the frames of all joints by forward kinematics, batched over samples.
-
-    With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,
-
-        R_j = R R₀ [cos q (1 − u uᵀ) + sin q [u]× + u uᵀ],  p_j = p + R p₀        (revolute)
-        R_j = R R₀,                                         p_j = p + R (p₀ + R₀ u q)    (prismatic)
-
-    (Featherstone 2008, ch. 4). The interpreter works once for each joint, and not for each sample.
-
-    Args:
-        model: Model of joints with one degree of freedom; others are at their neutral configuration.
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        Rotations and translations.
-    """
+    """Compute the frames of all joints by forward kinematics, batched over samples."""
+    # With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,
+    #
+    #     R_j = R R₀ [cos q (1 − u uᵀ) + sin q [u]× + u uᵀ],  p_j = p + R p₀        (revolute)
+    #     R_j = R R₀,                                         p_j = p + R (p₀ + R₀ u q)    (prismatic)
+    #
+    # (Featherstone 2008, ch. 4). The interpreter works once for each joint, and not for each sample.
     n = model.njoints - 1
     rotation, translation = np.empty((n, 3, 3, len(q))), np.empty((n, 3, len(q)))  # samples last: wide products
     root = np.broadcast_to(np.eye(3)[..., None], (3, 3, len(q))), np.zeros((3, len(q)))

@@ -31,19 +31,14 @@ REMEDY = "export the estimate again, or remove the file to use the URDF alone"
 
 
 class Exported(NamedTuple):
-    """Content of a URDF and its sidecar.
+    """Content of a URDF and its sidecar."""
 
-    Attributes:
-        leg: The rigid bodies.
-        resistances: What acts on the joints besides: ``c0_hip``, ``d_hip``, ``Ia_hip``, … Friction below zero, which
-            was not dissipative, is zero as in the URDF; so is rotor inertia below zero, which was noise. Parameters of
-            terms from outside exoid are among them; :func:`parameter_terms` tells the term of each.
-        offsets: Zero of each joint's torque sensor [N·m], (n,).
-    """
-
-    leg: Leg
+    leg: Leg  # the rigid bodies
+    # what acts on the joints besides: `c0_hip`, `d_hip`, `Ia_hip`, … Friction below zero, which was not
+    # dissipative, is zero as in the URDF; so is rotor inertia below zero, which was noise. Parameters of terms
+    # from outside exoid are among them; `parameter_terms` tells the term of each
     resistances: Mapping[str, float]
-    offsets: FloatArray
+    offsets: FloatArray  # zero of each joint's torque sensor [N·m], (n,)
 
 
 def sidecar_of(urdf: Path) -> Path:
@@ -52,21 +47,7 @@ def sidecar_of(urdf: Path) -> Path:
 
 
 def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Exported:
-    """Read a leg that :meth:`exoid.Estimate.to_urdf` wrote, or any URDF with ``<dynamics friction damping>``.
-
-    Args:
-        path: URDF. Its sidecar, if there is one, names the joints that move and the angles of locked joints.
-        joints: Joints that move, if there is no sidecar; None for all joints of one degree of freedom.
-
-    Returns:
-        Leg, resistances of the joints, and offsets of the torque sensors.
-
-    Raises:
-        ExoidError: The URDF or the sidecar cannot be read, or the sidecar belongs to another URDF or other joints.
-
-    Example:
-        >>> leg, resistances, offsets = read_exported("leg.urdf")  # doctest: +SKIP
-    """
+    """Read a leg that :meth:`exoid.Estimate.to_urdf` wrote, or any URDF with ``<dynamics friction damping>``."""
     urdf = Path(path)
     description = read_description(urdf)
     sidecar = sidecar_of(urdf)
@@ -99,18 +80,7 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
 
 
 def parameter_terms(path: str | Path) -> dict[str, str]:
-    """Read which term each parameter beside the rigid bodies belongs to.
-
-    Args:
-        path: The URDF that :meth:`exoid.Estimate.to_urdf` wrote.
-
-    Returns:
-        Name of the term by name of the parameter, such as ``{"c0_hip": "coulomb"}``; empty where there is no sidecar,
-        or one that an older exoid wrote.
-
-    Raises:
-        ExoidError: The URDF or the sidecar cannot be read, or the sidecar is of another URDF.
-    """
+    """Read which term each parameter beside the rigid bodies belongs to."""
     sidecar = sidecar_of(Path(path))
     return dict(_read(sidecar, read_description(path)).get("term_of", {})) if sidecar.is_file() else {}
 

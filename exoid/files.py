@@ -30,28 +30,12 @@ REPLACES = "is an input, which the output would replace"
 
 
 def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
-    """Write text atomically: the file appears under its name only when it is complete.
-
-    Args:
-        path: File to write; an existing one is replaced.
-        pieces: Text in pieces.
-
-    Raises:
-        ExoidError: The folder is missing or cannot be written, the path is no regular file, or the disk is full.
-    """
+    """Write text atomically: the file appears under its name only when it is complete."""
     write_bytes(path, (piece.encode() for piece in pieces))
 
 
 def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
-    """Write bytes atomically, see :func:`write_whole`.
-
-    Args:
-        path: File to write; an existing one is replaced.
-        pieces: Bytes in pieces.
-
-    Raises:
-        ExoidError: The folder is missing or cannot be written, the path is no regular file, or the disk is full.
-    """
+    """Write bytes atomically, see :func:`write_whole`."""
     with _written(path):
         target = _target(path)
         part = _beside(target, "part")
@@ -63,17 +47,9 @@ def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
 
 
 def write_together(contents: Mapping[Path, str]) -> None:
-    """Write several texts atomically: either all files appear under their names or none does.
-
-    Each text is first written to a temporary file in the same folder. Then all files are renamed. If a renaming fails,
-    the earlier files are restored.
-
-    Args:
-        contents: Text of each file; existing files are replaced.
-
-    Raises:
-        ExoidError: A folder is missing or cannot be written, a path is no regular file, or the disk is full.
-    """
+    """Write several texts atomically: either all files appear under their names or none does."""
+    # Each text is first written to a temporary file in the same folder. Then all files are renamed. If a
+    # renaming fails, the earlier files are restored.
     targets: dict[Path, Path] = {}
     for path in contents:
         with _written(path):
@@ -108,14 +84,7 @@ def write_together(contents: Mapping[Path, str]) -> None:
 
 
 def refuse_unwritable(path: str | os.PathLike[str]) -> None:
-    """Check that a file can be written, before the work for its content begins.
-
-    Args:
-        path: The file.
-
-    Raises:
-        ExoidError: The folder is missing or cannot be written, or the path is a folder, a device or a pipe.
-    """
+    """Check that a file can be written, before the work for its content begins."""
     with _written(path):
         part = _beside(_target(path), "part")
         try:
@@ -125,15 +94,7 @@ def refuse_unwritable(path: str | os.PathLike[str]) -> None:
 
 
 def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to write a file that is read, or that lies in a folder that is read.
-
-    Args:
-        path: File to write.
-        inputs: Files and folders that are read; names that do not exist are skipped.
-
-    Raises:
-        ExoidError: The file is one of the inputs, under this or another name.
-    """
+    """Refuse to write a file that is read, or that lies in a folder that is read."""
     if not os.path.exists(path):  # noqa: PTH110 - False, not an error, below a folder that cannot be read
         return
     for name in inputs:
@@ -146,15 +107,7 @@ def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
 
 
 def refuse_content(path: str | os.PathLike[str], sha256: Collection[str]) -> None:
-    """Refuse to write a file whose present content is an input of the result.
-
-    Args:
-        path: File to write.
-        sha256: Hashes of the inputs, hexadecimal.
-
-    Raises:
-        ExoidError: The file has one of these hashes, with or without a byte-order mark, or cannot be read.
-    """
+    """Refuse to write a file whose present content is an input of the result."""
     with _written(path):
         target = Path(path)
         if not sha256 or not target.is_file():
@@ -166,17 +119,7 @@ def refuse_content(path: str | os.PathLike[str], sha256: Collection[str]) -> Non
 
 
 def make_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder for files, before the work for their content begins.
-
-    Args:
-        folder: Path of the folder; its parents are made too.
-
-    Returns:
-        Path of the folder.
-
-    Raises:
-        ExoidError: The folder cannot be made, or is not writable.
-    """
+    """Make a folder for files, before the work for their content begins."""
     path = Path(folder)
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -75,38 +75,17 @@ class Finding:
 
 
 def ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Sort findings, the worst first; findings of one severity stay in order.
-
-    Args:
-        findings: The findings.
-
-    Returns:
-        The same findings.
-    """
+    """Sort findings, the worst first; findings of one severity stay in order."""
     return tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity)))
 
 
 def doubtful_parameters(findings: Sequence[Finding]) -> frozenset[str]:
-    """Collect the parameters that findings make doubtful.
-
-    Args:
-        findings: The findings; information alone makes nothing doubtful.
-
-    Returns:
-        Names of the parameters.
-    """
+    """Collect the parameters that findings make doubtful."""
     return frozenset(name for finding in findings if finding.severity != "info" for name in finding.parameters)
 
 
 def findings_table(findings: Sequence[Finding]) -> DataTable:
-    """Make a table of findings.
-
-    Args:
-        findings: The findings.
-
-    Returns:
-        One row for each finding, without message and remedy.
-    """
+    """Make a table of findings."""
     rows = []
     for finding in findings:
         low, high = ("", "") if finding.interval is None else (f"{end:.4g}" for end in finding.interval)
@@ -116,26 +95,12 @@ def findings_table(findings: Sequence[Finding]) -> DataTable:
 
 
 def finding_lines(findings: Sequence[Finding]) -> Iterator[str]:
-    """Write each finding in one line.
-
-    Args:
-        findings: The findings.
-
-    Yields:
-        Severity, kind, joint, message and remedy.
-    """
+    """Write each finding in one line."""
     yield from map(str, findings)
 
 
 def findings_to_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    """Turn findings into JSON objects.
-
-    Args:
-        findings: The findings.
-
-    Returns:
-        One object for each finding.
-    """
+    """Turn findings into JSON objects."""
     return [
         {
             **asdict(finding),
@@ -147,14 +112,7 @@ def findings_to_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
 
 
 def findings_from_json(data: Sequence[Mapping[str, Any]]) -> tuple[Finding, ...]:
-    """Read findings that :func:`findings_to_json` wrote.
-
-    Args:
-        data: JSON objects.
-
-    Returns:
-        The findings.
-    """
+    """Read findings that :func:`findings_to_json` wrote."""
     return tuple(_finding(**item) for item in data)
 
 

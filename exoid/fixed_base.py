@@ -7,15 +7,7 @@ from .leg_data import LegData
 
 
 def refuse_floating_base(leg: LegData, what: str) -> None:
-    """Refuse a leg whose base floats.
-
-    Args:
-        leg: The leg.
-        what: What needs a base that is held, such as "a rig".
-
-    Raises:
-        ExoidError: The base of the leg floats.
-    """
+    """Refuse a leg whose base floats."""
     if leg.base == "floating":
         raise ExoidError(
             f"{what} needs a base that is held, and that of this leg floats",

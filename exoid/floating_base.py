@@ -15,14 +15,7 @@ FREE_ROWS = ("base_fx", "base_fy", "base_fz", "base_mx", "base_my", "base_mz")
 
 
 def free_flyer_model(model: pin.Model) -> pin.Model:
-    """Put a joint of six degrees of freedom before the root link.
-
-    Args:
-        model: Model on a fixed base, with the inertia of the root link as that of joint 0.
-
-    Returns:
-        The model whose first joint is a free-flyer.
-    """
+    """Put a joint of six degrees of freedom before the root link."""
     base = pin.Model()
     joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "exoid base")
     frame = base.addFrame(pin.Frame("exoid base", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
@@ -33,59 +26,25 @@ def free_flyer_model(model: pin.Model) -> pin.Model:
 
 
 def planar_coordinates(plane: Plane, hip: FloatArray) -> FloatArray:
-    """Twist of the root link per unit of the coordinates of a planar base: hip forward, hip up, pitch about the hip.
-
-    Its transpose takes force and moment about the origin to the rows of a planar base.
-
-    Args:
-        plane: Plane of motion.
-        hip: The hip in the axes of the root link [m], (3,).
-
-    Returns:
-        Linear rows at the origin of the root link before angular, in its axes, (6, 3).
-    """
+    """Twist of the root link per unit of the coordinates of a planar base: hip forward, hip up, pitch about the hip."""
+    # Its transpose takes force and moment about the origin to the rows of a planar base.
     pitch = -plane.lateral
     columns = [np.r_[plane.forward, 0, 0, 0], np.r_[plane.up, 0, 0, 0], np.r_[-np.cross(pitch, hip), pitch]]
     return np.column_stack(columns)
 
 
 def rest(gravity: FloatArray, count: int) -> BaseKinematics:
-    """Motion of a base that stands upright and still.
-
-    Args:
-        gravity: Gravity in its axes [m/s²], (3,).
-        count: Number of samples, N.
-
-    Returns:
-        The motion.
-    """
+    """Motion of a base that stands upright and still."""
     still = np.zeros((count, 3))
     return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
 
 
 def floating_mass_matrix(free: pin.Model, coordinates: FloatArray, q: FloatArray) -> FloatArray:
-    """Compute the mass matrix of base coordinates and joints.
-
-    Args:
-        free: Model behind a free-flyer.
-        coordinates: Twist of the root link per unit of each base coordinate, (6, b).
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        M, (N, b + n, b + n).
-    """
+    """Compute the mass matrix of base coordinates and joints."""
     M = mass_matrix(free, np.hstack([np.zeros((len(q), 6)), q]))
     return project_columns(project_columns(M, coordinates).swapaxes(1, 2), coordinates)
 
 
 def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:
-    """Write columns of the six freedoms of a base in its coordinates.
-
-    Args:
-        matrix: Columns of the base before those of joints, (..., 6 + n).
-        coordinates: Twist of the root link per unit of each base coordinate, (6, b).
-
-    Returns:
-        Columns of the coordinates before those of joints, (..., b + n).
-    """
+    """Write columns of the six freedoms of a base in its coordinates."""
     return np.concatenate([matrix[..., :6] @ coordinates, matrix[..., 6:]], axis=-1)

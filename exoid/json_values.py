@@ -11,19 +11,7 @@ import numpy as np
 
 
 def json_value(value: object) -> Any:  # noqa: ANN401 - of many types
-    """Convert a value to JSON types.
-
-    Args:
-        value: Text, a number, None, an array of any shape; or a sequence, mapping, dataclass or named tuple of
-            these, nested in any way.
-
-    Returns:
-        Lists for arrays and sequences, dictionaries for mappings and for records by field. None for a number that is
-        not finite.
-
-    Raises:
-        TypeError: The value has another type.
-    """
+    """Convert a value to JSON types."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     names = _fields(value)
@@ -39,31 +27,12 @@ def json_value(value: object) -> Any:  # noqa: ANN401 - of many types
 
 
 def attributes(record: object, *names: str) -> dict[str, Any]:
-    """Convert some attributes of a record with :func:`json_value`.
-
-    Args:
-        record: Any object.
-        *names: Attributes, in the order of the result.
-
-    Returns:
-        Values by name.
-    """
+    """Convert some attributes of a record with :func:`json_value`."""
     return {name: json_value(getattr(record, name)) for name in names}
 
 
 def named(names: Sequence[str], values: object) -> dict[str, Any]:
-    """Name the entries along the first axis, such as those of parameters or joints.
-
-    Args:
-        names: One name for each entry.
-        values: An array or a sequence.
-
-    Returns:
-        Entries by name, converted with :func:`json_value`.
-
-    Raises:
-        ValueError: The numbers of names and entries differ.
-    """
+    """Name the entries along the first axis, such as those of parameters or joints."""
     return dict(zip(names, json_value(values), strict=True))
 
 

@@ -36,44 +36,28 @@ Base = Literal["fixed", "moving", "floating"]
 
 
 class JointLimits(NamedTuple):
-    """Limits of each joint in the URDF, (n,) each; infinite where it has none.
+    """Limits of each joint in the URDF, (n,) each; infinite where it has none."""
 
-    Attributes:
-        lower: Smallest angle [rad].
-        upper: Largest angle [rad].
-        velocity: Largest speed [rad/s].
-        effort: Largest torque [N·m].
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    velocity: FloatArray
-    effort: FloatArray
+    lower: FloatArray  # smallest angle [rad]
+    upper: FloatArray  # largest angle [rad]
+    velocity: FloatArray  # largest speed [rad/s]
+    effort: FloatArray  # largest torque [N·m]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LegData:
-    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`.
+    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`."""
 
-    Attributes:
-        description: The URDF.
-        locked: Positions of joints that do not move [rad].
-        cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
-        model: Pinocchio model of the moving joints; do not change it.
-        chain: Planar geometry; None if the leg is not a planar chain.
-        reduction: Reduction of link parameters to :attr:`parameters`.
-        base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
-            more than on a fixed base. "floating" if rows of the base come before those of the joints.
-        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
-    """
-
-    description: Description
-    model: pin.Model
-    reduction: Reduction
-    chain: PlanarChain | None
-    locked: Mapping[str, float] = field(default_factory=dict)
-    cumulative: bool = True
+    description: Description  # the URDF
+    model: pin.Model  # pinocchio model of the moving joints; do not change it
+    reduction: Reduction  # reduction of link parameters to `parameters`
+    chain: PlanarChain | None  # planar geometry; None if the leg is not a planar chain
+    locked: Mapping[str, float] = field(default_factory=dict)  # positions of joints that do not move [rad]
+    cumulative: bool = True  # whether J of a segment contains the J below it (doc. 1) or not (doc. 2)
+    # "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
+    # more than on a fixed base. "floating" if rows of the base come before those of the joints
     base: Base = "fixed"
+    # planar geometry of several limbs, or of what has a floating base; None for all other legs
     machine: PlanarMachine | None = None
 
     @property
@@ -105,11 +89,9 @@ class LegData:
 
     @property
     def row_names(self) -> tuple[str, ...]:
-        """Names of the rows: forces and moments on a floating base, and the joints.
-
-        The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
-        about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
-        """
+        """Names of the rows: forces and moments on a floating base, and the joints."""
+        # The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
+        # about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
         if self.base != "floating":
             return self.joint_names
         return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
@@ -168,21 +150,7 @@ class LegData:
         return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
-        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso or of the base in space, of which a planar leg takes the part within its plane;
-                None if it is upright and still.
-
-        Returns:
-            W, (N, base_rows + n, p), each column contiguous in memory.
-
-        Raises:
-            ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
-        """
+        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints."""
         q, v, a = self.samples(q, v, a)
         out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
         self.fill_regressor(q, v, a, out, torso)
@@ -191,18 +159,7 @@ class LegData:
     def fill_regressor(
         self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
     ) -> None:
-        """Write the regressor into an array.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            out: Receives Wᵀ, zeroed, (p, base_rows + n, N).
-            torso: Motion of the torso, or of the base; see :meth:`regressor`.
-
-        Raises:
-            ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
-        """
+        """Write the regressor into an array."""
         if self.chain is not None:
             moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
             fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
@@ -221,17 +178,7 @@ class LegData:
             )
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
-        """Check that arrays have the same shape (N, n).
-
-        Args:
-            *arrays: Arrays, (N, n); a single sample (n,) counts as N = 1.
-
-        Returns:
-            The arrays in float64.
-
-        Raises:
-            ExoidError: Shapes differ, or do not fit the number of joints.
-        """
+        """Check that arrays have the same shape (N, n)."""
         checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
@@ -274,17 +221,7 @@ class LegData:
 
 
 def to_numbers(values: ArrayLike) -> FloatArray:
-    """Convert to an array of numbers.
-
-    Args:
-        values: Numbers.
-
-    Returns:
-        The array.
-
-    Raises:
-        ExoidError: They are not numbers.
-    """
+    """Convert to an array of numbers."""
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -292,14 +229,7 @@ def to_numbers(values: ArrayLike) -> FloatArray:
 
 
 def without_side(names: Sequence[str]) -> tuple[str, ...]:
-    """Leave out ``left_`` or ``right_`` where all names begin with it.
-
-    Args:
-        names: The names.
-
-    Returns:
-        The labels.
-    """
+    """Leave out ``left_`` or ``right_`` where all names begin with it."""
     for side in SIDES:
         if all(name.startswith(side) and name != side for name in names):
             return tuple(name.removeprefix(side) for name in names)

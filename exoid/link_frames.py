@@ -16,31 +16,14 @@ from .reduction import Plane
 
 
 class LinkFrame(NamedTuple):
-    """Frame of a link.
+    """Frame of a link."""
 
-    Attributes:
-        body: Index of the joint that carries the link, −1 for the root link and links that are fixed to it.
-        placement: Place of the link in the frame of that joint, or of the root link.
-    """
-
-    body: int
-    placement: pin.SE3
+    body: int  # index of the joint that carries the link, −1 for the root link and links that are fixed to it
+    placement: pin.SE3  # place of the link in the frame of that joint, or of the root link
 
 
 def link_frame(model: pin.Model, description: Description, link: str) -> LinkFrame:
-    """Find the frame of a link, which may be the root link, or one fixed to another link.
-
-    Args:
-        model: Model of the moving joints.
-        description: The URDF.
-        link: Name of the link.
-
-    Returns:
-        Its frame.
-
-    Raises:
-        ExoidError: The URDF has no such link.
-    """
+    """Find the frame of a link, which may be the root link, or one fixed to another link."""
     bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
     numbered = re.compile(rf"{re.escape(str(link))} \d+")  # a link with the name of a joint, see build_model
     same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
@@ -55,18 +38,7 @@ def link_frame(model: pin.Model, description: Description, link: str) -> LinkFra
 
 
 def planar_directions(model: pin.Model, description: Description, link: str, plane: Plane) -> FloatArray:
-    """Pick the part of a link's twist that lies in a plane.
-
-    Args:
-        model: Model of the moving joints.
-        description: The URDF.
-        link: Name of the link.
-        plane: Plane of motion.
-
-    Returns:
-        Matrix from the twist in the axes of the link to the velocity forward and up, in axes that turn with the link
-        and are those of the base at the zero pose, and the rate of turn about −lateral, (3, 6).
-    """
+    """Pick the part of a link's twist that lies in a plane."""
     body, placement = link_frame(model, description, link)
     data = model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model))

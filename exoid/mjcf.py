@@ -22,34 +22,18 @@ LARGEST = 1e6
 
 
 class JointNumbers(NamedTuple):
-    """Numbers of the joints beside the rigid bodies, (n,) each.
+    """Numbers of the joints beside the rigid bodies, (n,) each."""
 
-    Attributes:
-        armature: Rotor inertia at the joint [kg·m²].
-        damping: Viscous friction [N·m·s/rad].
-        friction: Coulomb friction [N·m], MuJoCo's ``frictionloss``.
-        lower: Lower limit of the position [rad or m].
-        upper: Upper limit.
-        effort: Largest torque of the motor [N·m].
-    """
-
-    armature: FloatArray
-    damping: FloatArray
-    friction: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    effort: FloatArray
+    armature: FloatArray  # rotor inertia at the joint [kg·m²]
+    damping: FloatArray  # viscous friction [N·m·s/rad]
+    friction: FloatArray  # coulomb friction [N·m], MuJoCo's `frictionloss`
+    lower: FloatArray  # lower limit of the position [rad or m]
+    upper: FloatArray  # upper limit
+    effort: FloatArray  # largest torque of the motor [N·m]
 
 
 def require_mujoco() -> Any:  # noqa: ANN401 - a module
-    """Import MuJoCo, an extra of exoid.
-
-    Returns:
-        The module.
-
-    Raises:
-        ExoidError: It is not installed.
-    """
+    """Import MuJoCo, an extra of exoid."""
     try:
         import mujoco  # noqa: PLC0415 - an extra
     except ImportError:
@@ -58,20 +42,7 @@ def require_mujoco() -> Any:  # noqa: ANN401 - a module
 
 
 def to_mjcf(model: pin.Model, links: tuple[str, ...], numbers: JointNumbers, name: str) -> str:
-    """Write the joints of a model on a base that does not move, with a motor at each joint.
-
-    Args:
-        model: Pinocchio's model of n joints of one degree of freedom; the root link is the world.
-        links: Name of the body of each joint.
-        numbers: Numbers of the joints.
-        name: Name of the model.
-
-    Returns:
-        XML that MuJoCo has written and can read.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, or refuses a body.
-    """
+    """Write the joints of a model on a base that does not move, with a motor at each joint."""
     mujoco = require_mujoco()
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = name, False
@@ -100,14 +71,7 @@ def to_mjcf(model: pin.Model, links: tuple[str, ...], numbers: JointNumbers, nam
 
 
 def joint_axes(model: pin.Model) -> FloatArray:
-    """Find the axis of each joint in the frame of its body.
-
-    Args:
-        model: Pinocchio's model of n joints of one degree of freedom.
-
-    Returns:
-        Linear and angular part of the motion at unit velocity, (n, 6).
-    """
+    """Find the axis of each joint in the frame of its body."""
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     return np.array(
@@ -116,25 +80,13 @@ def joint_axes(model: pin.Model) -> FloatArray:
 
 
 def set_inertia(body: Any, inertia: pin.Inertia) -> None:  # noqa: ANN401
-    """Give a body of MuJoCo its inertia.
-
-    Args:
-        body: The body.
-        inertia: Mass, centre of mass and inertia about it.
-    """
+    """Give a body of MuJoCo its inertia."""
     body.explicitinertial, body.mass, body.ipos = True, inertia.mass, inertia.lever
     body.fullinertia = full_inertia(inertia)
 
 
 def full_inertia(inertia: pin.Inertia) -> FloatArray:
-    """Arrange an inertia as MuJoCo's ``fullinertia``.
-
-    Args:
-        inertia: The inertia.
-
-    Returns:
-        Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg·m²], (6,).
-    """
+    """Arrange an inertia as MuJoCo's ``fullinertia``."""
     matrix = inertia.inertia
     return np.array([matrix[0, 0], matrix[1, 1], matrix[2, 2], matrix[0, 1], matrix[0, 2], matrix[1, 2]])
 

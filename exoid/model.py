@@ -17,21 +17,7 @@ NEGATIVE = 1e-6
 
 
 def build_model(description: Description, joints: Sequence[str] | None, locked: Mapping[str, float]) -> pin.Model:
-    """Build the model whose only joints are ``joints``; links behind locked joints are lumped into their parents.
-
-    Args:
-        description: The URDF.
-        joints: Joints that move, from the torso outwards; None for all of one degree of freedom.
-        locked: Positions of other joints [rad or m]; 0 if not given. Joints of several degrees of freedom above the
-            moving ones, such as that of a floating base, are held at zero.
-
-    Returns:
-        The model.
-
-    Raises:
-        ExoidError: The URDF does not parse, a joint is missing or unfit, a moving link has no inertia, or carries a
-            joint of several degrees of freedom.
-    """
+    """Build the model whose only joints are ``joints``; links behind locked joints are lumped into their parents."""
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
     if joints is not None and (isinstance(joints, str) or not joints or not all(isinstance(j, str) for j in joints)):
@@ -68,15 +54,7 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
 
 
 def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
-    """Convert joint angles to Pinocchio's configuration, in which a continuous joint is (cos, sin).
-
-    Args:
-        model: Model of joints with one degree of freedom; others keep their neutral configuration.
-        q: Angles [rad], (N, n).
-
-    Returns:
-        Configurations, (N, nq).
-    """
+    """Convert joint angles to Pinocchio's configuration, in which a continuous joint is (cos, sin)."""
     if model.nq == model.nv:
         return q
     out = np.tile(pin.neutral(model), (len(q), 1))
@@ -93,14 +71,7 @@ def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
 
 
 def joint_axis(joint: pin.JointModel) -> FloatArray:
-    """Find the motion vector of a unit rate of a joint in its own frame.
-
-    Args:
-        joint: Pinocchio's joint.
-
-    Returns:
-        Linear before angular part, (6,); zero if it has several degrees of freedom.
-    """
+    """Find the motion vector of a unit rate of a joint in its own frame."""
     if joint.nv != 1:
         return np.zeros(6)
     data = joint.createData()
@@ -109,28 +80,12 @@ def joint_axis(joint: pin.JointModel) -> FloatArray:
 
 
 def dynamic_parameters(model: pin.Model, *, root: bool = False) -> FloatArray:
-    """Stack π = [m, mc, I] of the moving links in Pinocchio's order, with I about the joint frame.
-
-    Args:
-        model: The model.
-        root: Whether the root link, with all that is fixed to it, comes first, with I about its origin.
-
-    Returns:
-        π, (10 n,) or (10 + 10 n,).
-    """
+    """Stack π = [m, mc, I] of the moving links in Pinocchio's order, with I about the joint frame."""
     return np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1 - root, model.njoints)])
 
 
 def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Model:
-    """Copy a model with other inertial parameters.
-
-    Args:
-        model: The model.
-        parameters: π, (10 n,), or (10 + 10 n,) with those of the root link first.
-
-    Returns:
-        The copy.
-    """
+    """Copy a model with other inertial parameters."""
     copy = pin.Model(model)
     bodies = parameters.reshape(-1, 10)
     for j, values in enumerate(bodies, start=model.njoints - len(bodies)):

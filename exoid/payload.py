@@ -96,17 +96,7 @@ class Payload:
 
 
 def as_payloads(given: object) -> tuple[Payload, ...]:
-    """Check that something is payloads; one alone may stand for itself.
-
-    Args:
-        given: Payloads.
-
-    Returns:
-        The payloads.
-
-    Raises:
-        ExoidError: It is something else.
-    """
+    """Check that something is payloads; one alone may stand for itself."""
     if isinstance(given, Payload):
         return (given,)
     found = tuple(given) if isinstance(given, (tuple, list)) else (given,)

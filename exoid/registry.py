@@ -16,17 +16,11 @@ T = TypeVar("T")
 
 
 class EntryPoint(NamedTuple):
-    """Entry point of an installed distribution.
+    """Entry point of an installed distribution."""
 
-    Attributes:
-        target: Module and object, such as ``exoid_springs:EndStop``.
-        distribution: Name and version of the distribution.
-        load: Function that imports the module and returns the object.
-    """
-
-    target: str
-    distribution: str
-    load: Callable[[], Any]
+    target: str  # module and object, such as `exoid_springs:EndStop`
+    distribution: str  # name and version of the distribution
+    load: Callable[[], Any]  # function that imports the module and returns the object
 
     @property
     def package(self) -> str:
@@ -35,24 +29,10 @@ class EntryPoint(NamedTuple):
 
 
 class Registry(Mapping[str, T], Generic[T]):
-    """Objects by name: those of exoid, those registered by a call, and the entry points of installed distributions.
+    """Objects by name: those of exoid, those registered by a call, and the entry points of installed distributions."""
 
-    Metadata of distributions are read once, when a name is unknown or all names are needed. A module is imported only
-    when one of its objects is requested. A registered name has precedence over an entry point of the same name.
-
-    Args:
-        what: Noun for one object, such as "term".
-        group: Group of the entry points, such as "exoid.terms".
-        call: Function that registers an object, such as "exoid.torques.register_term".
-        check: Function that raises an ExoidError for an object that cannot be registered.
-
-    Example:
-        >>> shapes = Registry("shape", "exoid.doctest", "register_shape", lambda shape: None)
-        >>> shapes.register("circle", (1.0, 0.0))
-        (1.0, 0.0)
-        >>> shapes["circle"], list(shapes)
-        ((1.0, 0.0), ['circle'])
-    """
+    # Metadata of distributions are read once, when a name is unknown or all names are needed. A module is imported only
+    # when one of its objects is requested. A registered name has precedence over an entry point of the same name.
 
     def __init__(self, what: str, group: str, call: str, check: Callable[[T], None]) -> None:
         self.what = what
@@ -62,19 +42,7 @@ class Registry(Mapping[str, T], Generic[T]):
         self._registered: dict[str, T] = {}
 
     def register(self, name: str, thing: T) -> T:
-        """Register an object under a name.
-
-        Args:
-            name: Letters, digits, ".", "_" and "-".
-            thing: The object. A class or function that is redefined in the same place replaces the old one, as in a
-                notebook cell that runs again.
-
-        Returns:
-            The object.
-
-        Raises:
-            ExoidError: The name is taken or has another form, or the object cannot be registered.
-        """
+        """Register an object under a name."""
         if not isinstance(name, str) or not NAME.fullmatch(name):
             raise ExoidError(
                 f"{name!r} is no name for a {self.what}",
@@ -91,18 +59,7 @@ class Registry(Mapping[str, T], Generic[T]):
         return thing
 
     def find(self, name: str, origin: str = "") -> T:
-        """Look up an object.
-
-        Args:
-            name: Name of the object.
-            origin: Module of the object according to a file, for the message; "" if unknown.
-
-        Returns:
-            The object.
-
-        Raises:
-            ExoidError: There is no object of that name, or its distribution is broken.
-        """
+        """Look up an object."""
         if isinstance(name, str) and name in self._registered:
             return self._registered[name]
         if name in self:
@@ -115,17 +72,7 @@ class Registry(Mapping[str, T], Generic[T]):
         )
 
     def name_of(self, thing: T) -> str | None:
-        """Find the name of an object.
-
-        Args:
-            thing: The object. Its package may have an entry point for it that is not loaded yet.
-
-        Returns:
-            Its name; None for an object that is not registered.
-
-        Raises:
-            ExoidError: The distribution of the entry point is broken.
-        """
+        """Find the name of an object."""
         registered = self._name_of_registered(thing)
         if registered is None:
             home = _package(getattr(thing, "__module__", None) or "")

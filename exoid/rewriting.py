@@ -15,14 +15,7 @@ INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1
 
 
 def read_inertials(description: Description) -> dict[str, FloatArray]:
-    """Read the inertia of each link.
-
-    Args:
-        description: The URDF.
-
-    Returns:
-        π about the link frame, (10,), of every link that has an ``<inertial>``.
-    """
+    """Read the inertia of each link."""
     found = {}
     for link in description.parse().findall("link"):
         inertial = link.find("inertial")
@@ -37,18 +30,7 @@ def rewrite(
     dynamics: Mapping[str, Mapping[str, float]],
     note: str = "",
 ) -> str:
-    """Change inertias and joint friction in a URDF.
-
-    Args:
-        description: The URDF.
-        inertials: π about the link frame, (10,), of each link to change. It is written about the centre of mass, with
-            axes parallel to those of the link, in digits that read back exactly.
-        dynamics: Attributes "damping" and "friction" of ``<dynamics>``, for each joint to change.
-        note: Comment at the top of the file; "" for none.
-
-    Returns:
-        XML of the new URDF.
-    """
+    """Change inertias and joint friction in a URDF."""
     root = description.parse()
     for link in root.findall("link"):
         if link.get("name") in inertials:

@@ -20,19 +20,7 @@ MOST_DECIMALS = 10
 
 
 def exact_angle(text: str) -> str:
-    """Replace a rounded multiple of π/12 by the exact one.
-
-    Args:
-        text: Decimal number [rad] as the URDF has it.
-
-    Returns:
-        All digits of a multiple of π/2 or π/12 other than zero and up to 2π, if the number is that multiple rounded or
-        cut off to its decimals; else the text.
-
-    Example:
-        >>> exact_angle("1.5708"), exact_angle("-3.1415"), exact_angle("1.58")
-        ('1.5707963267948966', '-3.141592653589793', '1.58')
-    """
+    """Replace a rounded multiple of π/12 by the exact one."""
     number = Decimal(text)
     exponent = number.as_tuple().exponent
     assert isinstance(exponent, int)  # the number is finite
@@ -48,12 +36,5 @@ def exact_angle(text: str) -> str:
 
 
 def exact_angles(text: str) -> str:
-    """Replace rounded multiples of π/12 in a list of angles, see :func:`exact_angle`.
-
-    Args:
-        text: Decimal numbers [rad], separated by spaces.
-
-    Returns:
-        The numbers.
-    """
+    """Replace rounded multiples of π/12 in a list of angles, see :func:`exact_angle`."""
     return " ".join(exact_angle(word) for word in text.split())

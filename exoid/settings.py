@@ -18,15 +18,7 @@ T = TypeVar("T")
 
 
 def refuse_unwritable_class(key: str, kind: type) -> None:
-    """Check that objects of a class can be written by name and settings.
-
-    Args:
-        key: Key of the name in files.
-        kind: The class.
-
-    Raises:
-        ExoidError: It is no dataclass, or a field has the name of the key.
-    """
+    """Check that objects of a class can be written by name and settings."""
     if not is_dataclass(kind):
         raise ExoidError(f"{kind.__name__} is no dataclass", remedy="decorate it with @dataclass(frozen=True)")
     if any(field.name == key for field in fields(kind)):
@@ -34,18 +26,7 @@ def refuse_unwritable_class(key: str, kind: type) -> None:
 
 
 def named_default(registry: Registry[type[T]], name: str) -> T:
-    """Make an object of a named class with its default settings.
-
-    Args:
-        registry: Names of classes.
-        name: One of them.
-
-    Returns:
-        The object.
-
-    Raises:
-        ExoidError: No class has this name, its package is broken, or settings have no defaults.
-    """
+    """Make an object of a named class with its default settings."""
     kind = registry.find(name)
     try:
         return kind()
@@ -57,21 +38,7 @@ def named_default(registry: Registry[type[T]], name: str) -> T:
 
 
 def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type | None = None) -> dict[str, Any]:
-    """Describe an object by the name of its class, and by its settings.
-
-    Args:
-        registry: Names of classes.
-        key: Key of the name.
-        thing: An object of one of these classes.
-        nested: Another dataclass that a setting may be.
-
-    Returns:
-        What JSON can hold; with the module of the class if it is not of exoid.
-
-    Raises:
-        ExoidError: The class has no name, or a setting is neither a finite number, text, True, False, None nor a tuple
-            of these.
-    """
+    """Describe an object by the name of its class, and by its settings."""
     kind = type(thing)
     name = registry.name_of(kind)
     if name is None:
@@ -86,20 +53,7 @@ def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type 
 def named_from_json(
     registry: Registry[type[T]], key: str, data: Mapping[str, Any], nested: type[Any] | None = None
 ) -> T:
-    """Make an object from its description.
-
-    Args:
-        registry: Names of classes.
-        key: Key of the name.
-        data: What :func:`named_to_json` made.
-        nested: The other dataclass that a setting may be.
-
-    Returns:
-        The object; its settings have tuples in place of lists.
-
-    Raises:
-        ExoidError: No class has this name, or it does not take these settings.
-    """
+    """Make an object from its description."""
     name, origin = data.get(key, ""), str(data.get(ORIGIN, ""))
     kind = registry.find(name, origin)
     settings = {field: value for field, value in data.items() if field not in (key, ORIGIN)}

@@ -26,43 +26,20 @@ line_width: ContextVar[int] = ContextVar("line_width", default=WIDTH)
 
 @dataclass(frozen=True)
 class DataTable:
-    """A table for terminals and pages, whose first column names the rows.
+    """A table for terminals and pages, whose first column names the rows."""
 
-    Attributes:
-        caption: Line above the table; "" for none.
-        headers: Headers of the columns.
-        rows: Cells as text.
-    """
-
-    caption: str
-    headers: Sequence[str]
-    rows: Sequence[Sequence[str]]
+    caption: str  # line above the table; "" for none
+    headers: Sequence[str]  # headers of the columns
+    rows: Sequence[Sequence[str]]  # cells as text
 
 
 def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> DataTable:
-    """Make a table without a caption.
-
-    Args:
-        headers: Headers of the columns.
-        rows: Cells as text, one sequence a row.
-
-    Returns:
-        The table: its first column is text, the others are numbers, aligned right.
-    """
+    """Make a table without a caption."""
     return DataTable("", tuple(headers), tuple(rows))
 
 
 def to_text(*parts: DataTable | str) -> str:
-    """Render tables, with their captions, and lines as plain text.
-
-    Args:
-        *parts: Tables and lines, from top to bottom.
-
-    Returns:
-        Lines of at most :data:`line_width` characters, without blanks at their ends. A table wider than that or than
-        :data:`COMPACT` gets narrower gaps. If it is still too wide, it is cut into tables of some of its columns, each
-        with the first column.
-    """
+    """Render tables, with their captions, and lines as plain text."""
     from rich.console import Console  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
 
     file = io.StringIO()
@@ -105,18 +82,7 @@ def _pieces(table: DataTable, most: int) -> Iterator[list[str]]:
 def _drawn(
     headers: Sequence[str], rows: Sequence[Sequence[str]], most: int, gap: int, kept: Callable[[str], int]
 ) -> list[str] | None:
-    """Lay out a table: the first column is aligned left, the others right.
-
-    Args:
-        headers: Headers of the columns.
-        rows: Cells, one sequence a row.
-        most: Largest number of characters of a line.
-        gap: Number of blanks between columns.
-        kept: Function that tells how much of a cell has to stay on one line.
-
-    Returns:
-        Lines; None if the table does not fit.
-    """
+    """Lay out a table: the first column is aligned left, the others right."""
     columns = list(zip(headers, *rows, strict=True))
     widths = [max(map(_width, column)) for column in columns]
     least = [max(map(kept, column)) for column in columns]
@@ -173,14 +139,7 @@ def _columns(table: DataTable, first: int, last: int) -> tuple[Sequence[str], Se
 
 
 def to_html(*parts: DataTable | str) -> str:
-    """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook.
-
-    Args:
-        *parts: Tables, and lines of text, which are escaped.
-
-    Returns:
-        ``<table>`` and ``<p>`` elements.
-    """
+    """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook."""
     return "".join(
         html_table(part.headers, part.rows, part.caption)
         if isinstance(part, DataTable)
@@ -208,16 +167,7 @@ class Report(ABC):
 def with_parts(
     headers: Sequence[str], rows: Iterable[Sequence[str]], parts: Sequence[tuple[str, Iterable[Sequence[str]]]]
 ) -> list[DataTable | str]:
-    """Make a table of several recordings, and one of each recording below it.
-
-    Args:
-        headers: Headers of the columns.
-        rows: Rows of all recordings together.
-        parts: Name and rows of each recording; none for a single recording.
-
-    Returns:
-        One table, or two with a line between them.
-    """
+    """Make a table of several recordings, and one of each recording below it."""
     table = make_table(headers, rows)
     if not parts:
         return [table]
@@ -226,20 +176,7 @@ def with_parts(
 
 
 def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
-    """Render a table as HTML, such as a ``_repr_html_`` returns to a notebook.
-
-    Args:
-        headers: Headers of the columns; none for a table without a header.
-        rows: Cells as text, which is escaped; the first cell names the row, the others are aligned right.
-        caption: Line above the table; "" for none.
-
-    Returns:
-        One ``<table>`` element.
-
-    Example:
-        >>> html_table(("joint", "q [rad]"), [("knee", "-1.2 … 0.0")], caption="swing.csv")[:46]
-        '<table><caption style="text-align:left">swing.'
-    """
+    """Render a table as HTML, such as a ``_repr_html_`` returns to a notebook."""
 
     def line(tag: str, cells: Sequence[str]) -> str:
         """Write a row of HTML, the first cell to the left."""
@@ -255,20 +192,7 @@ def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: s
 
 
 def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:
-    """Write a value, its standard deviation and bounds, all to the second digit of the deviation.
-
-    Args:
-        value: The value.
-        std: Its standard deviation.
-        *bounds: Bounds, such as those of an interval.
-
-    Returns:
-        Each number as text.
-
-    Example:
-        >>> with_error(1.962817, 0.00131, 1.96025, 1.96538)
-        ('1.9628', '0.0013', '1.9603', '1.9654')
-    """
+    """Write a value, its standard deviation and bounds, all to the second digit of the deviation."""
     decimals = max(0, 1 - int(f"{std:e}".split("e")[1])) if 0.0 < std < float("inf") else 9
     if decimals > 8:  # as good as exact
         return f"{value:.6g}", f"{std:.1e}", *(f"{bound:.6g}" for bound in bounds)
@@ -276,17 +200,6 @@ def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:
 
 
 def value_range(values: Iterable[float]) -> str:
-    """Write the range of some values, or the value if all are equal.
-
-    Args:
-        values: At least one number.
-
-    Returns:
-        Smallest and largest value to three digits.
-
-    Example:
-        >>> value_range([2.0, 0.5, 1.0])
-        '0.5 to 2'
-    """
+    """Write the range of some values, or the value if all are equal."""
     numbers = list(values)
     return " to ".join(dict.fromkeys(f"{end:.3g}" for end in (min(numbers), max(numbers))))

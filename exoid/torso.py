@@ -77,20 +77,7 @@ MovingBase = TorsoMotion | BaseKinematics
 
 
 def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> BaseKinematics:
-    """Write a motion of the torso as one in space.
-
-    Args:
-        base: Motion of the torso, or one in space, which is returned.
-        count: Number of samples, N.
-        plane: Plane of motion.
-        hip: Origin of the first joint in the axes of the base [m], (3,).
-
-    Returns:
-        Motion of the base at N samples.
-
-    Raises:
-        ExoidError: The motion has another number of samples.
-    """
+    """Write a motion of the torso as one in space."""
     if isinstance(base, BaseKinematics):
         return _of_length(base, count)
     torso = base.samples(count)
@@ -107,20 +94,7 @@ def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray)
 
 
 def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> TorsoSamples:
-    """Take the part of a motion that lies in the plane of the leg.
-
-    Args:
-        base: Motion of the torso, or one in space.
-        count: Number of samples, N.
-        plane: Plane of motion.
-        hip: Origin of the first joint in the axes of the base [m], (3,).
-
-    Returns:
-        Motion of the torso at N samples.
-
-    Raises:
-        ExoidError: An entry is not finite or has another number of samples.
-    """
+    """Take the part of a motion that lies in the plane of the leg."""
     return base.samples(count) if isinstance(base, TorsoMotion) else _of_length(base, count).in_plane(plane, hip)
 
 
@@ -131,15 +105,7 @@ def _of_length(base: BaseKinematics, count: int) -> BaseKinematics:
 
 
 def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
-    """Put three joints before the leg's joints: the hip moves forward and up, and the torso pitches about it.
-
-    Args:
-        model: Model of the leg.
-        plane: Plane of motion.
-
-    Returns:
-        Model of torso and leg.
-    """
+    """Put three joints before the leg's joints: the hip moves forward and up, and the torso pitches about it."""
     hip = pin.SE3(np.eye(3), model.jointPlacements[1].translation)
     torso = pin.Model()
     joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "exoid torso forward")
@@ -152,16 +118,8 @@ def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
 
 
 def torso_coordinates(torso: TorsoSamples) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Compute the coordinates of the three torso joints.
-
-    Displacement and velocity of the translation do not affect the torques and are zero.
-
-    Args:
-        torso: Motion of the torso at N samples.
-
-    Returns:
-        Positions, velocities and accelerations, (N, 3) each.
-    """
+    """Compute the coordinates of the three torso joints."""
+    # Displacement and velocity of the translation do not affect the torques and are zero.
     zero = np.zeros_like(torso.pitch)
     return (
         np.column_stack([zero, zero, torso.pitch]),

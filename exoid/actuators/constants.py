@@ -25,52 +25,22 @@ class Adjustable(Protocol):
         """Constants that are not known."""
 
     def with_constants(self, values: Mapping[str, float]) -> Drive:
-        """Replace constants by values.
-
-        Args:
-            values: Value by symbol.
-
-        Returns:
-            The drive.
-        """
+        """Replace constants by values."""
 
     def sensitivity(self, symbol: str, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Differentiate the torque by a constant while the reading stays.
-
-        Args:
-            symbol: Symbol of the constant.
-            torque: Torques [N·m], (N,).
-            q: Joint angles [rad], (N,).
-            v: Joint velocities [rad/s], (N,).
-
-        Returns:
-            Derivative, (N,).
-        """
+        """Differentiate the torque by a constant while the reading stays."""
 
 
 class DriveConstant(NamedTuple):
-    """Unknown constant of the drive of one joint.
+    """Unknown constant of the drive of one joint."""
 
-    Attributes:
-        name: Name of the parameter, such as "kt_hip".
-        joint: Index of the joint.
-        constant: Symbol, unit, start and bounds.
-    """
-
-    name: str
-    joint: int
-    constant: UnknownConstant
+    name: str  # name of the parameter, such as "kt_hip"
+    joint: int  # index of the joint
+    constant: UnknownConstant  # symbol, unit, start and bounds
 
 
 def unknown_constants(actuators: Actuators) -> tuple[DriveConstant, ...]:
-    """List the constants that are not known, joint by joint.
-
-    Args:
-        actuators: Drives of a leg.
-
-    Returns:
-        The constants.
-    """
+    """List the constants that are not known, joint by joint."""
     found = []
     for joint, (name, label) in enumerate(zip(actuators.joint_names, actuators.joint_labels, strict=True)):
         drive: object = actuators.drives.get(name)
@@ -80,18 +50,7 @@ def unknown_constants(actuators: Actuators) -> tuple[DriveConstant, ...]:
 
 
 def with_constants(actuators: Actuators, values: Mapping[str, float]) -> Actuators:
-    """Replace unknown constants by values.
-
-    Args:
-        actuators: Drives of a leg.
-        values: Value of constants by name, such as "kt_hip".
-
-    Returns:
-        The drives with these constants.
-
-    Raises:
-        ExoidError: A value is impossible.
-    """
+    """Replace unknown constants by values."""
     drives = dict(actuators.drives)
     for each in unknown_constants(actuators):
         if each.name not in values:
@@ -104,27 +63,12 @@ def with_constants(actuators: Actuators, values: Mapping[str, float]) -> Actuato
 
 
 def at_start(actuators: Actuators) -> Actuators:
-    """Give unknown constants the values at which a search begins.
-
-    Args:
-        actuators: Drives of a leg.
-
-    Returns:
-        The drives with these constants.
-    """
+    """Give unknown constants the values at which a search begins."""
     return with_constants(actuators, {each.name: each.constant.start for each in unknown_constants(actuators)})
 
 
 def recompute(actuators: Actuators, recording: Recording) -> Recording:
-    """Compute the torques that follow from drives again, with other constants.
-
-    Args:
-        actuators: Drives with these constants.
-        recording: Recording with torques of other constants.
-
-    Returns:
-        The recording with the new torques; one without computed torques stays as it is.
-    """
+    """Compute the torques that follow from drives again, with other constants."""
     if not recording.computed or recording.tau is None:
         return recording
     old = np.isin(recording.joint_names, recording.computed)

@@ -11,23 +11,14 @@ from exoid.leg import Leg
 
 
 class UnknownConstant(NamedTuple):
-    """Constant of a drive that is identified.
+    """Constant of a drive that is identified."""
 
-    Attributes:
-        symbol: Symbol; the parameter is called ``symbol_joint``.
-        unit: Unit.
-        start: Where a search begins.
-        lower: Smallest value.
-        upper: Largest value.
-        is_scale: Whether the torque is proportional to it at all samples.
-    """
-
-    symbol: str
-    unit: str
-    start: float
-    lower: float
-    upper: float
-    is_scale: bool = False
+    symbol: str  # symbol; the parameter is called `symbol_joint`
+    unit: str  # unit
+    start: float  # where a search begins
+    lower: float  # smallest value
+    upper: float  # largest value
+    is_scale: bool = False  # whether the torque is proportional to it at all samples
 
 
 class Drive(Protocol):
@@ -94,16 +85,7 @@ class Drive(Protocol):
 
 
 def refuse_unless(valid: bool, what: str, remedy: str) -> None:
-    """Refuse a constant of a drive.
-
-    Args:
-        valid: Whether it is allowed.
-        what: Name and value, for the message.
-        remedy: Allowed values.
-
-    Raises:
-        ExoidError: It is not allowed.
-    """
+    """Refuse a constant of a drive."""
     if not valid:
         raise ExoidError(what, remedy=remedy)
 

@@ -40,24 +40,10 @@ class MountedMomentArm(MomentArm, Protocol):
     """Moment arm at a joint."""
 
     def length(self, q: FloatArray) -> FloatArray:
-        """Compute the length l [m], which may lack a constant.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Lengths [m], (N,).
-        """
+        """Compute the length l [m], which may lack a constant."""
 
     def arm(self, q: FloatArray) -> FloatArray:
-        """Compute the moment arm r = dl/dq.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Moment arms [m], (N,).
-        """
+        """Compute the moment arm r = dl/dq."""
 
 
 @dataclass(frozen=True)

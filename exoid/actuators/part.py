@@ -26,17 +26,11 @@ DRIVE_CHANNELS = ("current", "force", "motor_torque", "motor_angle")
 
 
 class Part(NamedTuple):
-    """Drive of one joint, or coupling of several, seen alike.
+    """Drive of one joint, or coupling of several, seen alike."""
 
-    Attributes:
-        name: Name of the joint or coupling.
-        joints: Joints that it drives, (k,).
-        drive: Drive or coupling.
-    """
-
-    name: str
-    joints: tuple[str, ...]
-    drive: Drive | Coupling
+    name: str  # name of the joint or coupling
+    joints: tuple[str, ...]  # joints that it drives, (k,)
+    drive: Drive | Coupling  # drive or coupling
 
     @property
     def channel(self) -> str:
@@ -62,18 +56,7 @@ class Part(NamedTuple):
         return isinstance(self.drive, Motor) and self.drive.temperature_coefficient is not None
 
     def temperature_factor(self, recording: Recording, columns: Mapping[str, int]) -> FloatArray:
-        """Torque over that at the reference temperature, (N, k).
-
-        Args:
-            recording: The recording.
-            columns: Column of each joint.
-
-        Returns:
-            The factor; ones if it does not depend on temperature.
-
-        Raises:
-            ExoidError: The recording does not have the temperature of the motor.
-        """
+        """Torque over that at the reference temperature, (N, k)."""
         if not isinstance(self.drive, Motor) or self.drive.temperature_coefficient is None:
             return np.ones((len(recording), len(self.joints)))
         place = columns[self.joints[0]]
@@ -89,11 +72,9 @@ class Part(NamedTuple):
         return self.drive.temperature_factor(recording.temperature[:, [place]])
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray, rate: float | None = None) -> FloatArray:
-        """Torques of its joints [N·m], (N, k), from readings at a sampling rate [Hz]; None for readings without noise.
-
-        Noise around zero would change the direction of power from sample to sample, and pass for a lower efficiency.
-        The sign of a motor's current is therefore that of its low-passed current.
-        """
+        """Torques of its joints [N·m], (N, k), from readings at a sampling rate [Hz]; None without noise."""
+        # Noise around zero would change the direction of power from sample to sample, and pass for a lower efficiency.
+        # The sign of a motor's current is therefore that of its low-passed current.
         if isinstance(self.drive, Coupling):
             return self.drive.torque(reading, q, v)
         if isinstance(self.drive, Motor) and self.drive.needs_velocity and rate is not None:

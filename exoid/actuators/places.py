@@ -10,14 +10,7 @@ from exoid.errors import ExoidError
 
 @contextmanager
 def within(part: str) -> Iterator[None]:
-    """Name a joint, table or file in errors that are raised inside.
-
-    Args:
-        part: Its name; "" adds nothing.
-
-    Raises:
-        ExoidError: The error that was raised inside, with the name.
-    """
+    """Name a joint, table or file in errors that are raised inside."""
     try:
         yield
     except ExoidError as error:

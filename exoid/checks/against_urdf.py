@@ -54,15 +54,7 @@ POOR, HOPELESS = 0.5, 0.9
 
 
 def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
-    """Compare the torque of each joint with that of the URDF's inertias, friction left free.
-
-    Args:
-        model: Torque model.
-        evidence: Rows.
-
-    Yields:
-        Findings of kind torque-scale, one for each joint, or one for all.
-    """
+    """Compare the torque of each joint with that of the URDF's inertias, friction left free."""
     urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
     scales: dict[str, float] = {}
     for j, joint in enumerate(model.joint_names):
@@ -89,17 +81,7 @@ def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
 def impossible_leg(
     model: TorqueModel, evidence: Evidence, values: FloatArray, covariance: FloatArray
 ) -> Iterator[Finding]:
-    """Find parameters that no leg can have, by more than their errors.
-
-    Args:
-        model: Torque model.
-        evidence: Rows.
-        values: Parameters, (P,).
-        covariance: Their covariance, (P, P).
-
-    Yields:
-        One finding, or none.
-    """
+    """Find parameters that no leg can have, by more than their errors."""
     leg = model.leg
     rigid = len(leg.parameter_names)
     bodies, errors = values[:rigid], covariance[:rigid, :rigid]
@@ -147,16 +129,7 @@ def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
 
 
 def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
-    """Find segments whose mass moment or inertia is far from the URDF's, beyond their errors; only of planar legs.
-
-    Args:
-        model: Torque model.
-        values: Parameters, (P,).
-        std: Their standard deviations, (P,).
-
-    Yields:
-        One finding for each segment.
-    """
+    """Find segments whose mass moment or inertia is far from the URDF's, beyond their errors; only of planar legs."""
     leg = model.leg
     if not leg.limbs:
         return
@@ -184,19 +157,9 @@ def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> It
 
 
 def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
-    """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs.
-
-    A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does not show
-    it. A tilt of the base turns all segments alike, and a small one changes little else.
-
-    Args:
-        model: Torque model.
-        values: Parameters, (P,).
-        std: Their standard deviations, (P,).
-
-    Yields:
-        One finding for each limb, or none.
-    """
+    """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs."""
+    # A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does
+    # not show it. A tilt of the base turns all segments alike, and a small one changes little else.
     for limb in model.leg.limbs:
         yield from _turned_segment(model.leg, limb, values, std)
 
@@ -250,17 +213,8 @@ def _turned_segment(leg: Leg, limb: Limb, values: FloatArray, std: FloatArray) -
 
 
 def persistence_of(evidence: Evidence, values: FloatArray) -> FloatArray:
-    """Correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion.
-
-    Behind the filter, rows are about as far apart as the samples that carry independent noise.
-
-    Args:
-        evidence: Rows.
-        values: Parameters, (P,).
-
-    Returns:
-        Correlation of each joint; 0 where there are only poses.
-    """
+    """Correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion."""
+    # Behind the filter, rows are about as far apart as the samples that carry independent noise.
     power, product = np.zeros((2, evidence.joints))
     for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
         if not at_rest:
@@ -273,17 +227,7 @@ def persistence_of(evidence: Evidence, values: FloatArray) -> FloatArray:
 def large_residuals(
     model: TorqueModel, nrmse: FloatArray, *, persistence: FloatArray | None = None
 ) -> Iterator[Finding]:
-    """Find joints whose torque the model does not explain.
-
-    Args:
-        model: Torque model.
-        nrmse: RMS residual of each joint over the standard deviation of its torque, (n,).
-        persistence: Correlation of the residuals from one row to the next, (n,), where no other finding explains
-            them; None to find only the largest.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find joints whose torque the model does not explain."""
     for j, joint in enumerate(model.joint_names):
         persistent = persistence is not None and persistence[j] > PERSISTENT
         if nrmse[j] > (NOTICEABLE if persistent else POOR):
@@ -303,14 +247,7 @@ def large_residuals(
 
 
 def torque_spread_of(evidence: Evidence) -> FloatArray:
-    """Standard deviation of the torque of each joint in the rows of a fit [N·m], (n,); 0 for a joint without rows.
-
-    Args:
-        evidence: Rows.
-
-    Returns:
-        Standard deviations.
-    """
+    """Standard deviation of the torque of each joint in the rows of a fit [N·m], (n,); 0 for a joint without rows."""
     torques = (
         np.concatenate([part.tau[part.usable[:, j], j] for part in evidence.parts]) for j in range(evidence.joints)
     )
@@ -318,15 +255,7 @@ def torque_spread_of(evidence: Evidence) -> FloatArray:
 
 
 def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
-    """RMS residual of each joint over the standard deviation of its torque, (n,).
-
-    Args:
-        evidence: Rows.
-        values: Parameters, (P,).
-
-    Returns:
-        NRMSE of each joint; 0 where the torque is constant.
-    """
+    """RMS residual of each joint over the standard deviation of its torque, (n,)."""
     found = []
     for j, spread in enumerate(torque_spread_of(evidence)):
         W = np.vstack([part.W[part.usable[:, j], j, : evidence.count] for part in evidence.parts])
@@ -337,16 +266,7 @@ def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
 
 
 def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.bool_]) -> Iterator[Finding]:
-    """Find friction and rotor inertia that are negative.
-
-    Args:
-        model: Torque model.
-        values: Parameters, (P,).
-        below: Which parameters are negative by more than their errors and matter, (P,).
-
-    Yields:
-        One finding, or none.
-    """
+    """Find friction and rotor inertia that are negative."""
     rigid = set(model.leg.parameter_names)
     names = tuple(name for name, is_below in zip(model.names, below, strict=True) if is_below and name not in rigid)
     if names:

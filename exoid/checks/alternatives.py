@@ -43,61 +43,31 @@ SWAPPED_JOINTS = 4
 
 
 class Alternative(NamedTuple):
-    """Another reading of a log.
+    """Another reading of a log."""
 
-    Attributes:
-        kind: Kind of the finding.
-        joint: Joints that it concerns; "" for all.
-        angles: Factor of each angle, (n,).
-        angle_order: Index of the logged angle of each joint, (n,).
-        torques: Factor of each torque, (n,).
-        torque_order: Index of the logged torque of each joint, (n,).
-        message: Meaning.
-        remedy: Advice.
-        value: Factor of the logged values; 0 to report how many times smaller residuals become.
-    """
-
-    kind: str
-    joint: str
-    angles: tuple[float, ...]
-    angle_order: tuple[int, ...]
-    torques: tuple[float, ...]
-    torque_order: tuple[int, ...]
-    message: str
-    remedy: str
-    value: float = 0.0
+    kind: str  # kind of the finding
+    joint: str  # joints that it concerns; "" for all
+    angles: tuple[float, ...]  # factor of each angle, (n,)
+    angle_order: tuple[int, ...]  # index of the logged angle of each joint, (n,)
+    torques: tuple[float, ...]  # factor of each torque, (n,)
+    torque_order: tuple[int, ...]  # index of the logged torque of each joint, (n,)
+    message: str  # meaning
+    remedy: str  # advice
+    value: float = 0.0  # factor of the logged values; 0 to report how many times smaller residuals become
 
 
 def negative_parameters(
     model: TorqueModel, values: FloatArray, std: FloatArray, shares: FloatArray
 ) -> NDArray[np.bool_]:
-    """Which parameters are negative although they cannot be, by more than their errors, and matter.
-
-    Args:
-        model: Torque model.
-        values: Fitted parameters, (P,).
-        std: Their standard deviations, (P,).
-        shares: Part of the torque that each makes up, (P,).
-
-    Returns:
-        Mask, (P,).
-    """
+    """Which parameters are negative although they cannot be, by more than their errors, and matter."""
     below = (values < NEGATIVE * std) & (values < 0.0) & (shares > MATTERS)
     return np.asarray(below & never_negative(model))
 
 
 def gross_findings(checked: Checked) -> tuple[Finding, ...]:
-    """Try other signs, orders of joints and units, and report the one that fits by far better.
-
-    Friction, rotor inertia and the J of planar segments are kept from being negative: all torques with the wrong sign
-    would fit as well otherwise.
-
-    Args:
-        checked: Torque model and data.
-
-    Returns:
-        One finding, or none.
-    """
+    """Try other signs, orders of joints and units, and report the one that fits by far better."""
+    # Friction, rotor inertia and the J of planar segments are kept from being negative: all torques with the wrong sign
+    # would fit as well otherwise.
     model = checked.model
     trial = checked._replace(data=tuple(_shortened(checked.data)))
     base = tuple(alternatives(model))
@@ -133,14 +103,7 @@ def _moves_driven(alternative: Alternative, driven: Sequence[bool]) -> bool:
 
 
 def alternatives(model: TorqueModel) -> Iterator[Alternative]:
-    """List readings of a log, the log as it is first, the likely before the far-fetched.
-
-    Args:
-        model: Torque model, for its joints.
-
-    Yields:
-        The readings.
-    """
+    """List readings of a log, the log as it is first, the likely before the far-fetched."""
     names, n = model.joint_names, len(model.joint_names)
     ones, order = (1.0,) * n, tuple(range(n))
     yield Alternative("", "", ones, order, ones, order, "", "")

@@ -31,29 +31,17 @@ class ArmColumns(Protocol):
         """Part of the actuator that would be wrong."""
 
     def shapes(self, q: FloatArray) -> FloatArray:
-        """Compute the relative change of the arm by each.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Change of r over r per unit, (2, N).
-        """
+        """Compute the relative change of the arm by each."""
 
 
 @dataclass(frozen=True)
 class PointColumns:
-    """Displacements of an attachment point in the plane of motion.
+    """Displacements of an attachment point in the plane of motion."""
 
-    Attributes:
-        arm: Moment arm of the points as they are described.
-        displaced: Moment arms with the point displaced by :data:`STEP` in two directions.
-        link: Link of the point.
-    """
-
-    arm: MountedAttachments
+    arm: MountedAttachments  # moment arm of the points as they are described
+    # moment arms with the point displaced by `STEP` in two directions
     displaced: tuple[MountedAttachments, MountedAttachments]
-    link: str
+    link: str  # link of the point
 
     unit = "m"
 
@@ -63,14 +51,7 @@ class PointColumns:
         return f"attachment point on {self.link}"
 
     def shapes(self, q: FloatArray) -> FloatArray:
-        """Compute the relative change of the arm by a displacement in each direction.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Change of r over r per metre, (2, N).
-        """
+        """Compute the relative change of the arm by a displacement in each direction."""
         arm = self.arm.arm(q)
         known = np.abs(arm) > SMALLEST_ARM
         changes = [(displaced.arm(q) - arm) / STEP for displaced in self.displaced]
@@ -79,42 +60,22 @@ class PointColumns:
 
 @dataclass(frozen=True)
 class TableColumns:
-    """Relative errors of a table that grow with the angle, and with its square.
+    """Relative errors of a table that grow with the angle, and with its square."""
 
-    Attributes:
-        middle: Middle of the table [rad].
-        half: Half of its range [rad].
-    """
-
-    middle: float
-    half: float
+    middle: float  # middle of the table [rad]
+    half: float  # half of its range [rad]
 
     unit = "1"
     what = "table of moment arms"
 
     def shapes(self, q: FloatArray) -> FloatArray:
-        """Compute the relative change of the arm by each.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Change of r over r, (2, N).
-        """
+        """Compute the relative change of the arm by each."""
         x = (q - self.middle) / self.half
         return np.array([x, x * x])
 
 
 def arm_columns(actuators: Actuators | None, leg: Leg) -> dict[int, ArmColumns]:
-    """Find what may be wrong about the moment arms of linear actuators.
-
-    Args:
-        actuators: Actuators whose forces were measured; None for none.
-        leg: The leg.
-
-    Returns:
-        Columns by the index of the joint.
-    """
+    """Find what may be wrong about the moment arms of linear actuators."""
     return {} if actuators is None else dict(_columns(actuators, leg))
 
 

@@ -58,27 +58,16 @@ DRIVE_NOUNS = {"current": "current", "force": "force", "motor_torque": "motor to
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One quantity of one joint.
+    """One quantity of one joint."""
 
-    Attributes:
-        time: Stamps [s], (N,).
-        x: Signal, (N,).
-        others: All angles [rad], (N, n), to see whether the leg moves.
-        joint: Name of the joint.
-        parameters: Parameters that act on the joint.
-        recording: Name of the recording.
-        noun: Word for the quantity.
-        unit: Its unit.
-    """
-
-    time: FloatArray
-    x: FloatArray
-    others: FloatArray
-    joint: str
-    parameters: tuple[str, ...]
-    recording: str
-    noun: str = "torque"
-    unit: str = "N·m"
+    time: FloatArray  # stamps [s], (N,)
+    x: FloatArray  # signal, (N,)
+    others: FloatArray  # all angles [rad], (N, n), to see whether the leg moves
+    joint: str  # name of the joint
+    parameters: tuple[str, ...]  # parameters that act on the joint
+    recording: str  # name of the recording
+    noun: str = "torque"  # word for the quantity
+    unit: str = "N·m"  # its unit
 
     @cached_property
     def steps(self) -> FloatArray:
@@ -92,16 +81,7 @@ class Channel:
 
 
 def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Check every torque and angle of a recording; where torque was computed of a drive, what the drive measured.
-
-    Args:
-        recording: The recording, with the joints of the leg.
-        acting: Parameters that act on each joint, by its name.
-        name: Name of the recording.
-
-    Yields:
-        Findings of the kinds saturation, stuck-channel, stale-samples, dropout and spikes.
-    """
+    """Check every torque and angle of a recording; where torque was computed of a drive, what the drive measured."""
     driven = recording.driven
     angles, torques = (None if x is None else np.ascontiguousarray(x.T) for x in (recording.q, recording.tau))
     assert angles is not None
@@ -130,17 +110,9 @@ def _of_drive(channel: Channel, recording: Recording, k: int) -> Channel:
 
 
 def saturation(channel: Channel) -> Iterator[Finding]:
-    """Find torques that stop at a rail.
-
-    A peak of a quantised signal also stays at one value, but the signal comes there in steps of one quantum. A clipped
-    signal arrives at full slope.
-
-    Args:
-        channel: The torque.
-
-    Yields:
-        One finding for each side that is clipped.
-    """
+    """Find torques that stop at a rail."""
+    # A peak of a quantised signal also stays at one value, but the signal comes there in steps of one quantum.
+    # A clipped signal arrives at full slope.
     x, tolerance = channel.x, 1e-9 * float(np.ptp(channel.x))
     if channel.steps.min() > tolerance:  # no value lasts
         return
@@ -181,14 +153,7 @@ def saturation(channel: Channel) -> Iterator[Finding]:
 
 
 def frozen_torque(channel: Channel) -> Iterator[Finding]:
-    """Find times in which a torque keeps one value although the leg moves.
-
-    Args:
-        channel: The torque.
-
-    Yields:
-        One finding, for the longest time.
-    """
+    """Find times in which a torque keeps one value although the leg moves."""
     spans = _long_runs(channel, FROZEN_TORQUE)
     if not spans:
         return
@@ -198,17 +163,9 @@ def frozen_torque(channel: Channel) -> Iterator[Finding]:
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
-    """Find times in which an angle keeps one value although the joint cannot have come to rest.
-
-    A joint at rest slows down before and speeds up afterwards. A channel that freezes stops at full speed, or jumps
-    when it comes back.
-
-    Args:
-        channel: The angle.
-
-    Yields:
-        One finding, for the longest time.
-    """
+    """Find times in which an angle keeps one value although the joint cannot have come to rest."""
+    # A joint at rest slows down before and speeds up afterwards. A channel that freezes stops at full speed, or jumps
+    # when it comes back.
     x, steps = channel.x, channel.steps
     long = _long_runs(channel, FROZEN_ANGLE)
     if not long or not steps.any():
@@ -227,14 +184,7 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
 
 
 def repeated_values(channel: Channel) -> Iterator[Finding]:
-    """Find torques that repeat the sample before, as those of a slower bus do.
-
-    Args:
-        channel: The torque.
-
-    Yields:
-        One finding, or none.
-    """
+    """Find torques that repeat the sample before, as those of a slower bus do."""
     steps = channel.steps
     if np.mean(steps == 0.0) < STALE_SHARE:
         return
@@ -265,14 +215,7 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
 
 
 def outliers(channel: Channel) -> Iterator[Finding]:
-    """Find dropouts to zero and spikes of the torque.
-
-    Args:
-        channel: The torque.
-
-    Yields:
-        A finding of kind dropout, or spikes, or none.
-    """
+    """Find dropouts to zero and spikes of the torque."""
     x = channel.x
     middle = median_of_five(x)
     apart, least = x - middle, SPIKE_PART * float(np.std(middle))

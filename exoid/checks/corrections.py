@@ -15,17 +15,7 @@ CORRECTED = ("torque-delay", "torque-scale", "angle-offset", "angle-scale", "gra
 
 
 def corrected(data: Recording | Poses, kind: str, joint: int, delta: float) -> Recording | Poses:
-    """Take a fault out of a recording.
-
-    Args:
-        data: The recording, with the joints of the leg.
-        kind: Kind of the fault.
-        joint: Index of the joint; −1 for all.
-        delta: Size of the fault.
-
-    Returns:
-        The recording as it would be without the fault.
-    """
+    """Take a fault out of a recording."""
     joints = range(len(data.joint_names)) if joint < 0 else (joint,)
     if kind == "torque-delay":
         return data if isinstance(data, Poses) else without_torque_delay(data, dict.fromkeys(joints, delta))

@@ -50,30 +50,15 @@ FOLLOWED, ROUNDS = 3, 3
 
 
 class Coupled(NamedTuple):
-    """Two joints whose logged torques are mixed.
+    """Two joints whose logged torques are mixed."""
 
-    Attributes:
-        joints: Indices of both.
-        matrix: B, with the largest entry of each row 1 or −1, (2, 2).
-        misfit: Mean logarithm of residual over torque of the joints.
-    """
-
-    joints: tuple[int, int]
-    matrix: FloatArray
-    misfit: float
+    joints: tuple[int, int]  # indices of both
+    matrix: FloatArray  # B, with the largest entry of each row 1 or −1, (2, 2)
+    misfit: float  # mean logarithm of residual over torque of the joints
 
 
 def coupled_joints(checked: Checked, factors: TorqueFactors, reference: float) -> Coupled | None:
-    """Look for two joints whose torques are mixed.
-
-    Args:
-        checked: Torque model and data.
-        factors: R factors of the rows as they were logged.
-        reference: Misfit of the log as it is.
-
-    Returns:
-        The pair that fits best; None if no pair fits far better than the log as it is.
-    """
+    """Look for two joints whose torques are mixed."""
     joints = len(checked.model.joint_names)
     pairs = combinations(range(joints), 2) if joints <= MOST_JOINTS else ((j, j + 1) for j in range(joints - 1))
     driven = [pair for pair in pairs if factors.driven[pair[0]] and factors.driven[pair[1]]]
@@ -86,14 +71,7 @@ def coupled_joints(checked: Checked, factors: TorqueFactors, reference: float) -
 
 
 def is_mixed(B: FloatArray) -> bool:
-    """Say whether a joint has a part of both logged torques, in whatever order.
-
-    Args:
-        B: Shares of the logged torques in those of the joints, (2, 2).
-
-    Returns:
-        Whether it has.
-    """
+    """Say whether a joint has a part of both logged torques, in whatever order."""
     return bool(np.sort(np.abs(B), axis=1)[:, 0].max() > MIXED)
 
 
@@ -138,16 +116,7 @@ def _unmixed(one: Recording | Poses, pair: Sequence[int], B: FloatArray) -> Reco
 
 
 def coupling_finding(checked: Checked, coupled: Coupled, reference: float) -> Finding:
-    """Describe two joints whose torques are mixed.
-
-    Args:
-        checked: Torque model and data.
-        coupled: The joints.
-        reference: Misfit of the log as it is.
-
-    Returns:
-        The finding.
-    """
+    """Describe two joints whose torques are mixed."""
     model, (one, other) = checked.model, coupled.joints
     names, B = model.joint_names, coupled.matrix
     pair = (names[one], names[other])

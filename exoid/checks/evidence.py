@@ -31,22 +31,14 @@ RANK = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Rows of parameters and nuisance columns of several recordings, decimated to independent noise.
+    """Rows of parameters and nuisance columns of several recordings, decimated to independent noise."""
 
-    Attributes:
-        parts: Rows of each recording or set of poses.
-        at_rest: Whether each is poses.
-        count: Number of parameters P; nuisance columns follow.
-        fixed: Known values of parameters, (P,); not a number where they are free.
-        ranges: Ranges of the motion of each.
-        friction: Rows of parameters and friction of other forms, of each recording in motion; empty if not formed.
-    """
-
-    parts: Sequence[Rows]
-    at_rest: Sequence[bool]
-    count: int
-    fixed: FloatArray
-    ranges: Sequence[MotionRanges] = ()
+    parts: Sequence[Rows]  # rows of each recording or set of poses
+    at_rest: Sequence[bool]  # whether each is poses
+    count: int  # number of parameters P; nuisance columns follow
+    fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
+    ranges: Sequence[MotionRanges] = ()  # ranges of the motion of each
+    # rows of parameters and friction of other forms, of each recording in motion; empty if not formed
     friction: Sequence[Rows] = ()
 
     @cached_property
@@ -65,15 +57,7 @@ class Evidence:
         return np.flatnonzero(~np.isfinite(self.fixed))
 
     def table(self, part: Rows, joint: int) -> FloatArray:
-        """Columns of parameters and nuisances, and the torque less that of known parameters, (P + K + 1, N).
-
-        Args:
-            part: Rows of a recording.
-            joint: Index of the joint.
-
-        Returns:
-            The rows, zero where samples are left out.
-        """
+        """Columns of parameters and nuisances, and the torque less that of known parameters, (P + K + 1, N)."""
         W = part.W[:, joint].T
         known = np.where(np.isfinite(self.fixed), self.fixed, 0.0)
         torque = part.tau[:, joint] - known @ W[: self.count]
@@ -98,30 +82,14 @@ class Evidence:
         return found
 
     def torque_shares(self, columns: NDArray[np.intp], sizes: FloatArray) -> FloatArray:
-        """RMS torque of each of some columns over that of the joint, at the joint where this is largest.
-
-        Args:
-            columns: Indices of the columns, (C,).
-            sizes: Their coefficients, (C,).
-
-        Returns:
-            The parts, (C,).
-        """
+        """RMS torque of each of some columns over that of the joint, at the joint where this is largest."""
         parts = [
             np.linalg.norm(R[:, columns], axis=0) / max(float(np.linalg.norm(R[:, -1])), TINY) for R in self.factors
         ]
         return np.asarray(np.abs(sizes) * np.max(parts, axis=0))
 
     def torque_share(self, nuisance: Nuisance, delta: FloatArray) -> float:
-        """RMS torque of a fault over that of the joint, at the joint where this is largest.
-
-        Args:
-            nuisance: The fault.
-            delta: Its size, (m,).
-
-        Returns:
-            The part.
-        """
+        """RMS torque of a fault over that of the joint, at the joint where this is largest."""
         columns = self.count + np.array(nuisance.columns)
         sizes = delta if nuisance.group else np.repeat(delta[:1], len(columns))
         return max(
@@ -136,26 +104,11 @@ class Evidence:
         return np.asarray(np.maximum(counts, 1), dtype=np.float64)
 
     def places(self, nuisances: Sequence[int]) -> NDArray[np.intp]:
-        """Find the columns of the free parameters, and some nuisance columns.
-
-        Args:
-            nuisances: Indices of these among the nuisance columns.
-
-        Returns:
-            Indices among all columns.
-        """
+        """Find the columns of the free parameters, and some nuisance columns."""
         return np.concatenate([self.free, self.count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
-        """Weigh the joints by the residuals of a fit of some columns.
-
-        Args:
-            columns: Indices of the columns.
-            start: Weights of a fit with nearly these columns; None to begin with the torques.
-
-        Returns:
-            Weight of each joint's rows, (n,).
-        """
+        """Weigh the joints by the residuals of a fit of some columns."""
         torque = np.array([np.linalg.norm(R[:, -1]) for R in self.factors]) / np.sqrt(self.counts)
         floor = FLOOR * max(float(torque.max(initial=0.0)), 1e-12)
         weights = 1.0 / np.maximum(torque, floor) if start is None else start
@@ -169,27 +122,12 @@ class Evidence:
 
 
 def r_factor(rows: FloatArray) -> FloatArray:
-    """Reduce rows to their R factor.
-
-    Args:
-        rows: Rows, (N, P).
-
-    Returns:
-        The R factor, (min(N, P), P).
-    """
+    """Reduce rows to their R factor."""
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
 
 def solution_of(A: FloatArray, b: FloatArray) -> FloatArray:
-    """Solve a least-squares problem with columns scaled to unit length, by an orthogonal decomposition with pivots.
-
-    Args:
-        A: Columns, (M, F).
-        b: Right-hand side, (M,).
-
-    Returns:
-        The solution, (F,).
-    """
+    """Solve a least-squares problem with columns scaled to unit length, by an orthogonal decomposition with pivots."""
     scale = np.linalg.norm(A, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     x, *_ = scipy.linalg.lstsq(A / scale, b, cond=RANK, lapack_driver="gelsy", check_finite=False)
@@ -197,14 +135,7 @@ def solution_of(A: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def pseudo_inverse(A: FloatArray) -> FloatArray:
-    """Compute the pseudo-inverse with columns scaled to unit length.
-
-    Args:
-        A: Columns, (M, F).
-
-    Returns:
-        The pseudo-inverse, (F, M).
-    """
+    """Compute the pseudo-inverse with columns scaled to unit length."""
     scale = np.linalg.norm(A, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])

@@ -24,37 +24,21 @@ TINY = 1e-12
 
 
 class TorqueFit(NamedTuple):
-    """Fit of a reading of a log.
+    """Fit of a reading of a log."""
 
-    Attributes:
-        misfit: Mean logarithm of residual over torque of the joints.
-        shares: Shares of each other's torque in two joints whose torques are mixed; empty where none are.
-    """
-
-    misfit: float
+    misfit: float  # mean logarithm of residual over torque of the joints
+    # shares of each other's torque in two joints whose torques are mixed; empty where none are
     shares: tuple[float, ...] = ()
 
 
 class TorqueFactors(NamedTuple):
-    """R factors of the rows of each joint with the torques of all joints, [W τ₁ … τₙ].
+    """R factors of the rows of each joint with the torques of all joints, [W τ₁ … τₙ]."""
 
-    Attributes:
-        of_joints: R factor of each joint, (M, P + n).
-    """
-
-    of_joints: list[FloatArray]
+    of_joints: list[FloatArray]  # R factor of each joint, (M, P + n)
 
     @classmethod
     def of(cls, checked: Checked, data: Iterable[Recording | Poses]) -> TorqueFactors:
-        """Form the rows of recordings.
-
-        Args:
-            checked: Torque model and preparation.
-            data: Recordings and poses.
-
-        Returns:
-            The R factors.
-        """
+        """Form the rows of recordings."""
         model = checked.model
         joints = len(model.joint_names)
         tables: list[list[FloatArray]] = [[] for _ in range(joints)]
@@ -81,17 +65,7 @@ class TorqueFactors(NamedTuple):
         factors: Sequence[float] = (),
         mixed: tuple[int, int] | None = None,
     ) -> TorqueFit:
-        """Fit the torques, read otherwise.
-
-        Args:
-            checked: Torque model, and which parameters are known.
-            order: Index of the logged torque of each joint, (n,); empty for its own.
-            factors: Factor of each logged torque, (n,); empty for 1.
-            mixed: Two joints each of which has an unknown share of the other's logged torque; None for none.
-
-        Returns:
-            The fit.
-        """
+        """Fit the torques, read otherwise."""
         model, fixed = checked.model, checked.fixed
         order, factors = order or range(len(self.of_joints)), factors or (1.0,) * len(self.of_joints)
         count, free = len(model.names), ~np.isfinite(checked.fixed)
@@ -131,14 +105,7 @@ def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
 
 
 def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
-    """Find the parameters that cannot be negative: friction, rotor inertia, J of planar segments and the total mass.
-
-    Args:
-        model: Torque model.
-
-    Returns:
-        Mask, (P,).
-    """
+    """Find the parameters that cannot be negative: friction, rotor inertia, J of planar segments and the total mass."""
     rigid = set(model.leg.parameter_names) if model.leg.limbs else set()
     inertia = [name in rigid and name[0] in "JM" for name in model.names]
     return np.asarray(model.nonnegative | np.array(inertia))

@@ -25,17 +25,11 @@ SEVERE = 10.0
 
 
 class Fault(NamedTuple):
-    """A fault that was accepted.
+    """A fault that was accepted."""
 
-    Attributes:
-        nuisance: The fault.
-        applied: Part of it that was taken out of the recordings.
-        alternatives: Faults that explain the log about as well.
-    """
-
-    nuisance: Nuisance
-    applied: float = 0.0
-    alternatives: tuple[Score, ...] = ()
+    nuisance: Nuisance  # the fault
+    applied: float = 0.0  # part of it that was taken out of the recordings
+    alternatives: tuple[Score, ...] = ()  # faults that explain the log about as well
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -44,29 +38,17 @@ class Fault(NamedTuple):
 
 
 class FaultSize(NamedTuple):
-    """Size of a fault beside all others, and what it does to the parameters.
+    """Size of a fault beside all others, and what it does to the parameters."""
 
-    Attributes:
-        fault: The fault.
-        delta: Estimate, (m,).
-        std: Standard deviations, (m,).
-        p_value: Probability of a fault as large as this in noise alone.
-        move: Change of the parameters when the fault is taken into account, (P,).
-        half: Half widths of the parameters' intervals, (P,).
-        reach: Largest change of the parameters by a fault of this kind, torque and any form, (P,).
-        torque: RMS torque of the fault over that of its joint.
-        share: RMS torque of the largest change of a parameter over that of a joint.
-    """
-
-    fault: Fault
-    delta: FloatArray
-    std: FloatArray
-    p_value: float
-    move: FloatArray
-    half: FloatArray
-    reach: FloatArray
-    torque: float = 0.0
-    share: float = 0.0
+    fault: Fault  # the fault
+    delta: FloatArray  # estimate, (m,)
+    std: FloatArray  # standard deviations, (m,)
+    p_value: float  # probability of a fault as large as this in noise alone
+    move: FloatArray  # change of the parameters when the fault is taken into account, (P,)
+    half: FloatArray  # half widths of the parameters' intervals, (P,)
+    reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
+    torque: float = 0.0  # RMS torque of the fault over that of its joint
+    share: float = 0.0  # RMS torque of the largest change of a parameter over that of a joint
 
     @property
     def moves(self) -> FloatArray:
@@ -98,24 +80,10 @@ class FaultSize(NamedTuple):
         return np.divide(np.abs(change), self.half, out=np.zeros_like(change), where=self.half > 0.0)
 
     def moving_at_least(self, total: FloatArray) -> FaultSize:
-        """Blame this fault for what all faults together move more than it does alone.
-
-        Args:
-            total: Change of the parameters by all faults, (P,).
-
-        Returns:
-            The same fault.
-        """
+        """Blame this fault for what all faults together move more than it does alone."""
         return self._replace(move=np.where(np.abs(total) > np.abs(self.move), total, self.move))
 
 
 def is_corrected(nuisance: Nuisance) -> bool:
-    """Say whether a fault is taken out of the recordings.
-
-    Args:
-        nuisance: The fault.
-
-    Returns:
-        Whether it is; else its columns stay in the fit.
-    """
+    """Say whether a fault is taken out of the recordings."""
     return nuisance.kind in CORRECTED and not nuisance.group

@@ -27,18 +27,9 @@ SLOW = 0.1
 
 
 def gravity_size_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
-    """Compare the mean vertical specific force of a base with gravity.
-
-    A base that does not fly away has no mean acceleration: the mean of f · u over a recording is g, with u the vertical
-    in its axes. A bias along it scales all gravity torques, which no residual shows.
-
-    Args:
-        model: Torque model.
-        data: Recordings and poses.
-
-    Yields:
-        A warning for each recording whose accelerometer is off; none where a pose was measured, or links rest.
-    """
+    """Compare the mean vertical specific force of a base with gravity."""
+    # A base that does not fly away has no mean acceleration: the mean of f · u over a recording is g, with u
+    # the vertical in its axes. A bias along it scales all gravity torques, which no residual shows.
     for one in data:
         if isinstance(one, Poses) or one.base is None or one.base.pose is not None or one.contacts:
             continue
@@ -64,11 +55,9 @@ def gravity_size_findings(model: TorqueModel, data: Sequence[Recording | Poses])
 
 
 def _mean_vertical_force(base: BaseMotion, rate: float) -> float:
-    """Mean of the specific force along the vertical [m/s²].
-
-    The base leans by φ about the axis a that it turns about most, and by a small angle across. The vertical is then
-    u = cos φ m + sin φ (a × m) with the mean direction m of the force, and φ̇ = −a · ω.
-    """
+    """Mean of the specific force along the vertical [m/s²]."""
+    # The base leans by φ about the axis a that it turns about most, and by a small angle across. The vertical is then
+    # u = cos φ m + sin φ (a × m) with the mean direction m of the force, and φ̇ = −a · ω.
     force, omega = base.specific_force, base.angular_velocity
     middle = force.mean(axis=0) / np.linalg.norm(force.mean(axis=0))
     level = omega - np.outer(omega @ middle, middle)

@@ -32,16 +32,7 @@ SEVERE_SHARE = 0.02
 
 
 def is_large_enough(nuisance: Nuisance, delta: FloatArray, torque_share: float) -> bool:
-    """Say whether a fault has a size that matters.
-
-    Args:
-        nuisance: The fault.
-        delta: Its size, (m,).
-        torque_share: RMS torque of the fault over that of its joint.
-
-    Returns:
-        Whether it reaches the least size of its kind.
-    """
+    """Say whether a fault has a size that matters."""
     least = LEAST_SIZES.get(nuisance.kind)
     if least is None:
         return torque_share >= LEAST_TORQUE

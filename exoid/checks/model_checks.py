@@ -35,19 +35,9 @@ LARGEST = {"torque-delay": 0.1, "torque-scale": 2.0, "angle-offset": 0.5, "angle
 
 
 def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None = None) -> tuple[FaultSize, ...]:
-    """Look for faults that explain the residuals of a fit, the most convincing first.
-
-    Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
-    for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
-
-    Args:
-        checked: Torque model and data.
-        values: Fitted parameters, (P,).
-        evidence: Rows of them; None to form them.
-
-    Returns:
-        Faults with their sizes; none where the recordings are too short for a check.
-    """
+    """Look for faults that explain the residuals of a fit, the most convincing first."""
+    # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
+    # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
     layout = column_layout(checked.model, checked.arms)
     candidates, protecting = nuisances(checked.model, layout, checked.arms), always(layout)
     limit = FALSE_ALARMS / len(candidates)
@@ -181,27 +171,14 @@ def _size(
 
 
 class Delays(NamedTuple):
-    """Delays of the torques of all joints.
+    """Delays of the torques of all joints."""
 
-    Attributes:
-        values: Delays, 0 where none is significant [s], (n,).
-        half: Half widths of their 95 % intervals [s], (n,).
-    """
-
-    values: FloatArray
-    half: FloatArray
+    values: FloatArray  # delays, 0 where none is significant [s], (n,)
+    half: FloatArray  # half widths of their 95 % intervals [s], (n,)
 
 
 def delays(sizes: Sequence[FaultSize], joints: int) -> Delays:
-    """Add up the delays of the torque of each joint.
-
-    Args:
-        sizes: Faults that were found.
-        joints: Number of joints, n.
-
-    Returns:
-        Delay of the torque of each joint.
-    """
+    """Add up the delays of the torque of each joint."""
     total, variance = np.zeros((2, joints))
     for size in sizes:
         if size.fault.nuisance.kind == "torque-delay":

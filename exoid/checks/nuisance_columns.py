@@ -61,22 +61,14 @@ class Column(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class NuisanceColumns:
-    """Nuisance columns of a torque model.
+    """Nuisance columns of a torque model."""
 
-    Attributes:
-        model: The torque model.
-        values: Parameters at which derivatives are taken, (P,).
-        rate: Sampling rate [Hz].
-        speed: RMS speed of each joint [rad/s], (n,).
-        moving: Whether samples are a motion in time; False for poses.
-        arms: Moment arms of linear actuators, by the index of their joint.
-    """
-
-    model: TorqueModel
-    values: FloatArray
-    rate: float
-    speed: FloatArray
-    moving: bool = True
+    model: TorqueModel  # the torque model
+    values: FloatArray  # parameters at which derivatives are taken, (P,)
+    rate: float  # sampling rate [Hz]
+    speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
+    moving: bool = True  # whether samples are a motion in time; False for poses
+    # moment arms of linear actuators, by the index of their joint
     arms: Mapping[int, ArmColumns] = field(default_factory=dict)
 
     @cached_property
@@ -95,24 +87,11 @@ class NuisanceColumns:
         return np.array([column.rows for column in self.layout], dtype=np.bool_).T
 
     def motion(self, motion: Motion) -> Motion:
-        """Return the motion: the columns depend on nothing else.
-
-        Args:
-            motion: Motion of a whole recording.
-
-        Returns:
-            The same.
-        """
+        """Return the motion: the columns depend on nothing else."""
         return motion
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
-        """Write the columns.
-
-        Args:
-            motion: Motion, or some rows of it.
-            columns: Columns of the parameters, (P, n, N).
-            out: Receives the columns, zeroed, (K, n, N).
-        """
+        """Write the columns."""
         rigid, count = len(self.model.leg.parameter_names), len(self.values)
         of_leg = np.tensordot(self.values[:rigid], columns[:rigid], axes=1)
         torque = of_leg + np.tensordot(self.values[rigid:], columns[rigid:count], axes=1)
@@ -238,15 +217,7 @@ class _Work:
 
 
 def column_layout(model: TorqueModel, arms: Collection[int] = ()) -> tuple[Column, ...]:
-    """List the nuisance columns of a model.
-
-    Args:
-        model: The torque model.
-        arms: Indices of the joints that are turned by linear actuators whose force was measured.
-
-    Returns:
-        The columns, K of them.
-    """
+    """List the nuisance columns of a model."""
     n, planar = len(model.joint_names), model.leg.chain is not None
     every = (True,) * n
     columns = []

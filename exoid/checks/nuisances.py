@@ -23,25 +23,15 @@ FORMS = {
 
 
 class Nuisance(NamedTuple):
-    """One kind of fault that columns describe.
+    """One kind of fault that columns describe."""
 
-    Attributes:
-        kind: Kind of the finding.
-        joint: Name of the joint; "" for all.
-        place: Index of the joint, or of the segment; −1 for all.
-        unit: Unit of the fault.
-        columns: Indices of the columns that it combines.
-        group: Whether the columns have a coefficient each; else they share one.
-        form: Form of the fault, such as "Stribeck friction"; "" for any.
-    """
-
-    kind: str
-    joint: str
-    place: int
-    unit: str
-    columns: tuple[int, ...]
-    group: bool = False
-    form: str = ""
+    kind: str  # kind of the finding
+    joint: str  # name of the joint; "" for all
+    place: int  # index of the joint, or of the segment; −1 for all
+    unit: str  # unit of the fault
+    columns: tuple[int, ...]  # indices of the columns that it combines
+    group: bool = False  # whether the columns have a coefficient each; else they share one
+    form: str = ""  # form of the fault, such as "Stribeck friction"; "" for any
 
     @property
     def combination(self) -> FloatArray:
@@ -52,19 +42,9 @@ class Nuisance(NamedTuple):
 def nuisances(
     model: TorqueModel, layout: Sequence[Column], arms: Mapping[int, ArmColumns] | None = None
 ) -> tuple[Nuisance, ...]:
-    """List the faults that are tested, as combinations of nuisance columns.
-
-    In a planar leg a tilt of the base changes the torque as the zero of the first angle does, so that only one of the
-    two is tested. Of the torque scales of two joints only the ratio shows, so that only the second is tested.
-
-    Args:
-        model: The torque model.
-        layout: The nuisance columns.
-        arms: Moment arms of linear actuators, by the index of their joint; None for none.
-
-    Returns:
-        The faults.
-    """
+    """List the faults that are tested, as combinations of nuisance columns."""
+    # In a planar leg a tilt of the base changes the torque as the zero of the first angle does, so that only one of the
+    # two is tested. Of the torque scales of two joints only the ratio shows, so that only the second is tested.
     names, planar = model.joint_names, model.leg.chain is not None
     places: dict[tuple[str, int], list[int]] = {}
     for k, column in enumerate(layout):
@@ -101,12 +81,5 @@ def nuisances(
 
 
 def always(layout: Sequence[Column]) -> tuple[int, ...]:
-    """Nuisance columns that every test contains, so that the sharpness of friction is not taken for another fault.
-
-    Args:
-        layout: The nuisance columns.
-
-    Returns:
-        Their indices.
-    """
+    """Nuisance columns that every test contains, so that the sharpness of friction is not taken for another fault."""
     return tuple(k for k, column in enumerate(layout) if column.kind == "sharpness")

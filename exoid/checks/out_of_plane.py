@@ -28,24 +28,9 @@ MOST = 1000
 def out_of_plane_torque(
     leg: Leg, q: FloatArray, v: FloatArray, a: FloatArray, base: BaseKinematics
 ) -> tuple[FloatArray, FloatArray]:
-    """Compute the torque that rotation of the plane of a leg adds, by Pinocchio with the inertias of the URDF.
-
-    Rotation about the forward and upward axes adds torques such as (Ixx − Izz) ωx ωz and my x ω̇x, whose inertias are
-    in none of X, Y and J. Acceleration sideways adds none.
-
-    Args:
-        leg: Planar leg.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-        base: Motion of the base.
-
-    Returns:
-        Torque of the motion out of the plane, and of the whole motion [N·m], (N, n) each.
-
-    Raises:
-        ExoidError: The leg is not planar.
-    """
+    """Compute the torque that rotation of the plane of a leg adds, by Pinocchio with the inertias of the URDF."""
+    # Rotation about the forward and upward axes adds torques such as (Ixx − Izz) ωx ωz and my x ω̇x, whose inertias are
+    # in none of X, Y and J. Acceleration sideways adds none.
     if not leg.limbs:
         raise ExoidError("the leg has no plane", where=leg.description.name, remedy="pass a planar leg")
     whole = leg.inverse_dynamics(q, v, a, base)
@@ -55,16 +40,7 @@ def out_of_plane_torque(
 def out_of_plane_findings(
     model: TorqueModel, preparation: Preparation, data: Sequence[Recording | Poses]
 ) -> Iterator[Finding]:
-    """Compare the torque of motion out of the plane with that of the whole motion, joint by joint.
-
-    Args:
-        model: Torque model.
-        preparation: Filter and differentiation.
-        data: Recordings and poses.
-
-    Yields:
-        A warning above :data:`NOTICEABLE`, an error above :data:`WRONG`, of the worst recording.
-    """
+    """Compare the torque of motion out of the plane with that of the whole motion, joint by joint."""
     worst, name = np.zeros(len(model.joint_names)), ""
     for one in data:
         if not model.leg.limbs or isinstance(one, Poses) or one.base is None:

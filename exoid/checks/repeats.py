@@ -24,19 +24,12 @@ SAMPLE = np.uint64(7)
 
 
 class Overlap(NamedTuple):
-    """Two recordings that contain the same samples.
+    """Two recordings that contain the same samples."""
 
-    Attributes:
-        first: Place of the earlier one.
-        second: Place of the later one.
-        share: Shared samples over those of the shorter one.
-        again: Samples of the later one that occur in the earlier one, (N,).
-    """
-
-    first: int
-    second: int
-    share: float
-    again: BoolArray
+    first: int  # place of the earlier one
+    second: int  # place of the later one
+    share: float  # shared samples over those of the shorter one
+    again: BoolArray  # samples of the later one that occur in the earlier one, (N,)
 
 
 def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
@@ -64,16 +57,7 @@ def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
 def repeated_data(
     recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
 ) -> Iterator[Finding]:
-    """Report recordings that contain the same samples, where these count twice.
-
-    Args:
-        recordings: The recordings.
-        names: Their names.
-        parameters: Names of all parameters.
-
-    Yields:
-        One finding for each pair.
-    """
+    """Report recordings that contain the same samples, where these count twice."""
     for first, second, share, _ in overlaps(recordings):
         yield Finding(
             "repeated-data",

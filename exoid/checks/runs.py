@@ -11,29 +11,15 @@ from exoid._typing import FloatArray
 
 
 class Runs(NamedTuple):
-    """Runs of consecutive samples with the same value, in order of time.
+    """Runs of consecutive samples with the same value, in order of time."""
 
-    Attributes:
-        start: Index of the first sample of each run, (R,).
-        length: Number of samples of each run, (R,).
-        value: Value of each run, (R,).
-    """
-
-    start: NDArray[np.intp]
-    length: NDArray[np.intp]
-    value: FloatArray
+    start: NDArray[np.intp]  # index of the first sample of each run, (R,)
+    length: NDArray[np.intp]  # number of samples of each run, (R,)
+    value: FloatArray  # value of each run, (R,)
 
     @classmethod
     def of(cls, x: FloatArray, tolerance: float = 0.0) -> Runs:
-        """Find the runs of a signal.
-
-        Args:
-            x: The signal, (N,).
-            tolerance: Largest change that counts as none.
-
-        Returns:
-            The runs; a sample without an equal neighbour is a run of one.
-        """
+        """Find the runs of a signal."""
         change = np.flatnonzero(np.abs(np.diff(x)) > tolerance) + 1
         start = np.concatenate([[0], change]).astype(np.intp)
         length = np.diff(np.concatenate([start, [len(x)]])).astype(np.intp)
@@ -46,14 +32,7 @@ class Runs(NamedTuple):
 
 
 def quantum(x: FloatArray) -> float:
-    """Smallest step between different values of a signal; 0 for a constant one.
-
-    Args:
-        x: The signal, (N,).
-
-    Returns:
-        The step, in the unit of the signal.
-    """
+    """Smallest step between different values of a signal; 0 for a constant one."""
     values = np.unique(x)
     span = float(values[-1] - values[0])
     steps = np.diff(values)
@@ -62,14 +41,7 @@ def quantum(x: FloatArray) -> float:
 
 
 def median_of_five(x: FloatArray) -> FloatArray:
-    """Median of each sample and two on each side, by comparisons of whole signals; the signal is zero beyond its ends.
-
-    Args:
-        x: The signal, (N,).
-
-    Returns:
-        The medians, (N,).
-    """
+    """Median of each sample and two on each side; the signal is zero beyond its ends."""
     padded = np.pad(x, 2)
     a, b, c, d, e = (padded[k : k + len(x)] for k in range(5))
     lower = np.maximum(np.minimum(a, b), np.minimum(c, d))

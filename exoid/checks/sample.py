@@ -47,33 +47,18 @@ PIECES = 10
 
 
 class Checked(NamedTuple):
-    """Torque model and data that a check works on.
+    """Torque model and data that a check works on."""
 
-    Attributes:
-        model: Torque model.
-        data: Recordings and poses, with the joints of the leg.
-        preparation: Filter and differentiation.
-        fixed: Known values of parameters, (P,); not a number where they are free.
-        arms: Moment arms of linear actuators whose force was measured, by the index of their joint.
-    """
-
-    model: TorqueModel
-    data: tuple[Recording | Poses, ...]
-    preparation: Preparation
-    fixed: FloatArray
+    model: TorqueModel  # torque model
+    data: tuple[Recording | Poses, ...]  # recordings and poses, with the joints of the leg
+    preparation: Preparation  # filter and differentiation
+    fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
+    # moment arms of linear actuators whose force was measured, by the index of their joint
     arms: Mapping[int, ArmColumns] = MappingProxyType({})
 
 
 def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
-    """Take at most :data:`MOST_SAMPLES` samples of some recordings, in segments spread evenly.
-
-    Args:
-        model: Torque model, for its joints.
-        data: Recordings and poses.
-
-    Returns:
-        Recordings and poses with the joints of the leg.
-    """
+    """Take at most :data:`MOST_SAMPLES` samples of some recordings, in segments spread evenly."""
     total = sum(len(one) for one in data)
     if total <= MOST_SAMPLES:
         return tuple(_even(for_leg(model, one)) for one in data)
@@ -99,15 +84,7 @@ def _inner(mask: BoolArray) -> BoolArray:
 
 
 def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Poses:
-    """Average neighbouring samples of a log that is much faster than its filter.
-
-    Args:
-        one: Recording with even time stamps, or poses.
-        preparation: Filter; only the parallel filter says which rate is enough.
-
-    Returns:
-        A shorter recording, or the same.
-    """
+    """Average neighbouring samples of a log that is much faster than its filter."""
     if not isinstance(one, Recording) or not isinstance(preparation, ZeroPhase):
         return one
     size = int(one.sample_rate / max(RATE, PER_CUTOFF * preparation.cutoff))
@@ -126,14 +103,7 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
-    """Take some of many recordings on disk; those in memory stay.
-
-    Args:
-        data: Recordings and poses.
-
-    Returns:
-        Recordings and poses.
-    """
+    """Take some of many recordings on disk; those in memory stay."""
     if not isinstance(data, Recordings):
         return data
     chosen = np.unique(np.linspace(0, len(data) - 1, min(len(data), MOST_STORED)).round().astype(int))
@@ -141,14 +111,7 @@ def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
 
 
 def segments(recording: Recording) -> Iterator[Recording]:
-    """Cut segments out of a long recording, spread evenly.
-
-    Args:
-        recording: The recording.
-
-    Yields:
-        The whole of a short recording.
-    """
+    """Cut segments out of a long recording, spread evenly."""
     if len(recording) <= MOST_LOOKED_AT:
         yield recording
         return
@@ -158,19 +121,7 @@ def segments(recording: Recording) -> Iterator[Recording]:
 
 
 def gather(checked: Checked, values: FloatArray, *, other_friction: bool = False) -> Evidence:
-    """Form rows of parameters and nuisance columns.
-
-    Args:
-        checked: Torque model and data.
-        values: Parameters at which nuisance columns are formed, (P,).
-        other_friction: Whether to form rows of friction of other forms as well, in the same pass.
-
-    Returns:
-        The rows.
-
-    Raises:
-        ExoidError: No recording is long enough for the filter.
-    """
+    """Form rows of parameters and nuisance columns."""
     rigid, prepared, errors = values[: len(checked.model.leg.parameter_names)], [], []
     speed = np.zeros(len(checked.model.joint_names))
     for one in checked.data:
@@ -243,13 +194,6 @@ def _even(one: Recording | Poses) -> Recording | Poses:
 
 
 def names_of(data: Sequence[Recording | Poses]) -> Iterator[str]:
-    """Names of the files of recordings.
-
-    Args:
-        data: Recordings and poses.
-
-    Yields:
-        Name of each file; "" for one made in memory.
-    """
+    """Names of the files of recordings."""
     for one in data:
         yield one.source.name if one.source else ""

@@ -376,16 +376,9 @@ class State:
 
 
 class _Tests(NamedTuple):
-    """Score tests of single nuisance columns: matrices (K, K) and scores (K,), which faults combine.
+    """Score tests of single nuisance columns: matrices (K, K) and scores (K,), which faults combine."""
 
-    Attributes:
-        size: ZᵀZ of the columns.
-        information: Z⊥ᵀ Z⊥ of what the fitted columns leave of them.
-        score: Z⊥ᵀ r.
-        noise: Covariance of the scores.
-    """
-
-    size: FloatArray
-    information: FloatArray
-    score: FloatArray
-    noise: FloatArray
+    size: FloatArray  # ZᵀZ of the columns
+    information: FloatArray  # Z⊥ᵀ Z⊥ of what the fitted columns leave of them
+    score: FloatArray  # Z⊥ᵀ r
+    noise: FloatArray  # covariance of the scores

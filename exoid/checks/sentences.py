@@ -19,15 +19,7 @@ from .score import HALF_WIDTH, Score
 
 
 def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding, ...]:
-    """Describe faults that were found.
-
-    Args:
-        model: Torque model.
-        sizes: The faults with their sizes.
-
-    Returns:
-        One finding for each kind and joint, with the parameters that it makes doubtful.
-    """
+    """Describe faults that were found."""
     findings: dict[tuple[str, str], Finding] = {}
     for size in sizes:
         doubtful = size.doubtful
@@ -76,17 +68,7 @@ def _acting(model: TorqueModel, joint: str) -> NDArray[np.bool_]:
 
 
 def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, severity: Severity) -> Finding:
-    """Write a finding for a fault with its size.
-
-    Args:
-        nuisance: The fault.
-        delta: Its size, (m,).
-        half: Half widths of the 95 % intervals, (m,).
-        severity: Severity.
-
-    Returns:
-        The finding.
-    """
+    """Write a finding for a fault with its size."""
     value = float(delta[0]) if len(delta) == 1 else float(np.linalg.norm(delta))
     ends = [value - float(half[0]), value + float(half[0])] if len(delta) == 1 else []
     if len(delta) == 1:

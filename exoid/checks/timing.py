@@ -35,32 +35,14 @@ GAIN = 0.05
 
 
 def timing_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Check the times of a recording.
-
-    Args:
-        recording: The recording, with the joints of the leg.
-        acting: Parameters that act on each joint, by its name.
-        name: Name of the recording.
-
-    Yields:
-        Findings of the kinds angle-wrap, missing-samples, velocity-delay and velocity-scale.
-    """
+    """Check the times of a recording."""
     yield from wraps(recording, acting, name)
     yield from missing_samples(recording, acting, name)
     yield from late_velocities(recording, acting, name)
 
 
 def wraps(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Find angles that jump by a whole turn.
-
-    Args:
-        recording: The recording.
-        acting: Parameters that act on each joint.
-        name: Name of the recording.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find angles that jump by a whole turn."""
     every = np.abs(np.diff(np.ascontiguousarray(recording.q.T), axis=1))
     for joint, steps in zip(recording.joint_names, every, strict=True):
         turns = np.abs(steps - 2.0 * np.pi) < WRAP * 2.0 * np.pi
@@ -80,20 +62,10 @@ def wraps(recording: Recording, acting: Mapping[str, Sequence[str]], name: str =
 
 
 def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Find places where samples are missing although the time stamps run on.
-
-    Lines through the four samples on each side of an interval meet in its middle, but for noise and a change of the
-    acceleration. Where samples are missing, every angle jumps there by its velocity times the time that is missing: the
-    jumps of all joints together give that time, with its standard deviation.
-
-    Args:
-        recording: The recording.
-        acting: Parameters that act on each joint.
-        name: Name of the recording.
-
-    Yields:
-        One finding for all places.
-    """
+    """Find places where samples are missing although the time stamps run on."""
+    # Lines through the four samples on each side of an interval meet in its middle, but for noise and a change
+    # of the acceleration. Where samples are missing, every angle jumps there by its velocity times the time
+    # that is missing: the jumps of all joints together give that time, with its standard deviation.
     if len(recording) < 8 * WINDOW:
         return
     rate = recording.sample_rate
@@ -138,16 +110,7 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
 
 
 def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Compare logged velocities with the derivative of the angles: v = g (q̇ − d q̈).
-
-    Args:
-        recording: The recording.
-        acting: Parameters that act on each joint.
-        name: Name of the recording.
-
-    Yields:
-        Findings of the kinds velocity-delay and velocity-scale.
-    """
+    """Compare logged velocities with the derivative of the angles: v = g (q̇ − d q̈)."""
     if recording.v is None:
         return
     even = recording.resampled()

@@ -130,14 +130,7 @@ def _flush() -> None:
 
 
 def describe_error(error: Exception) -> tuple[str, int]:
-    """Describe an error in one line.
-
-    Args:
-        error: The error.
-
-    Returns:
-        The line, and the exit status.
-    """
+    """Describe an error in one line."""
     if isinstance(error, ExoidError):
         return error.for_command(), BAD_INPUT
     what = " ".join(str(error).split())

@@ -54,18 +54,7 @@ class Course(NamedTuple):
 
 
 def gait(leg: Leg, options: MotionOptions) -> Course:
-    """Make a gait for a leg.
-
-    Args:
-        leg: The leg.
-        options: Period, amplitudes, speed and roles of joints.
-
-    Returns:
-        The gait.
-
-    Raises:
-        ExoidError: An option is no number of seconds, no speed or no role.
-    """
+    """Make a gait for a leg."""
     period = 10.0 if options.period is None else options.period
     if not 0.0 < period < np.inf:
         raise ExoidError(f"--period {period:g}", remedy="give seconds")
@@ -79,20 +68,7 @@ def gait(leg: Leg, options: MotionOptions) -> Course:
 
 
 def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Course:
-    """Follow a log; one of a periodic motion, again and again.
-
-    Args:
-        leg: The leg.
-        name: Path of the log.
-        period: Period of its motion [s]; None to follow it from its beginning to its end.
-        reading: How to read it.
-
-    Returns:
-        The motion.
-
-    Raises:
-        ExoidError: The log cannot be read, or is not periodic.
-    """
+    """Follow a log; one of a periodic motion, again and again."""
     log = read_log(name, reading, leg.joint_names)
     if period is None:
         followed = experiments.follow_log(log)
@@ -111,17 +87,7 @@ def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Co
 
 
 def roles_of(pairs: list[str] | None) -> dict[str, str]:
-    """Turn "HFE=hip" into a role by joint.
-
-    Args:
-        pairs: Values of --role; None for none.
-
-    Returns:
-        Role by joint.
-
-    Raises:
-        ExoidError: One is not JOINT=ROLE.
-    """
+    """Turn "HFE=hip" into a role by joint."""
     roles = {}
     for pair in pairs or ():
         joint, _, role = pair.partition("=")

@@ -22,25 +22,15 @@ WITHOUT_TARGET = ("gravity_support", "transparent")
 
 
 class DryRun(NamedTuple):
-    """Options of a dry run; None for the default of each.
+    """Options of a dry run; None for the default of each."""
 
-    Attributes:
-        log: Log to replay.
-        law: Name of the controller.
-        kp: Stiffness of each joint.
-        kd: Damping of each joint.
-        rate: Rate of the controller [Hz]; that of the log if it is lower than 100 Hz.
-        limit: Largest torque of each joint.
-        slew: Largest rate of change of the torque of each joint.
-    """
-
-    log: str
-    law: str | None
-    kp: str | None
-    kd: str | None
-    rate: float | None
-    limit: str | None
-    slew: str | None
+    log: str  # log to replay
+    law: str | None  # name of the controller
+    kp: str | None  # stiffness of each joint
+    kd: str | None  # damping of each joint
+    rate: float | None  # rate of the controller [Hz]; that of the log if it is lower than 100 Hz
+    limit: str | None  # largest torque of each joint
+    slew: str | None  # largest rate of change of the torque of each joint
 
 
 def dry_run(source: ModelSource, options: DryRun, reading: LogOptions) -> LawReplay:

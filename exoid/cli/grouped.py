@@ -33,30 +33,15 @@ class Settings(TypedDict):
 
 
 class GroupedLogs(NamedTuple):
-    """Logs with shared and per-recording parameters.
+    """Logs with shared and per-recording parameters."""
 
-    Attributes:
-        names: Names of the logs.
-        own: Per-recording parameters.
-        paths: File of the estimate of each log, by its name; empty to write none.
-    """
-
-    names: Sequence[str]
-    own: Sequence[str]
-    paths: Mapping[str, Path]
+    names: Sequence[str]  # names of the logs
+    own: Sequence[str]  # per-recording parameters
+    paths: Mapping[str, Path]  # file of the estimate of each log, by its name; empty to write none
 
     @staticmethod
     def of(names: Sequence[str], own: Sequence[str], output: str | None) -> GroupedLogs:
-        """Name the file of each log's estimate after the log, such as est-monday.json.
-
-        Args:
-            names: Names of the logs.
-            own: Per-recording parameters.
-            output: File name to which the name of the log is added; None to write none.
-
-        Returns:
-            The logs with their files.
-        """
+        """Name the file of each log's estimate after the log, such as est-monday.json."""
         path = Path(output or "")
         files = {} if output is None else {n: path.with_name(f"{path.stem}-{_plain(n)}{path.suffix}") for n in names}
         return GroupedLogs(names, own, files)
@@ -70,18 +55,7 @@ class GroupedLogs(NamedTuple):
         *,
         as_json: bool,
     ) -> str:
-        """Identify, write all estimates or none, and describe the result.
-
-        Args:
-            recordings: One recording for each name.
-            find: Function that finds the leg of the logged joints.
-            read_drives: Function that reads the drives of a leg; None for torques.
-            settings: Settings of the identification.
-            as_json: Whether the text is JSON.
-
-        Returns:
-            Text of the result.
-        """
+        """Identify, write all estimates or none, and describe the result."""
         known = {each.joint_names: find(each.joint_names) for each in recordings}
         legs = {name: known[each.joint_names] for name, each in zip(self.names, recordings, strict=True)}
         groups = dict(zip(self.names, recordings, strict=True))
@@ -102,17 +76,7 @@ class GroupedLogs(NamedTuple):
 
 
 def log_names(logs: Sequence[str]) -> list[str]:
-    """Name each log by its file name without folder and ending if these names differ, else by the argument.
-
-    Args:
-        logs: Arguments.
-
-    Returns:
-        Names.
-
-    Raises:
-        ExoidError: There is only one log, or one was given twice.
-    """
+    """Name each log by its file name without folder and ending if these names differ, else by the argument."""
     stems = [Path(log).stem for log in logs]
     names = stems if len(set(stems)) == len(stems) else list(logs)
     if len(set(names)) != len(names) or len(names) < 2:

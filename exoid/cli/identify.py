@@ -75,14 +75,7 @@ class FitOptions(NamedTuple):
     check: Annotated[bool, typer.Option("--check/--no-check", help="Look for faults of the logs.")] = True
 
     def settings(self) -> Settings:
-        """Parse the options.
-
-        Returns:
-            Settings of an identification.
-
-        Raises:
-            ExoidError: A term is unknown, or a number is none.
-        """
+        """Parse the options."""
         return Settings(
             terms=given_terms(self.terms),
             estimator=self.estimator,

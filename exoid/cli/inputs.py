@@ -111,62 +111,33 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a ta
 
 
 class LogOptions(NamedTuple):
-    """How to read logs.
+    """How to read logs."""
 
-    Attributes:
-        column: "NAME=HEADER" pairs.
-        degrees: Whether angles are degrees.
-        start: First time stamp to use [s].
-        stop: First time stamp not to use [s].
-        topic: Topic of joint states in bags; None for the only one.
-        received: Whether the time in bags is that at which they received the messages.
-        segments: CSV file of the segments that count; None for all.
-        mask: Header of a column of 0 and 1 that says which samples count; None for all.
-        names: Names of the columns of files without a header line, separated by commas.
-        format: "NAME:JOINT" of the log of an actuator.
-        passive: Joints without an actuator, separated by commas.
-        unmeasured: Joints whose torque column is not read, separated by commas.
-        payload: "LOG=SEGMENT:KG@X,Y,Z" of payloads.
-        base_position: Position of the sensor on the base [m], "X,Y,Z".
-        wrench: "LINK:AXES@X,Y,Z" of wrenches.
-    """
-
-    column: ColumnPairs = None
-    degrees: Degrees = False
-    start: Start = None
-    stop: Stop = None
-    topic: Topic = None
-    received: Received = False
-    segments: Segments = None
-    mask: Mask = None
-    names: Names = None
-    format: Format = None
-    passive: Passive = None
-    unmeasured: Unmeasured = None
-    payload: PayloadOptions = None
-    base_position: BasePosition = None
-    wrench: WrenchFrames = None
+    column: ColumnPairs = None  # "NAME=HEADER" pairs
+    degrees: Degrees = False  # whether angles are degrees
+    start: Start = None  # first time stamp to use [s]
+    stop: Stop = None  # first time stamp not to use [s]
+    topic: Topic = None  # topic of joint states in bags; None for the only one
+    received: Received = False  # whether the time in bags is that at which they received the messages
+    segments: Segments = None  # CSV file of the segments that count; None for all
+    mask: Mask = None  # header of a column of 0 and 1 that says which samples count; None for all
+    names: Names = None  # names of the columns of files without a header line, separated by commas
+    format: Format = None  # "NAME:JOINT" of the log of an actuator
+    passive: Passive = None  # joints without an actuator, separated by commas
+    unmeasured: Unmeasured = None  # joints whose torque column is not read, separated by commas
+    payload: PayloadOptions = None  # "LOG=SEGMENT:KG@X,Y,Z" of payloads
+    base_position: BasePosition = None  # position of the sensor on the base [m], "X,Y,Z"
+    wrench: WrenchFrames = None  # "LINK:AXES@X,Y,Z" of wrenches
 
     def given(self) -> dict[str, object]:
-        """List the options that were given.
-
-        Returns:
-            Value by option; None for the others.
-        """
+        """List the options that were given."""
         return {
             f"--{name.replace('_', '-')}": None if value == self._field_defaults[name] else value
             for name, value in self._asdict().items()
         }
 
     def refuse_other(self, logs: Sequence[str]) -> None:
-        """Refuse segments and payloads of logs that were not given.
-
-        Args:
-            logs: Names or paths of all logs that are read.
-
-        Raises:
-            ExoidError: An option names another log, or its file cannot be read.
-        """
+        """Refuse segments and payloads of logs that were not given."""
         refuse_other_segments(self.segments, logs)
         refuse_other_payloads(self.payload, logs)
 
@@ -179,18 +150,15 @@ OF_FILES = ("--names", "--format", "--passive", "--unmeasured", "--payload", "--
 
 
 class LegOptions(NamedTuple):
-    """Which leg is meant.
+    """Which leg is meant."""
 
-    Attributes:
-        side: "left", "right" or "both".
-        inertias: Inertia set of a built-in leg.
-        joints: Joints of a URDF that move, separated by commas.
-    """
-
+    # "left", "right" or "both"
     side: Annotated[
         str | None, typer.Option(help="left, right or both, of a built-in leg; default: that of the logs.")
     ] = None
+    # inertia set of a built-in leg
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None
+    # joints of a URDF that move, separated by commas
     joints: Annotated[
         str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: those in the logs, or all.")
     ] = None
@@ -198,17 +166,7 @@ class LegOptions(NamedTuple):
     def find(
         self, name: str, logged: Sequence[str] | None, *, moving_base: bool = False, floating_base: bool = False
     ) -> Leg:
-        """Load the leg.
-
-        Args:
-            name: Name of a leg, dataset or robot, or path of a URDF.
-            logged: Joints in the log; None without a log.
-            moving_base: Whether the leg has the parameters of a base that moves in space.
-            floating_base: Whether it has rows of a base that floats.
-
-        Returns:
-            The leg; see :func:`exoid.cli.legs.find_leg`.
-        """
+        """Load the leg."""
         return find_leg(
             name,
             self.side,
@@ -225,16 +183,7 @@ ANY_LEG = LegOptions()
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
-    """Read logs, or the parts of a built-in dataset.
-
-    Args:
-        names: Paths, or ``dataset:train`` and ``dataset:test``.
-        options: How to read files.
-        joints: Requested joints; None for all in the file.
-
-    Returns:
-        One recording for each name.
-    """
+    """Read logs, or the parts of a built-in dataset."""
     recordings = []
     for name in names:
         recordings.append(read_log(name, options, joints))
@@ -265,18 +214,7 @@ def read_drives(file: str | None, leg: Leg) -> Actuators | None:
 
 
 def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
-    """Turn "0.3,0.2" into numbers; one number stands for all joints.
-
-    Args:
-        text: Numbers, separated by commas; None if the option was not given.
-        option: Option, for the message.
-
-    Returns:
-        The numbers; None for None.
-
-    Raises:
-        ExoidError: A part is no number.
-    """
+    """Turn "0.3,0.2" into numbers; one number stands for all joints."""
     if text is None:
         return None
     try:
@@ -286,17 +224,7 @@ def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
 
 
 def parse_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
-    """Turn "left_foot:link@0,0,-0.08" into axes and points by link.
-
-    Args:
-        texts: Values of ``--wrench``.
-
-    Returns:
-        The frames.
-
-    Raises:
-        ExoidError: A text has another form, or a link occurs twice.
-    """
+    """Turn "left_foot:link@0,0,-0.08" into axes and points by link."""
     frames: dict[str, WrenchFrame] = {}
     for text in texts or ():
         try:

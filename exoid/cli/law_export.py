@@ -42,24 +42,8 @@ OBSERVED = 8.0
 def export_law(
     estimate: Estimate, name: str, path: str | None, options: LawOptions, precision: str, folder: str | None = None
 ) -> LawSource | Ros2Package:
-    """Write a law for an estimate as C, or as a package for ROS 2.
-
-    Gains, rate and gait are those of ``exoid track`` unless options say otherwise; the limit is that of the URDF.
-
-    Args:
-        estimate: The estimate.
-        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVERS`.
-        path: Source to write; None if a folder is given.
-        options: Options.
-        precision: "double" or "float".
-        folder: Folder of the package for ROS 2; None for a source.
-
-    Returns:
-        What was written.
-
-    Raises:
-        ExoidError: An option does not fit the leg, the law has no form in C, or the file cannot be written.
-    """
+    """Write a law for an estimate as C, or as a package for ROS 2."""
+    # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     default = Safety()
     safety = Safety(
         options.safe or default.safe, patience=default.patience if options.patience is None else options.patience

@@ -40,24 +40,7 @@ def find_leg(
     moving_base: bool = False,
     floating_base: bool = False,
 ) -> Leg:
-    """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data.
-
-    Args:
-        name: Name of a leg, dataset or robot, or path of a URDF.
-        side: "left", "right" or "both" for a built-in leg; None for the side whose joints were logged, and for both if
-            the base floats.
-        inertias: Inertia set of a built-in leg.
-        joints: Joints of a URDF that move; None for those that were logged.
-        logged: Joints in the log; None without a log: all joints of a URDF move.
-        moving_base: Whether the leg has the parameters of a base that moves in space.
-        floating_base: Whether it has rows of a base that floats.
-
-    Returns:
-        The leg.
-
-    Raises:
-        ExoidError: There is no such leg or file, or an option has no effect on it.
-    """
+    """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data."""
     if name in SEGMENTS or name in DATASETS:
         refuse({"--moving-base": moving_base or None}, f"{name} is planar; name a URDF file for a base in space")
     if name in SEGMENTS:
@@ -83,14 +66,7 @@ def find_leg(
 
 
 def refuse_unknown_leg(name: str) -> None:
-    """Refuse what is neither a leg nor a file, before logs are read whose columns would be blamed.
-
-    Args:
-        name: Name of a leg or dataset, or path of a URDF.
-
-    Raises:
-        ExoidError: There is no such leg or file; names files that are similar.
-    """
+    """Refuse what is neither a leg nor a file, before logs are read whose columns would be blamed."""
     if name in SEGMENTS or name in DATASETS or is_readable(name) or is_robot(name):
         return
     if os.path.isdir(name):  # noqa: PTH112 - as in is_readable

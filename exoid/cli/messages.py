@@ -9,13 +9,11 @@ import typer
 
 
 class Amount(IntEnum):
-    """How much is said on standard error; errors always are.
+    """How much is said on standard error; errors always are."""
 
-    Attributes:
-        QUIET: Nothing.
-        USUAL: Files that were written, notes, and progress.
-        VERBOSE: Also what was read, and the seconds of each step.
-    """
+    # QUIET: Nothing.
+    # USUAL: Files that were written, notes, and progress.
+    # VERBOSE: Also what was read, and the seconds of each step.
 
     QUIET = 0
     USUAL = 1
@@ -27,11 +25,6 @@ amount: ContextVar[Amount] = ContextVar("amount", default=Amount.USUAL)
 
 
 def note(text: str, least: Amount = Amount.USUAL) -> None:
-    """Write a line to standard error.
-
-    Args:
-        text: The line.
-        least: The amount from which it is written.
-    """
+    """Write a line to standard error."""
     if amount.get() >= least:
         typer.echo(text, err=True)

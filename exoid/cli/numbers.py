@@ -25,20 +25,7 @@ def parse_prior(pairs: Sequence[str] | None) -> dict[str, tuple[float, float]]:
 
 
 def joint_values(text: str, option: str, joints: Sequence[str], *, one_for_all: bool = False) -> FloatArray:
-    """Turn "22,55" into one number for each joint.
-
-    Args:
-        text: Numbers, separated by commas.
-        option: Option, for the message.
-        joints: Names of the joints, n of them.
-        one_for_all: Whether one number may stand for all joints.
-
-    Returns:
-        Numbers, (n,).
-
-    Raises:
-        ExoidError: A part is no finite number, or their count does not fit.
-    """
+    """Turn "22,55" into one number for each joint."""
     try:
         values = np.array([float(part) for part in text.split(",")])
     except ValueError:

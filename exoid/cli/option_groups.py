@@ -15,14 +15,7 @@ NOTHING: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[Verb], Verb]:
-    """Replace each parameter of a verb that is a named tuple by the fields of the tuple.
-
-    Args:
-        without: Fields that the verb does not have, by the name of the parameter; they keep their defaults.
-
-    Returns:
-        A decorator of verbs.
-    """
+    """Replace each parameter of a verb that is a named tuple by the fields of the tuple."""
 
     def decorate(verb: Verb) -> Verb:
         hints = get_annotations(verb, eval_str=True)  # get_type_hints of 3.10 changes a default None

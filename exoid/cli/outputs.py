@@ -12,15 +12,7 @@ from exoid.files import refuse_input, refuse_unwritable
 def check_outputs(
     outputs: Mapping[str, str | os.PathLike[str] | None], inputs: Iterable[str | os.PathLike[str] | None] = ()
 ) -> None:
-    """Check files before the work for their content begins.
-
-    Args:
-        outputs: File of each option; None for an option that was not given.
-        inputs: Arguments that may name files or folders to read; names of legs and datasets are skipped.
-
-    Raises:
-        ExoidError: A file cannot be written, is an input, or belongs to two options.
-    """
+    """Check files before the work for their content begins."""
     read = [each for each in inputs if each is not None]
     options: dict[str, str] = {}
     for option, path in outputs.items():

@@ -23,33 +23,14 @@ PayloadOptions = Annotated[
 
 
 def payloads_in(log: str, options: Sequence[str] | None) -> tuple[Payload, ...] | None:
-    """Find the payloads of a log.
-
-    Args:
-        log: Name or path of the log.
-        options: Values of ``--payload``.
-
-    Returns:
-        Its payloads; None where no option is about this log, so that the file may name them.
-
-    Raises:
-        ExoidError: An option has another form.
-    """
+    """Find the payloads of a log."""
     split = [_split(option) for option in options or ()]
     found = tuple(payload for name, payload in split if name is None or name in _names(log))
     return found or None
 
 
 def refuse_other_payloads(options: Sequence[str] | None, logs: Sequence[str]) -> None:
-    """Refuse payloads of logs that were not given.
-
-    Args:
-        options: Values of ``--payload``.
-        logs: Names or paths of all logs that are read.
-
-    Raises:
-        ExoidError: An option names another log, or has another form.
-    """
+    """Refuse payloads of logs that were not given."""
     known = {name for log in logs for name in _names(log)}
     for option in options or ():
         name, _ = _split(option)

@@ -69,17 +69,7 @@ class SearchOptions(NamedTuple):
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0
 
     def arguments(self, starts: int) -> dict[str, Any]:
-        """Turn the options into arguments of a search.
-
-        Args:
-            starts: Default number of starts.
-
-        Returns:
-            Argument by name.
-
-        Raises:
-            ExoidError: The noise is no number.
-        """
+        """Turn the options into arguments of a search."""
         noise = parse_numbers(self.noise, "--noise")
         return self._asdict() | {"noise": noise, "starts": self.starts or starts}
 
@@ -104,17 +94,7 @@ class LimitOptions(NamedTuple):
     clearance: Annotated[float, typer.Option(metavar="M", help="Least distance of --foot from the ground.")] = 0.05
 
     def of(self, leg: Leg) -> MotionLimits:
-        """Parse the limits.
-
-        Args:
-            leg: Leg, whose URDF has the others.
-
-        Returns:
-            The limits.
-
-        Raises:
-            ExoidError: A text has another form, or the leg cannot have such limits.
-        """
+        """Parse the limits."""
         return excitation.MotionLimits.of(
             leg,
             margin=math.radians(self.margin),
@@ -162,16 +142,7 @@ class StanceOptions(NamedTuple):
         return split_names(self.stance)
 
     def refuse_without_effect(self, assess: list[str] | None, limits: LimitOptions, torso: TorsoOptions) -> None:
-        """Refuse options that motions on the ground do not have, or that only they have.
-
-        Args:
-            assess: Logs to assess.
-            limits: Limits.
-            torso: Tilts and poses.
-
-        Raises:
-            ExoidError: There is such an option.
-        """
+        """Refuse options that motions on the ground do not have, or that only they have."""
         if self.stance is None:
             refuse({"--sole": self.sole, "--friction": self.friction, "--doubt": self.doubt}, "they are for --stance")
             return

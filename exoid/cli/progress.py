@@ -17,14 +17,7 @@ PATIENCE = 2.0
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """Show how far a command is: a bar on a terminal; elsewhere a line after each tenth, if it takes longer than 2 s.
-
-    Args:
-        label: Text beside the bar.
-
-    Yields:
-        Function that receives the completed share, 0 to 1.
-    """
+    """Show progress: a bar on a terminal; elsewhere a line after each tenth, if it takes longer than 2 s."""
     console, begin = Console(stderr=True), time.monotonic()
     shown = console.is_terminal and amount.get() > Amount.QUIET
     with Progress(console=console, transient=True, disable=not shown) as bar:
@@ -35,14 +28,7 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def status(label: str) -> Iterator[None]:
-    """Show on a terminal what a command is doing.
-
-    Args:
-        label: What it is doing.
-
-    Yields:
-        Nothing.
-    """
+    """Show on a terminal what a command is doing."""
     begin = time.monotonic()
     console = Console(stderr=True, quiet=amount.get() == Amount.QUIET)
     with console.status(label):

@@ -13,21 +13,7 @@ RATE, CUTOFF = 500.0, 8.0
 def export_recursive(
     estimate: Estimate, path: str, rate: float | None, cutoff: float | None, forgetting: str
 ) -> RecursiveSource:
-    """Write a recursive estimator of the parameters of an estimate as C.
-
-    Args:
-        estimate: The estimate, of which leg and terms are used.
-        path: Source to write.
-        rate: Sampling rate [Hz]; None for the default.
-        cutoff: Cut-off of the filter [Hz]; None for the default.
-        forgetting: "directional", "exponential" or "none". Unless it is "none", changes are detected.
-
-    Returns:
-        What was written.
-
-    Raises:
-        ExoidError: A setting or a term has no form in C, or the file cannot be written.
-    """
+    """Write a recursive estimator of the parameters of an estimate as C."""
     online = RecursiveEstimator(
         estimate.leg,
         estimate.model.terms,

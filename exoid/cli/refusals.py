@@ -10,32 +10,14 @@ from exoid.errors import ExoidError
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
-    """Refuse options that have no effect.
-
-    Args:
-        options: Values by option; None for an option that was not given.
-        why: Reason, for the message.
-
-    Raises:
-        ExoidError: An option was given.
-    """
+    """Refuse options that have no effect."""
     for option, value in options.items():
         if value is not None:
             raise ExoidError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
 
 
 def is_readable(name: str) -> bool:
-    """Tell whether a name is that of a file.
-
-    Args:
-        name: Path of a file, or another name.
-
-    Returns:
-        Whether there is such a file.
-
-    Raises:
-        ExoidError: A folder on the way to it cannot be read.
-    """
+    """Tell whether a name is that of a file."""
     try:
         return stat.S_ISREG(Path(name).stat().st_mode)
     except (FileNotFoundError, NotADirectoryError, ValueError):
@@ -45,14 +27,6 @@ def is_readable(name: str) -> bool:
 
 
 def unreadable(name: str, problem: Exception) -> ExoidError:
-    """Make the error about a file that the system does not let read.
-
-    Args:
-        name: Path of the file.
-        problem: Error of the system.
-
-    Returns:
-        The error.
-    """
+    """Make the error about a file that the system does not let read."""
     reason = getattr(problem, "strerror", None) or str(problem)
     return ExoidError(f"cannot be read ({reason})", where=name, remedy="check the path and its rights")

@@ -12,29 +12,12 @@ INSTALL = "pip install 'exoid[robots]'"
 
 
 def is_robot(name: str) -> bool:
-    """Tell whether a name is that of a robot with a URDF.
-
-    Args:
-        name: Name, such as "panda".
-
-    Returns:
-        Whether example-robot-data is installed and has it.
-    """
+    """Tell whether a name is that of a robot with a URDF."""
     return name.isidentifier() and name in _robots()
 
 
 def urdf_of_robot(name: str) -> Path:
-    """Find the URDF of a robot.
-
-    Args:
-        name: Name in example-robot-data, for which :func:`is_robot` holds.
-
-    Returns:
-        The file.
-
-    Raises:
-        ExoidError: The installed data lack the file.
-    """
+    """Find the URDF of a robot."""
     from example_robot_data.robots_loader import getModelPath  # noqa: PLC0415 - an extra
 
     robot = _robots()[name]
@@ -46,27 +29,13 @@ def urdf_of_robot(name: str) -> Path:
 
 
 def folder_of_robot(name: str) -> Path:
-    """Find the folder with the meshes of a robot.
-
-    Args:
-        name: Name in example-robot-data, for which :func:`is_robot` holds.
-
-    Returns:
-        The folder that holds those of its URDF and its meshes.
-
-    Raises:
-        ExoidError: The installed data lack the robot's URDF.
-    """
+    """Find the folder with the meshes of a robot."""
     inside = Path(_robots()[name].urdf_subpath, _robots()[name].urdf_filename)
     return urdf_of_robot(name).parents[len(inside.parts) - 1]
 
 
 def how_to_name_one() -> str:
-    """Say what makes robots known by name.
-
-    Returns:
-        End of a remedy.
-    """
+    """Say what makes robots known by name."""
     return "the name of one in example-robot-data" if _robots() else f"a robot's name after {INSTALL}"
 
 

@@ -12,18 +12,7 @@ from .refusals import unreadable
 
 
 def read_segments(path: Path, log: str) -> list[tuple[float, float]]:
-    """Read the segments of a log that count.
-
-    Args:
-        path: CSV file with columns start and stop [s], and ``log``, the file name, if there are several logs.
-        log: Name or path of the log.
-
-    Returns:
-        Start and stop of each segment of this log [s].
-
-    Raises:
-        ExoidError: The file cannot be read, a column is missing, a cell is no number, or the log has no segment.
-    """
+    """Read the segments of a log that count."""
     found = [pair for name, pair in _segment_lines(path) if name is None or name in (log, Path(log).name)]
     if not found:
         raise ExoidError(f"no segments of {log}", where=str(path), remedy="name it in the column log")
@@ -31,15 +20,7 @@ def read_segments(path: Path, log: str) -> list[tuple[float, float]]:
 
 
 def refuse_other_segments(file: str | None, logs: Sequence[str]) -> None:
-    """Refuse segments that do not say which of several logs they belong to, or name a log that was not given.
-
-    Args:
-        file: CSV file of the segments; None for none.
-        logs: Names or paths of all logs that are read.
-
-    Raises:
-        ExoidError: See above, or the file cannot be read.
-    """
+    """Refuse segments that do not say which of several logs they belong to, or name a log that was not given."""
     if file is None:
         return
     path = Path(file)

@@ -53,18 +53,7 @@ class GainOptions(NamedTuple):
     rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
 
     def of(self, labels: Sequence[str], default: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Parse the gains.
-
-        Args:
-            labels: Names of the joints, n of them.
-            default: Gains where no option says otherwise [N·m/rad, N·m·s/rad], (n,) each.
-
-        Returns:
-            Stiffness and damping, (n,) each.
-
-        Raises:
-            ExoidError: The numbers do not fit the joints.
-        """
+        """Parse the gains."""
         kp, kd = default
         if self.kp is not None:
             kp = joint_values(self.kp, "--kp", labels, one_for_all=True)

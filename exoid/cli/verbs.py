@@ -37,39 +37,20 @@ class LazyVerbs(TyperGroup):
     """A group whose verbs are imported when they are called: the group's own help needs none of them."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:  # noqa: ANN401 - Click's
-        """Find the verb that the arguments name, and import it.
-
-        Args:
-            ctx: Click's context.
-            args: Arguments after the options of the group.
-
-        Returns:
-            Name of the verb, its command, and the arguments that remain.
-        """
+        """Find the verb that the arguments name, and import it."""
         name, found, rest = super().resolve_command(ctx, args)
         return name, found and load_verb(str(found.name)), rest
 
 
 def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, by Typer's version
-    """Import a verb.
-
-    Args:
-        name: One of ``VERBS``.
-
-    Returns:
-        The command with all its options.
-    """
+    """Import a verb."""
     alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     alone.command(name)(getattr(import_module(f".{name}", __package__), name))
     return typer.main.get_command(alone)
 
 
 def add_verbs(app: typer.Typer) -> None:
-    """Add all verbs to an application, by name and help only.
-
-    Args:
-        app: Application of the class :class:`LazyVerbs`.
-    """
+    """Add all verbs to an application, by name and help only."""
 
     def not_yet_imported() -> None:
         """Stand for the verb in the list of verbs."""

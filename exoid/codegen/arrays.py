@@ -11,16 +11,7 @@ from .dialect import Dialect
 
 
 def initializer(values: NDArray[Any], dialect: Dialect, indent: str = "") -> str:
-    """Write the initializer of an array.
-
-    Args:
-        values: Numbers of any shape; integers are written as such.
-        dialect: Precision of numbers that are not integers.
-        indent: Indentation of the line that it begins on.
-
-    Returns:
-        Braces and numbers; a number alone for a scalar.
-    """
+    """Write the initializer of an array."""
     if values.ndim == 0:
         return str(int(values)) if np.issubdtype(values.dtype, np.integer) else dialect.number(float(values))
     if values.ndim == 1:

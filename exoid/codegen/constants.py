@@ -12,30 +12,15 @@ from .dialect import Dialect
 
 
 class Constants(NamedTuple):
-    """Table of numbers.
+    """Table of numbers."""
 
-    Attributes:
-        name: Name in C, after the prefix.
-        what: Comment above the table, with the unit.
-        rows: Label and number of each row.
-    """
-
-    name: str
-    what: str
-    rows: Sequence[tuple[str, str]]
+    name: str  # name in C, after the prefix
+    what: str  # comment above the table, with the unit
+    rows: Sequence[tuple[str, str]]  # label and number of each row
 
 
 def constants_of_bodies(leg: Leg, known: Mapping[str, float], dialect: Dialect) -> Iterator[Constants]:
-    """Write directions, distances and the parameters X, Y and J of a planar leg.
-
-    Args:
-        leg: The leg, a planar chain.
-        known: Value of each parameter of the leg.
-        dialect: Precision.
-
-    Yields:
-        The tables sign, dx, dz, X, Y and J.
-    """
+    """Write directions, distances and the parameters X, Y and J of a planar leg."""
     joints, number = leg.joint_names, dialect.number
     if leg.chain is None:
         return

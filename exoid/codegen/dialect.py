@@ -76,21 +76,7 @@ class Dialect:
 
 
 def identifier(path: str | Path) -> str:
-    """Turn a file's name into the prefix of the names in it.
-
-    Args:
-        path: The file, or a name of one's choice.
-
-    Returns:
-        An identifier of letters, digits and single underscores.
-
-    Raises:
-        ExoidError: Nothing in the name can stand in C.
-
-    Example:
-        >>> identifier("build/left-leg.2.c"), identifier("2nd.c")
-        ('left_leg_2', 'leg_2nd')
-    """
+    """Turn a file's name into the prefix of the names in it."""
     stem = re.sub(r"[^A-Za-z0-9]+", "_", Path(path).name.removesuffix(".c")).strip("_")
     if not stem:
         raise ExoidError(f"{str(path)!r} is no name for C", remedy="give a file such as leg.c, or a name of letters")
@@ -98,18 +84,7 @@ def identifier(path: str | Path) -> str:
 
 
 def comment(text: str) -> str:
-    """Make any text fit for a comment: one line of ASCII that neither ends nor starts a comment.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        The text with its indentation.
-
-    Example:
-        >>> comment("X1 [kg·m²] */ int main")
-        'X1 [kg m^2] * / int main'
-    """
+    """Make any text fit for a comment: one line of ASCII that neither ends nor starts a comment."""
     plain = " ".join(text.translate(IN_C).encode("ascii", "replace").decode().split())
     plain = " " * (len(text) - len(text.lstrip(" "))) + "".join(letter for letter in plain if letter.isprintable())
     for forbidden, harmless in (("*/", "* /"), ("/*", "/ *"), ("??", "? ?"), ("\\", "|")):

@@ -11,19 +11,7 @@ from .dialect import Dialect
 
 
 def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
-    """Write the command of each joint as an expression in q[j], v[j] and tau[j].
-
-    Args:
-        actuators: Drives of the joints.
-        dialect: Precision.
-
-    Returns:
-        Expressions, n of them: the torque itself at joints without a drive.
-
-    Raises:
-        ExoidError: A drive has no form in C, a torque constant is not known or depends on temperature, or a number
-            cannot be written.
-    """
+    """Write the command of each joint as an expression in q[j], v[j] and tau[j]."""
     names = actuators.joint_names
     commands = [f"tau[{joint}]" for joint in range(len(names))]
     for name, drive in actuators.drives.items():
@@ -38,14 +26,7 @@ def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
 
 
 def with_form_in_c(actuators: Actuators | None) -> tuple[Actuators | None, tuple[str, ...]]:
-    """Leave out drives without a form in C.
-
-    Args:
-        actuators: Drives; None for none.
-
-    Returns:
-        The drives, or None with a warning that says why.
-    """
+    """Leave out drives without a form in C."""
     if actuators is None:
         return None, ()
     try:

@@ -72,15 +72,10 @@ T = TypeVar("T", bound=Term)
 
 
 class CForm(NamedTuple):
-    """Form of a type of term in C.
+    """Form of a type of term in C."""
 
-    Attributes:
-        place: Place in the file.
-        write: Expression of a term at a joint.
-    """
-
-    place: Place
-    write: Callable[[Any, JointInC], str]
+    place: Place  # place in the file
+    write: Callable[[Any, JointInC], str]  # expression of a term at a joint
 
 
 FORMS: dict[type[Term], CForm] = {}
@@ -129,18 +124,7 @@ def register_c_form(
 
 
 def c_form(term: Term) -> CForm:
-    """Look up the form of a term in C.
-
-    Args:
-        term: The term.
-
-    Returns:
-        The form of its own type; that of a parent may compute something else.
-
-    Raises:
-        ExoidError: None is registered, the term depends on load or has memory, or it couples joints and is not along a
-            coordinate.
-    """
+    """Look up the form of a term in C."""
     described = f"{type(term).__name__} ({', '.join(term.symbols)})"
     needs = (
         "depends on temperature"

@@ -13,16 +13,7 @@ if TYPE_CHECKING:
 
 
 def fill(template: str, dialect: Dialect, **values: object) -> str:
-    """Fill a template of this package, in which numbers and functions have one precision.
-
-    Args:
-        template: File of the template, or the template itself if it has several lines.
-        dialect: Precision.
-        **values: Values by name.
-
-    Returns:
-        The text.
-    """
+    """Fill a template of this package, in which numbers and functions have one precision."""
     environment = _environment(dialect)
     found = environment.from_string(template) if "\n" in template else environment.get_template(template)
     return found.render(values)

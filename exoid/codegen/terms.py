@@ -28,36 +28,16 @@ from .forms import CForm, JointInC, Place, c_form, register_c_form
 
 
 class TermsInC(NamedTuple):
-    """The terms of a leg.
+    """The terms of a leg."""
 
-    Attributes:
-        friction: Torque of each joint as an expression in v[j], n of them.
-        stiffness: Torque of each joint as an expression in q[j], n of them.
-        rotor: Inertia of each joint as a constant expression, n of them.
-        table: Names of the parameters in the table that friction and stiffness refer to, in its order.
-    """
-
-    friction: list[str]
-    stiffness: list[str]
-    rotor: list[str]
-    table: list[str]
+    friction: list[str]  # torque of each joint as an expression in v[j], n of them
+    stiffness: list[str]  # torque of each joint as an expression in q[j], n of them
+    rotor: list[str]  # inertia of each joint as a constant expression, n of them
+    table: list[str]  # names of the parameters in the table that friction and stiffness refer to, in its order
 
 
 def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dialect) -> TermsInC:
-    """Write all terms of a model.
-
-    Args:
-        model: The model.
-        values: Its parameters, (P,).
-        table: Name in C of the table of parameters.
-        dialect: Precision.
-
-    Returns:
-        Expressions of each joint, and the names of the parameters in the table.
-
-    Raises:
-        ExoidError: A term has no form in C, or a number cannot be written.
-    """
+    """Write all terms of a model."""
     known = {name: dialect.number(value) for name, value in zip(model.names, values, strict=True)}
     forms = [(block, c_form(block.term)) for block in model.blocks if any(name in known for name in block.names)]
     tabled = [
@@ -76,19 +56,7 @@ def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dial
 
 
 def torques_in_c(block: TermBlock, parameters: Mapping[str, str], dialect: Dialect) -> Iterator[tuple[int, str]]:
-    """Write the torque of one term at each of its joints, in q[j] or v[j] by the place of its form.
-
-    Args:
-        block: The term and its joints.
-        parameters: Constant in C of each symbol of the term.
-        dialect: Precision.
-
-    Yields:
-        Index of a joint and the expression there, ready to join a sum.
-
-    Raises:
-        ExoidError: The term has no form in C.
-    """
+    """Write the torque of one term at each of its joints, in q[j] or v[j] by the place of its form."""
     for joint, expression in _torques(block, c_form(block.term), parameters, dialect):
         yield joint, _summand(expression)
 

@@ -43,17 +43,11 @@ PREDICTION = TorquePrediction()
 
 
 class AdaptiveMemory(NamedTuple):
-    """Memory of an adaptive controller, for one leg or B.
+    """Memory of an adaptive controller, for one leg or B."""
 
-    Attributes:
-        values: Parameters β in the order of ``law.names``, (P,) or (P, B).
-        requested: Torque requested at the previous sample [N·m], (n,) or (n, B); NaN before the first.
-        prediction: Memory of the composite adaptation; None without.
-    """
-
-    values: FloatArray
-    requested: FloatArray
-    prediction: PredictionMemory | None = None
+    values: FloatArray  # parameters β in the order of `law.names`, (P,) or (P, B)
+    requested: FloatArray  # torque requested at the previous sample [N·m], (n,) or (n, B); NaN before the first
+    prediction: PredictionMemory | None = None  # memory of the composite adaptation; None without
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,49 +23,31 @@ FREQUENCY = 20.0
 
 
 class VirtualMass(NamedTuple):
-    """Memory: motion of the virtual mass about the target, (n,) or (n, B) each.
+    """Memory: motion of the virtual mass about the target, (n,) or (n, B) each."""
 
-    Attributes:
-        x: Deviation from the target [rad].
-        rate: Rate of change of the deviation [rad/s].
-    """
-
-    x: FloatArray
-    rate: FloatArray
+    x: FloatArray  # deviation from the target [rad]
+    rate: FloatArray  # rate of change of the deviation [rad/s]
 
 
 @dataclass(frozen=True, eq=False)
 class Admittance:
-    """m ẍ + D ẋ + K x = τ_wearer, and the leg follows θ_r = θ_d + x; a :class:`exoid.control.StatefulLaw`.
+    """m ẍ + D ẋ + K x = τ_wearer, and the leg follows θ_r = θ_d + x; a :class:`exoid.control.StatefulLaw`."""
 
-    τ = ID(θ, θ̇, θ̈_r + 2 ω (θ̇_r − θ̇) + ω² (θ_r − θ)) + τ_f − τ_wearer: with an exact model the leg moves as the virtual
-    mass does, whatever its own inertia. The virtual mass is integrated by the trapezoidal rule, which is stable for
-    every mass, damping and stiffness. The loop through the wearer is not: a virtual mass that is small compared with
-    the leg, late readings and stiff cuffs make it oscillate.
+    # τ = ID(θ, θ̇, θ̈_r + 2 ω (θ̇_r − θ̇) + ω² (θ_r − θ)) + τ_f − τ_wearer: with an exact model the leg moves
+    # as the virtual mass does, whatever its own inertia. The virtual mass is integrated by the trapezoidal
+    # rule, which is stable for every mass, damping and stiffness. The loop through the wearer is not: a virtual
+    # mass that is small compared with the leg, late readings and stiff cuffs make it oscillate.
 
-    Attributes:
-        mass: Virtual mass m [kg·m²], a number or (n,).
-        damping: Virtual damping D [N·m·s/rad], likewise.
-        stiffness: Virtual stiffness K about the target [N·m/rad], likewise; 0 to go where the wearer pushes.
-        model: Model of the leg.
-        frequency: Natural frequency ω [rad/s] with which the leg follows, likewise.
-        reach: Largest deviation from the target [rad], likewise; inf for none. The virtual mass stops there, so that
-            a constant error of the sensor does not carry it away.
-        friction: Friction compensation, which never drives; None for none.
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A number is negative or not finite, the mass or the reach is not positive, or the rate is not.
-    """
-
-    mass: FloatArray
-    damping: FloatArray
-    stiffness: FloatArray
-    model: ControlModel
-    frequency: FloatArray
+    mass: FloatArray  # virtual mass m [kg·m²], a number or (n,)
+    damping: FloatArray  # virtual damping D [N·m·s/rad], likewise
+    stiffness: FloatArray  # virtual stiffness K about the target [N·m/rad], likewise; 0 to go where the wearer pushes
+    model: ControlModel  # model of the leg
+    frequency: FloatArray  # natural frequency ω [rad/s] with which the leg follows, likewise
+    # largest deviation from the target [rad], likewise; inf for none. The virtual mass stops there, so that a
+    # constant error of the sensor does not carry it away
     reach: FloatArray
-    friction: PassiveFriction | None = PASSIVE
-    rate: float = RATE
+    friction: PassiveFriction | None = PASSIVE  # friction compensation, which never drives; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -80,30 +62,11 @@ class Admittance:
         object.__setattr__(self, "reach", reach)
 
     def begin(self, state: State) -> VirtualMass:
-        """Compute the memory before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            The virtual mass at rest on the target.
-        """
+        """Compute the memory before the first sample."""
         return VirtualMass(np.zeros_like(state.q), np.zeros_like(state.q))
 
     def step(self, memory: VirtualMass, state: State, target: Target) -> tuple[FloatArray, VirtualMass]:
-        """Compute the torque; see the class.
-
-        Args:
-            memory: Virtual mass.
-            state: Measured state with the torque of the wearer, (n,) or (n, B).
-            target: Reference at this moment, likewise; without accelerations it counts as one of constant velocity.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-
-        Raises:
-            ExoidError: The state does not contain the torque of the wearer.
-        """
+        """Compute the torque; see the class."""
         pushed = interaction_of(state)
         q, v = state.q, state.v
         after, acceleration = self._move(memory, pushed)
@@ -129,17 +92,7 @@ class Admittance:
 
 
 def interaction_of(state: State) -> FloatArray:
-    """Take the torque of the wearer out of a state.
-
-    Args:
-        state: Measured state.
-
-    Returns:
-        Torque [N·m], (n,) or (n, B).
-
-    Raises:
-        ExoidError: It is unknown.
-    """
+    """Take the torque of the wearer out of a state."""
     if state.interaction is None:
         raise ExoidError(
             "this controller needs the torque of the wearer, State(interaction=...)",

@@ -23,45 +23,27 @@ FORGETTING = 3.0
 
 
 class Learnt(NamedTuple):
-    """Memory: assistance that was learnt.
+    """Memory: assistance that was learnt."""
 
-    Attributes:
-        torque: Torque [N·m], (n,) or (n, B).
-    """
-
-    torque: FloatArray
+    torque: FloatArray  # torque [N·m], (n,) or (n, B)
 
 
 @dataclass(frozen=True, eq=False)
 class AssistAsNeeded:
-    """τ = Ĝ + ŝ + τ_f + K ε + w D ė + u, a :class:`exoid.control.StatefulLaw` (tunnel: Banala et al. 2009).
+    """τ = Ĝ + ŝ + τ_f + K ε + w D ė + u, a :class:`exoid.control.StatefulLaw` (tunnel: Banala et al. 2009)."""
 
-    With e = θ_d − θ, ε is the part of e beyond the tunnel ±b and w = |ε| / (|ε| + b). Within the tunnel the leg is
-    transparent. The learnt assistance u obeys u̇ = g ε − u / T_f (forgetting: Wolbrecht et al. 2008): it grows while the
-    wearer needs help, and fades when they do not.
+    # With e = θ_d − θ, ε is the part of e beyond the tunnel ±b and w = |ε| / (|ε| + b). Within the tunnel the
+    # leg is transparent. The learnt assistance u obeys u̇ = g ε − u / T_f (forgetting: Wolbrecht et al. 2008):
+    # it grows while the wearer needs help, and fades when they do not.
 
-    Attributes:
-        stiffness: Stiffness K beyond the tunnel [N·m/rad], a number or (n,).
-        damping: Damping D beyond the tunnel [N·m·s/rad], likewise.
-        model: Model of the leg.
-        tunnel: Half width b of the tunnel [rad], likewise.
-        learning: Gain g [N·m/(rad·s)], likewise; 0 for assistance without memory.
-        forgetting: Time T_f in which learnt assistance fades to 37 % [s].
-        friction: Friction compensation, which never drives; None for none.
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A number is negative or not finite; tunnel, forgetting or rate is not positive.
-    """
-
-    stiffness: FloatArray
-    damping: FloatArray
-    model: ControlModel
-    tunnel: FloatArray
-    learning: FloatArray
-    forgetting: float = FORGETTING
-    friction: PassiveFriction | None = PASSIVE
-    rate: float = RATE
+    stiffness: FloatArray  # stiffness K beyond the tunnel [N·m/rad], a number or (n,)
+    damping: FloatArray  # damping D beyond the tunnel [N·m·s/rad], likewise
+    model: ControlModel  # model of the leg
+    tunnel: FloatArray  # half width b of the tunnel [rad], likewise
+    learning: FloatArray  # gain g [N·m/(rad·s)], likewise; 0 for assistance without memory
+    forgetting: float = FORGETTING  # time T_f in which learnt assistance fades to 37 % [s]
+    friction: PassiveFriction | None = PASSIVE  # friction compensation, which never drives; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -73,27 +55,11 @@ class AssistAsNeeded:
             )
 
     def begin(self, state: State) -> Learnt:
-        """Compute the memory before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            No assistance.
-        """
+        """Compute the memory before the first sample."""
         return Learnt(np.zeros_like(state.q))
 
     def step(self, memory: Learnt, state: State, target: Target) -> tuple[FloatArray, Learnt]:
-        """Compute the torque; see the class.
-
-        Args:
-            memory: Learnt assistance.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-        """
+        """Compute the torque; see the class."""
         q, v = state.q, state.v
         error, tunnel = target.q - q, spread(self.tunnel, q)
         beyond = error - np.clip(error, -tunnel, tunnel)

@@ -172,22 +172,7 @@ def simulate_many(
 
 
 def plant_step(control: float, log: float) -> float:
-    """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log.
-
-    Args:
-        control: Rate of the controller [Hz].
-        log: Rate of the log [Hz].
-
-    Returns:
-        The step [s].
-
-    Raises:
-        ExoidError: A rate is not positive, or the two have no common step that is not too short.
-
-    Example:
-        >>> round(1.0 / plant_step(30.0, 100.0))
-        2100
-    """
+    """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log."""
     if not (0.0 < control < np.inf and 0.0 < log < np.inf):
         raise ExoidError(f"rates of {control:g} and {log:g} Hz", remedy="give positive rates in Hz")
     periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]

@@ -15,23 +15,15 @@ from .model import ControlModel, ModelSource
 
 @dataclass(frozen=True, eq=False)
 class ComputedTorque:
-    """τ = M(θ) [θ̈_d + kd (θ̇_d − θ̇) + kp (θ_d − θ)] + C(θ, θ̇) θ̇ + G(θ) + F_r.
+    """τ = M(θ) [θ̈_d + kd (θ̇_d − θ̇) + kp (θ_d − θ)] + C(θ, θ̇) θ̇ + G(θ) + F_r."""
 
-    With an exact model and in continuous time the error obeys ë + kd ė + kp e = 0, joint by joint.
+    # With an exact model and in continuous time the error obeys ë + kd ė + kp e = 0, joint by joint.
 
-    Attributes:
-        kp: Gain kp [1/s²], a number, (n,) or (n, B); the stiffness is M kp.
-        kd: Gain kd [1/s], likewise.
-        model: Model of the leg.
-        friction: Friction compensation; None for none.
-        rate: Sampling rate [Hz].
-    """
-
-    kp: FloatArray
-    kd: FloatArray
-    model: ControlModel
-    friction: FrictionCompensation | None = AHEAD
-    rate: float = RATE
+    kp: FloatArray  # gain kp [1/s²], a number, (n,) or (n, B); the stiffness is M kp
+    kd: FloatArray  # gain kd [1/s], likewise
+    model: ControlModel  # model of the leg
+    friction: FrictionCompensation | None = AHEAD  # friction compensation; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check gains and rate."""
@@ -39,18 +31,7 @@ class ComputedTorque:
         freeze_gains(self, "kp", "kd")
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: The target has no acceleration.
-        """
+        """Compute the torque; see the class."""
         q, v = state.q, state.v
         requested = acceleration(target) + spread(self.kd, v) * (target.v - v) + spread(self.kp, q) * (target.q - q)
         torque = self.model.inverse_dynamics(q, v, requested)

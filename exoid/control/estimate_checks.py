@@ -12,22 +12,10 @@ SPEED = 1.0
 
 
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
-    """Make the model that a controller compensates, and warn if its friction is negative.
-
-    Args:
-        source: An estimate, a leg, or a plant of one rig.
-        friction: Friction compensation; None for none.
-
-    Returns:
-        The model.
-
-    Raises:
-        ExoidError: The source has no control model.
-
-    Warns:
-        UserWarning: Friction is compensated and negative, as in doc. 2, Table III as printed. Under its eq. (6) it
-            would inject energy: the compensation would oppose the motion that it should support.
-    """
+    """Make the model that a controller compensates, and warn if its friction is negative."""
+    # Warns:
+    #     UserWarning: Friction is compensated and negative, as in doc. 2, Table III as printed. Under its eq. (6) it
+    #         would inject energy: the compensation would oppose the motion that it should support.
     model = ControlModel.of(source)
     if friction is None:
         return model

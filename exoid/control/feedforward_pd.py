@@ -16,19 +16,13 @@ from .pd import PD
 
 @dataclass(frozen=True, eq=False)
 class FeedforwardPD:
-    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + M(θ_d) θ̈_d + C(θ_d, θ̇_d) θ̇_d + G(θ_d) + F_r.
+    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + M(θ_d) θ̈_d + C(θ_d, θ̇_d) θ̇_d + G(θ_d) + F_r."""
 
-    The feedforward depends on the reference alone: noise and delay of the sensors do not affect it.
+    # The feedforward depends on the reference alone: noise and delay of the sensors do not affect it.
 
-    Attributes:
-        feedback: PD feedback.
-        model: Model of the feedforward.
-        friction: Friction compensation; None for none.
-    """
-
-    feedback: PD
-    model: ControlModel
-    friction: FrictionCompensation | None = AHEAD
+    feedback: PD  # PD feedback
+    model: ControlModel  # model of the feedforward
+    friction: FrictionCompensation | None = AHEAD  # friction compensation; None for none
 
     @property
     def rate(self) -> float:
@@ -36,18 +30,7 @@ class FeedforwardPD:
         return self.feedback.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: The target has no acceleration.
-        """
+        """Compute the torque; see the class."""
         ahead = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = self.feedback.torque(state, target) + ahead
         return with_friction(torque, self.friction, self.model, state, target)

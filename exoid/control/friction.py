@@ -63,18 +63,7 @@ class FrictionCompensation:
 def with_friction(
     torque: FloatArray, friction: FrictionCompensation | None, model: ControlModel, state: State, target: Target
 ) -> FloatArray:
-    """Add friction compensation to the torque of a controller.
-
-    Args:
-        torque: Torque without it [N·m], (n,) or (n, B).
-        friction: Friction compensation; None for none.
-        model: Model with the friction coefficients.
-        state: Measured state.
-        target: Reference at this moment.
-
-    Returns:
-        Torque with it [N·m], of the same shape.
-    """
+    """Add friction compensation to the torque of a controller."""
     return torque if friction is None else torque + friction.torque(model, state, target)
 
 

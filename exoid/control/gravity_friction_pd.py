@@ -20,19 +20,13 @@ from .pd import PD
 
 @dataclass(frozen=True, eq=False)
 class GravityFrictionPD:
-    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + G(θ) + F_r(θ, θ̇) (doc. 2, eq. (25)).
+    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + G(θ) + F_r(θ, θ̇) (doc. 2, eq. (25))."""
 
-    Springs and offsets depend on the angle as gravity does, and are compensated with it.
+    # Springs and offsets depend on the angle as gravity does, and are compensated with it.
 
-    Attributes:
-        feedback: PD feedback.
-        model: Model of gravity and friction.
-        friction: Friction compensation; None for none.
-    """
-
-    feedback: PD
-    model: ControlModel
-    friction: FrictionCompensation | None = SMOOTH
+    feedback: PD  # PD feedback
+    model: ControlModel  # model of gravity and friction
+    friction: FrictionCompensation | None = SMOOTH  # friction compensation; None for none
 
     @property
     def rate(self) -> float:
@@ -40,15 +34,7 @@ class GravityFrictionPD:
         return self.feedback.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
+        """Compute the torque; see the class."""
         if state.q.ndim == 1 and self._joints:
             return self._of_one_leg(state, target)
         torque = self.feedback.torque(state, target) + self.model.statics(state.q)

@@ -17,24 +17,14 @@ from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
 @dataclass(frozen=True, eq=False)
 class GravitySupport:
-    """τ = share · [Ĝ(q) + ŝ(q)] + τ_f: the actuators carry a share of the weight, springs and offsets included.
+    """τ = share · [Ĝ(q) + ŝ(q)] + τ_f: the actuators carry a share of the weight, springs and offsets included."""
 
-    The wearer decides on the motion and feels the inertia, and the rest of weight and friction.
+    # The wearer decides on the motion and feels the inertia, and the rest of weight and friction.
 
-    Attributes:
-        model: Model of the leg.
-        share: Share of the weight, 0 to 1, a number or (n,).
-        friction: Friction compensation, which never drives; None for none.
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A share is not from 0 to 1, or the rate is not positive.
-    """
-
-    model: ControlModel
-    share: FloatArray
-    friction: PassiveFriction | None = None
-    rate: float = RATE
+    model: ControlModel  # model of the leg
+    share: FloatArray  # share of the weight, 0 to 1, a number or (n,)
+    friction: PassiveFriction | None = None  # friction compensation, which never drives; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check share and rate."""
@@ -49,15 +39,7 @@ class GravitySupport:
         object.__setattr__(self, "share", array)
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Not used.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
+        """Compute the torque; see the class."""
         held = spread(self.share, state.q) * self.model.statics(state.q)
         return held + wearer_friction(self.friction, self.model, state.q, state.v)
 

@@ -16,27 +16,16 @@ from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
 @dataclass(frozen=True, eq=False)
 class Impedance:
-    """τ = K (θ_d − θ) + D (θ̇_d − θ̇) + M̂ θ̈_d + Ĉ θ̇ + Ĝ + ŝ + τ_f (Hogan 1985), with the inertia of the leg itself.
+    """τ = K (θ_d − θ) + D (θ̇_d − θ̇) + M̂ θ̈_d + Ĉ θ̇ + Ĝ + ŝ + τ_f (Hogan 1985), with the inertia of the leg itself."""
 
-    With an exact model and e = θ_d − θ the wearer feels τ_wearer = −(M ë + D ė + K e): at rest a spring of stiffness K,
-    whatever the weight. A target without accelerations counts as one of constant velocity.
+    # With an exact model and e = θ_d − θ the wearer feels τ_wearer = −(M ë + D ė + K e): at rest a spring of
+    # stiffness K, whatever the weight. A target without accelerations counts as one of constant velocity.
 
-    Attributes:
-        stiffness: Stiffness K [N·m/rad], a number, (n,) or (n, B).
-        damping: Damping D [N·m·s/rad], likewise.
-        model: Model of the leg.
-        friction: Friction compensation, which never drives; None for none.
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: Stiffness or damping is negative or not finite, or the rate is not positive.
-    """
-
-    stiffness: FloatArray
-    damping: FloatArray
-    model: ControlModel
-    friction: PassiveFriction | None = PASSIVE
-    rate: float = RATE
+    stiffness: FloatArray  # stiffness K [N·m/rad], a number, (n,) or (n, B)
+    damping: FloatArray  # damping D [N·m·s/rad], likewise
+    model: ControlModel  # model of the leg
+    friction: PassiveFriction | None = PASSIVE  # friction compensation, which never drives; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check stiffness, damping and rate."""
@@ -44,15 +33,7 @@ class Impedance:
         freeze_gains(self, "stiffness", "damping")
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
+        """Compute the torque; see the class."""
         q, v = state.q, state.v
         a = np.zeros_like(q) if target.a is None else np.broadcast_to(target.a, q.shape)
         spring = spread(self.stiffness, q) * (target.q - q) + spread(self.damping, v) * (target.v - v)

@@ -23,19 +23,7 @@ REFRESHED: tuple[type[Term], ...] = (Offset, Stiffness, Coulomb, Viscous, Armatu
 
 
 def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
-    """Convert the source of a model to an estimate of bodies, springs, friction and rotors.
-
-    Args:
-        source: An estimate; or a leg, a plant of one rig or a control model, which are known exactly.
-        torque_std: Standard deviation of the torque's error of a source without residuals [N·m].
-
-    Returns:
-        Estimate without the other terms; with a covariance of zero where the source is known exactly. Rotors that only
-        add to a body's inertia are part of it.
-
-    Raises:
-        ExoidError: The source is none of these, or other terms change the documented parameters.
-    """
+    """Convert the source of a model to an estimate of bodies, springs, friction and rotors."""
     return _reduced(source) if isinstance(source, Estimate) else _known(ControlModel.of(source), torque_std)
 
 

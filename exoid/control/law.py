@@ -61,18 +61,7 @@ class Law(Protocol):
 
 
 def gains(value: ArrayLike, name: str) -> FloatArray:
-    """Check gains.
-
-    Args:
-        value: A number, one for each joint, (n,), or one for each joint of each leg, (n, B).
-        name: Name for the message.
-
-    Returns:
-        Read-only array of the same shape.
-
-    Raises:
-        ExoidError: A gain is negative or not finite.
-    """
+    """Check gains."""
     array = np.array(value, dtype=np.float64)
     if array.ndim > 2 or not np.isfinite(array).all() or (array < 0.0).any():
         raise ExoidError(f"{name} = {value!r}", remedy="give finite gains ≥ 0, one number or one for each joint")
@@ -81,45 +70,19 @@ def gains(value: ArrayLike, name: str) -> FloatArray:
 
 
 def freeze_gains(law: object, *names: str) -> None:
-    """Check gains of a controller when it is made, and replace them by read-only arrays.
-
-    Args:
-        law: The controller.
-        *names: Names of its attributes; see :func:`gains`.
-
-    Raises:
-        ExoidError: A gain is negative or not finite.
-    """
+    """Check gains of a controller when it is made, and replace them by read-only arrays."""
     for name in names:
         object.__setattr__(law, name, gains(getattr(law, name), name))
 
 
 def refuse_rate(rate: float) -> None:
-    """Refuse a rate that is not positive and finite.
-
-    Args:
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: It is not.
-    """
+    """Refuse a rate that is not positive and finite."""
     if not 0.0 < rate < np.inf:
         raise ExoidError(f"a controller at {rate:g} Hz", remedy="give a positive rate in Hz")
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
-    """Turn one value for each joint into a column if the state has columns.
-
-    Args:
-        values: A number, (n,) or (n, B).
-        like: Array whose shape the values are for, (n,) or (n, B).
-
-    Returns:
-        Values that broadcast with ``like``.
-
-    Raises:
-        ExoidError: They are for another number of joints.
-    """
+    """Turn one value for each joint into a column if the state has columns."""
     if values.ndim > 0 and values.shape[0] != like.shape[0]:
         raise ExoidError(
             f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one for each joint"
@@ -128,17 +91,7 @@ def spread(values: FloatArray, like: FloatArray) -> FloatArray:
 
 
 def acceleration(target: Target) -> FloatArray:
-    """Take the acceleration of a target.
-
-    Args:
-        target: Target of a reference.
-
-    Returns:
-        Acceleration [rad/s²], of the shape of ``target.q``.
-
-    Raises:
-        ExoidError: The target has none.
-    """
+    """Take the acceleration of a target."""
     if target.a is None:
         raise ExoidError(
             "the reference has no acceleration, which this controller needs",

@@ -15,34 +15,18 @@ from .model import ControlModel
 
 
 class Linear(NamedTuple):
-    """ẋ = A x + B u, or x⁺ = A x + B u, with x = (δq, δv) and u = δτ.
+    """ẋ = A x + B u, or x⁺ = A x + B u, with x = (δq, δv) and u = δτ."""
 
-    Attributes:
-        A: State matrix, (2n, 2n).
-        B: Input matrix, (2n, n).
-    """
-
-    A: FloatArray
-    B: FloatArray
+    A: FloatArray  # state matrix, (2n, 2n)
+    B: FloatArray  # input matrix, (2n, n)
 
 
 def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) -> Linear:
-    """Linearise forward dynamics in continuous time.
-
-        δv̇ = −M⁻¹ (∂τ/∂q + s'(q)) δq − M⁻¹ (∂τ/∂v + d) δv + M⁻¹ δτ
-
-    with τ = RNEA(q, v, a). Springs that couple joints, and rotors that several joints turn, are included. Coulomb
-    friction, which has no derivative at rest, and terms of other kinds are left out.
-
-    Args:
-        model: Model of the leg.
-        q: Angles [rad], (n,).
-        v: Velocities [rad/s], (n,).
-        a: Accelerations [rad/s²], (n,).
-
-    Returns:
-        A and B in continuous time.
-    """
+    """Linearise forward dynamics in continuous time."""
+    #     δv̇ = −M⁻¹ (∂τ/∂q + s'(q)) δq − M⁻¹ (∂τ/∂v + d) δv + M⁻¹ δτ
+    #
+    # with τ = RNEA(q, v, a). Springs that couple joints, and rotors that several joints turn, are included. Coulomb
+    # friction, which has no derivative at rest, and terms of other kinds are left out.
     pinocchio, n = model.pinocchio, model.n
     data = pinocchio.createData()
     at = configuration(pinocchio, q[None])[0]
@@ -57,15 +41,7 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
 
 
 def discretise(continuous: Linear, period: float) -> Linear:
-    """Discretise with the torque held over each period.
-
-    Args:
-        continuous: A and B in continuous time.
-        period: Sampling period [s].
-
-    Returns:
-        A and B in discrete time.
-    """
+    """Discretise with the torque held over each period."""
     A, B = continuous
     sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
     return Linear(*sampled[:2])

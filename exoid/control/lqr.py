@@ -57,47 +57,21 @@ class Weights(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LQR:
-    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K(t) (x_d − x), x = (θ, θ̇).
+    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K(t) (x_d − x), x = (θ, θ̇)."""
 
-    Attributes:
-        model: Model of the feedforward.
-        gains: Gain K at equally spaced instants of the period [N·m/rad, N·m·s/rad], (instants, n, 2n).
-        period: Period of the gains [s].
-        friction: Friction compensation; None for none.
-        rate: Sampling rate [Hz].
-    """
-
-    model: ControlModel
-    gains: FloatArray
-    period: float
-    friction: FrictionCompensation | None = AHEAD
-    rate: float = RATE
+    model: ControlModel  # model of the feedforward
+    gains: FloatArray  # gain K at equally spaced instants of the period [N·m/rad, N·m·s/rad], (instants, n, 2n)
+    period: float  # period of the gains [s]
+    friction: FrictionCompensation | None = AHEAD  # friction compensation; None for none
+    rate: float = RATE  # sampling rate [Hz]
 
     def gain_at(self, time: float) -> FloatArray:
-        """Look up the gain of the nearest instant.
-
-        Args:
-            time: Time since the beginning of the reference [s].
-
-        Returns:
-            Gain [N·m/rad, N·m·s/rad], (n, 2n).
-        """
+        """Look up the gain of the nearest instant."""
         count = len(self.gains)
         return np.asarray(self.gains[round(count * time / self.period) % count])
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: The target has no acceleration.
-        """
+        """Compute the torque; see the class."""
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = torque + self.gain_at(state.time) @ np.concatenate([target.q - state.q, target.v - state.v])
         return np.asarray(with_friction(torque, self.friction, self.model, state, target))

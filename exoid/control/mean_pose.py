@@ -29,18 +29,7 @@ def mean_pose(reference: Reference, period: float) -> FloatArray:
 
 
 def poses_along(reference: Reference, period: float) -> FloatArray:
-    """Take angles of a reference at :data:`INSTANTS` equally spaced instants.
-
-    Args:
-        reference: Reference of one leg.
-        period: Period of the reference, or its duration [s].
-
-    Returns:
-        Angles [rad], (INSTANTS, n).
-
-    Raises:
-        ExoidError: The period is not positive and finite, or the reference is that of several legs.
-    """
+    """Take angles of a reference at :data:`INSTANTS` equally spaced instants."""
     if not 0.0 < period < np.inf:
         raise ExoidError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")
     angles = [np.asarray(reference.at(period * k / INSTANTS).q) for k in range(INSTANTS)]

@@ -17,23 +17,14 @@ HALF_POWER = float(np.sqrt(np.sqrt(2.0) - 1.0))
 
 
 class FilteredMotion(NamedTuple):
-    """Memory of the filter, which contains the filtered motion, (n,) or (n, B) each.
+    """Memory of the filter, which contains the filtered motion, (n,) or (n, B) each."""
 
-    Attributes:
-        q: Filtered angles [rad].
-        rate: Rate of change of the filtered angles [rad/s].
-        v: Filtered velocities [rad/s].
-        a: Rate of change of the filtered velocities: accelerations, with the same delay [rad/s²].
-        q_read: Last reading of the angles [rad].
-        v_read: Last reading of the velocities [rad/s].
-    """
-
-    q: FloatArray
-    rate: FloatArray
-    v: FloatArray
-    a: FloatArray
-    q_read: FloatArray
-    v_read: FloatArray
+    q: FloatArray  # filtered angles [rad]
+    rate: FloatArray  # rate of change of the filtered angles [rad/s]
+    v: FloatArray  # filtered velocities [rad/s]
+    a: FloatArray  # rate of change of the filtered velocities: accelerations, with the same delay [rad/s²]
+    q_read: FloatArray  # last reading of the angles [rad]
+    v_read: FloatArray  # last reading of the velocities [rad/s]
 
 
 @dataclass(frozen=True)

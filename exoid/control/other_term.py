@@ -16,36 +16,16 @@ SLIDING = 0.02
 
 
 class OtherTerm(NamedTuple):
-    """A term at one joint, or at the joints that it couples, for which this package has no closed form.
+    """A term at one joint, or at the joints that it couples, for which this package has no closed form."""
 
-    Attributes:
-        term: The term.
-        joints: Indices of its joints, m of them.
-        values: Values of the term's parameters.
-        inertial: Whether its torque depends on accelerations.
-    """
-
-    term: Term
-    joints: tuple[int, ...]
-    values: FloatArray
-    inertial: bool = False
+    term: Term  # the term
+    joints: tuple[int, ...]  # indices of its joints, m of them
+    values: FloatArray  # values of the term's parameters
+    inertial: bool = False  # whether its torque depends on accelerations
 
     @classmethod
     def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, n: int) -> OtherTerm:
-        """Make it, and find out whether it depends on accelerations.
-
-        Args:
-            term: The term.
-            joints: Indices of its joints.
-            values: Values of its parameters.
-            n: Number of joints of the leg.
-
-        Returns:
-            The term.
-
-        Raises:
-            ExoidError: The term depends on temperature.
-        """
+        """Make it, and find out whether it depends on accelerations."""
         if term.needs_temperature:
             raise ExoidError(
                 f"{type(term).__name__} ({', '.join(term.symbols)}) depends on temperature, which a "
@@ -58,19 +38,8 @@ class OtherTerm(NamedTuple):
         return other._replace(inertial=not np.array_equal(other.torque(q, v, a, load), other.torque(q, v, load, load)))
 
     def torque(self, q: FloatArray, v: FloatArray, a: FloatArray, load: FloatArray) -> FloatArray:
-        """Compute the torque of the term.
-
-        The distance since the last reversal is unknown, so presliding contacts count as sliding.
-
-        Args:
-            q: Angles of all joints of the leg [rad], (n, N).
-            v: Velocities [rad/s], (n, N).
-            a: Accelerations [rad/s²], (n, N).
-            load: Gravity torques [N·m], (n, N).
-
-        Returns:
-            Torques at the joints of the term [N·m], (m, N).
-        """
+        """Compute the torque of the term."""
+        # The distance since the last reversal is unknown, so presliding contacts count as sliding.
         state = self.term.internal_state
         states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SLIDING)}
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)

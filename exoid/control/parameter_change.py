@@ -64,31 +64,14 @@ class ExpectedChange:
 
 
 def point_masses(leg: Leg, link: int, places: FloatArray) -> FloatArray:
-    """Compute the parameters of unit masses on a link.
-
-    Args:
-        leg: The leg.
-        link: Index of the link.
-        places: Places in the frame of the link's joint [m], (k, 3).
-
-    Returns:
-        Base parameters of each mass, as columns, (p, k).
-    """
+    """Compute the parameters of unit masses on a link."""
     own = leg.reduction.collect[:, 10 * link : 10 * link + 10]
     bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
     return np.asarray(own @ np.transpose(bodies))
 
 
 def regular(covariance: FloatArray, values: FloatArray) -> FloatArray:
-    """Make a covariance positive definite: combinations that are known exactly get a very small variance.
-
-    Args:
-        covariance: Covariance, (P, P).
-        values: Values of the parameters, (P,).
-
-    Returns:
-        Covariance, (P, P).
-    """
+    """Make a covariance positive definite: combinations that are known exactly get a very small variance."""
     std = np.sqrt(np.diagonal(covariance))
     scale = np.where(std > 0.0, std, LEAST_STD * np.maximum(np.abs(values), LEAST_STD))
     correlation = covariance / np.outer(scale, scale)

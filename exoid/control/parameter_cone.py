@@ -115,12 +115,10 @@ class ParameterCone:
 
 
 def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
-    """Minimise |A w − b| over w ≥ 0, for columns of length 1.
-
-    SciPy's ``nnls`` of version 1.15 and later sometimes stops elsewhere, with a false distance of zero
-    (github.com/scipy/scipy/issues/25389). So the conditions of Kuhn and Tucker are checked, Aᵀ(b − A w) ≤ 0, and = 0
-    where w > 0; where they fail, bounded least squares by another method take its place.
-    """
+    """Minimise |A w − b| over w ≥ 0, for columns of length 1."""
+    # SciPy's `nnls` of version 1.15 and later sometimes stops elsewhere, with a false distance of zero
+    # (github.com/scipy/scipy/issues/25389). So the conditions of Kuhn and Tucker are checked, Aᵀ(b − A w) ≤ 0, and = 0
+    # where w > 0; where they fail, bounded least squares by another method take its place.
     masses, _ = scipy.optimize.nnls(columns, target)
     slope, least = columns.T @ (target - columns @ masses), OPTIMAL * np.linalg.norm(target)
     if slope.max() > least or np.abs(slope[masses > 0.0]).max(initial=0.0) > least:

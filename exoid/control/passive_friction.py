@@ -80,15 +80,5 @@ PASSIVE = PassiveFriction()
 
 
 def wearer_friction(friction: PassiveFriction | None, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Compute the torque of a friction compensation that may be absent.
-
-    Args:
-        friction: Friction compensation; None for none.
-        model: Model with the friction coefficients.
-        q: Angles [rad], (n,) or (n, B).
-        v: Velocities [rad/s], likewise.
-
-    Returns:
-        Torque [N·m], of the same shape.
-    """
+    """Compute the torque of a friction compensation that may be absent."""
     return np.zeros_like(v) if friction is None else friction.of(model, q, v)

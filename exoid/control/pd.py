@@ -12,20 +12,11 @@ from .law import RATE, State, freeze_gains, gains, refuse_rate, spread
 
 @dataclass(frozen=True, eq=False)
 class PD:
-    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) (doc. 2, eq. (24)).
+    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) (doc. 2, eq. (24))."""
 
-    Attributes:
-        kp: Gain Kp [N·m/rad], a number, (n,) or (n, B).
-        kd: Gain Kd [N·m·s/rad], likewise.
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A gain is negative or not finite, or the rate is not positive.
-    """
-
-    kp: FloatArray
-    kd: FloatArray
-    rate: float = RATE
+    kp: FloatArray  # gain Kp [N·m/rad], a number, (n,) or (n, B)
+    kd: FloatArray  # gain Kd [N·m·s/rad], likewise
+    rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check gains and rate."""
@@ -33,15 +24,7 @@ class PD:
         freeze_gains(self, "kp", "kd")
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
+        """Compute the torque; see the class."""
         q, v = state.q, state.v
         return spread(self.kp, q) * (target.q - q) + spread(self.kd, v) * (target.v - v)
 

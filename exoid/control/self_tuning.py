@@ -41,23 +41,14 @@ RATE_A_CUTOFF = 12.5
 
 
 class SelfTuningMemory(NamedTuple):
-    """Memory of a self-tuning controller, for one leg or B.
+    """Memory of a self-tuning controller, for one leg or B."""
 
-    Attributes:
-        values: Parameters of the feedforward in the order of ``law.names``, (P,) or (P, B).
-        aim: Parameters that they approach, likewise.
-        online: State of the recursive estimator of each leg.
-        pending: Samples of q, v and τ that wait for their block to be complete, (k, 3, n, B).
-        before: q, v, and the torque held before the previous sample, (3, n, B); NaN before the second sample.
-        requested: Torque requested at the previous sample [N·m], (n, B).
-    """
-
-    values: FloatArray
-    aim: FloatArray
-    online: tuple[OnlineState, ...]
-    pending: FloatArray
-    before: FloatArray
-    requested: FloatArray
+    values: FloatArray  # parameters of the feedforward in the order of `law.names`, (P,) or (P, B)
+    aim: FloatArray  # parameters that they approach, likewise
+    online: tuple[OnlineState, ...]  # state of the recursive estimator of each leg
+    pending: FloatArray  # samples of q, v and τ that wait for their block to be complete, (k, 3, n, B)
+    before: FloatArray  # q, v, and the torque held before the previous sample, (3, n, B); NaN before the second sample
+    requested: FloatArray  # torque requested at the previous sample [N·m], (n, B)
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,15 +318,7 @@ def self_tuning(
 
 
 def places_of(names: tuple[str, ...], among: tuple[str, ...]) -> NDArray[np.intp]:
-    """Find parameters of a controller among those of an estimate; an offset is the constant of a spring.
-
-    Args:
-        names: Names in the controller.
-        among: Names in the estimate.
-
-    Returns:
-        Indices, of the length of ``names``.
-    """
+    """Find parameters of a controller among those of an estimate; an offset is the constant of a spring."""
     known = {name.replace("offset_", "b0_"): k for k, name in enumerate(among) if name.startswith("offset_")}
     known |= {name: k for k, name in enumerate(among)}
     return np.array([known[name] for name in names], dtype=np.intp)

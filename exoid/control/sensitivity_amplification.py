@@ -28,29 +28,20 @@ WHOLE = PassiveFriction(share=1.0)
 
 @dataclass(frozen=True, eq=False)
 class SensitivityAmplification:
-    """τ = Ĝ(q) + ŝ(q) + (1 − 1/α) [M̂ q̈ + Ĉ q̇ + F̂] (Kazerooni et al. 2005), a :class:`exoid.control.StatefulLaw`.
+    """τ = Ĝ(q) + ŝ(q) + (1 − 1/α) [M̂ q̈ + Ĉ q̇ + F̂] (Kazerooni et al. 2005), a :class:`exoid.control.StatefulLaw`."""
 
-    With an exact model the wearer's torque is (1/α) (M q̈ + C q̇ + F): the leg feels lighter by α and has no weight. No
-    sensor between wearer and leg is needed. M̂, Ĉ and F̂ are evaluated at the angles, velocities and accelerations of a
-    :class:`exoid.control.MotionFilter`, all late by the same time; weight Ĝ and springs ŝ at the angles as measured.
+    # With an exact model the wearer's torque is (1/α) (M q̈ + C q̇ + F): the leg feels lighter by α and has no
+    # weight. No sensor between wearer and leg is needed. M̂, Ĉ and F̂ are evaluated at the angles, velocities
+    # and accelerations of a `exoid.control.MotionFilter`, all late by the same time; weight Ĝ and springs ŝ at
+    # the angles as measured.
+    #
+    # The inertia in the loop is M − (1 − 1/α) M̂, so M̂ must not be too large: by 1/(α − 1) it becomes zero.
+    # The larger α, the better the model must be.
 
-    The inertia in the loop is M − (1 − 1/α) M̂, so M̂ must not be too large: by 1/(α − 1) it becomes zero. The larger α,
-    the better the model must be.
-
-    Attributes:
-        model: Model of the leg.
-        amplification: Amplification α ≥ 1, a number or (n,).
-        filter: Motion filter.
-        friction: Friction compensation, which never drives; None for none.
-
-    Raises:
-        ExoidError: An amplification is below 1 or not finite.
-    """
-
-    model: ControlModel
-    amplification: FloatArray
-    filter: MotionFilter
-    friction: PassiveFriction | None = WHOLE
+    model: ControlModel  # model of the leg
+    amplification: FloatArray  # amplification α ≥ 1, a number or (n,)
+    filter: MotionFilter  # motion filter
+    friction: PassiveFriction | None = WHOLE  # friction compensation, which never drives; None for none
 
     def __post_init__(self) -> None:
         """Check the amplification."""
@@ -74,27 +65,11 @@ class SensitivityAmplification:
         return np.asarray(1.0 - 1.0 / self.amplification)
 
     def begin(self, state: State) -> FilteredMotion:
-        """Compute the memory before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            Memory of the filter, as if the leg had moved with constant velocity.
-        """
+        """Compute the memory before the first sample."""
         return self.filter.begin(state.q, state.v)
 
     def step(self, memory: FilteredMotion, state: State, target: Target) -> tuple[FloatArray, FilteredMotion]:
-        """Compute the torque; see the class.
-
-        Args:
-            memory: Memory of the filter.
-            state: Measured state, (n,) or (n, B).
-            target: Not used: the wearer decides on the motion.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-        """
+        """Compute the torque; see the class."""
         moved = self.filter.step(memory, state.q, state.v)
         inertial = self.model.inverse_dynamics(moved.q, moved.v, moved.a) - self.model.statics(moved.q)
         inertial = inertial + wearer_friction(self.friction, self.model, moved.q, moved.v)

@@ -18,44 +18,26 @@ from .parameter_change import ExpectedChange
 
 @dataclass(frozen=True, eq=False)
 class SlotineLiModel:
-    """τ = Y(q, v, v_r, a_r) β = M(q) a_r + C(q, v) v_r + G(q) + s(q) + c0 tanh(v_r / w) + d v_r + Ia a_r.
+    """τ = Y(q, v, v_r, a_r) β = M(q) a_r + C(q, v) v_r + G(q) + s(q) + c0 tanh(v_r / w) + d v_r + Ia a_r."""
 
-    C is the Coriolis matrix of Christoffel's symbols, with ½Ṁ − C skew-symmetric. C(q, v) v_r is bilinear and symmetric
-    in both velocities, so it follows from the torque regressor W of the leg at two velocities (polarisation):
+    # C is the Coriolis matrix of Christoffel's symbols, with ½Ṁ − C skew-symmetric. C(q, v) v_r is bilinear and
+    # symmetric in both velocities, so it follows from the torque regressor W of the leg at two velocities
+    # (polarisation):
+    #
+    #     Y = W(q, (v + v_r)/2, a_r) − W(q, (v − v_r)/2, 0) + W(q, 0, 0).
+    #
+    # Friction is a monotone function f, so (v − v_r)(f(v) − f(v_r)) ≥ 0: compensated at v_r, it only adds damping, and
+    # the noise of the measured velocity does not make it chatter.
 
-        Y = W(q, (v + v_r)/2, a_r) − W(q, (v − v_r)/2, 0) + W(q, 0, 0).
-
-    Friction is a monotone function f, so (v − v_r)(f(v) − f(v_r)) ≥ 0: compensated at v_r, it only adds damping, and
-    the noise of the measured velocity does not make it chatter.
-
-    Attributes:
-        model: Model with the initial values, the terms without a linear form among them.
-        names: Names of the adapted parameters, (P,).
-        values: Initial values, (P,).
-        covariance: Covariance of the initial values and of their expected changes, (P, P).
-        kinds: Symbol and joint of each parameter that is not one of the bodies.
-    """
-
-    model: ControlModel
-    names: tuple[str, ...]
-    values: FloatArray
-    covariance: FloatArray
-    kinds: tuple[tuple[str, int], ...]
+    model: ControlModel  # model with the initial values, the terms without a linear form among them
+    names: tuple[str, ...]  # names of the adapted parameters, (P,)
+    values: FloatArray  # initial values, (P,)
+    covariance: FloatArray  # covariance of the initial values and of their expected changes, (P, P)
+    kinds: tuple[tuple[str, int], ...]  # symbol and joint of each parameter that is not one of the bodies
 
     @classmethod
     def of(cls, source: ModelSource, change: ExpectedChange) -> SlotineLiModel:
-        """Make the model: parameters of the bodies, and springs, friction and rotors whose coefficient is not zero.
-
-        Args:
-            source: An estimate; or a leg, a plant of one rig or a control model, which are known exactly.
-            change: Expected changes.
-
-        Returns:
-            The model.
-
-        Raises:
-            ExoidError: The source has no control model.
-        """
+        """Make the model: parameters of the bodies, and springs, friction and rotors whose coefficient is not zero."""
         model = ControlModel.of(source)
         labels, count = model.leg.joint_labels, len(model.leg.parameter_names)
         powers = range(len(model.spring) - 1, -1, -1)
@@ -86,17 +68,7 @@ class SlotineLiModel:
         return np.array([symbol in ("c0", "d", "Ia") for symbol, _ in self.kinds], dtype=np.bool_)
 
     def regressor(self, q: FloatArray, v: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
-        """Compute Y; see the class.
-
-        Args:
-            q: Angles [rad], (n, B).
-            v: Velocities [rad/s], (n, B).
-            v_r: Reference velocities [rad/s], (n, B).
-            a_r: Reference accelerations [rad/s²], (n, B).
-
-        Returns:
-            Y, (B, n, P).
-        """
+        """Compute Y; see the class."""
         still, count = np.zeros_like(v), len(self.model.leg.parameter_names)
         Y = np.zeros((q.shape[1], self.n, len(self.names)))
         angles, rates = np.hstack([q, q, q]).T, np.hstack([0.5 * (v + v_r), 0.5 * (v - v_r), still]).T
@@ -107,16 +79,7 @@ class SlotineLiModel:
         return Y
 
     def fixed(self, q: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
-        """Compute the torque of terms that are not adapted, such as friction that depends on the load.
-
-        Args:
-            q: Angles [rad], (n, B).
-            v_r: Velocities [rad/s], (n, B).
-            a_r: Accelerations [rad/s²], (n, B).
-
-        Returns:
-            Torque [N·m], (n, B).
-        """
+        """Compute the torque of terms that are not adapted, such as friction that depends on the load."""
         torque = np.zeros_like(q)
         if self.model.others:
             load = self.model.gravity(q)
@@ -135,14 +98,7 @@ def _column(symbol: str, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatAr
 
 
 def refuse_unknown_covariance(covariance: FloatArray) -> None:
-    """Refuse a covariance without any variance.
-
-    Args:
-        covariance: Covariance of all parameters, (P, P).
-
-    Raises:
-        ExoidError: No parameter could change, or a number is not finite.
-    """
+    """Refuse a covariance without any variance."""
     if not np.isfinite(covariance).all() or not (np.diagonal(covariance) > 0.0).any():
         raise ExoidError(
             "no parameter may change, or its covariance is not finite",

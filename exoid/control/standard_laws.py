@@ -80,14 +80,7 @@ def standard_laws(
 
 
 def refuse_unknown_laws(names: Sequence[str]) -> None:
-    """Refuse names that are not in :data:`LAWS`.
-
-    Args:
-        names: Names of controllers.
-
-    Raises:
-        ExoidError: A name is unknown, or there are none.
-    """
+    """Refuse names that are not in :data:`LAWS`."""
     unknown = [name for name in names if name not in LAWS]
     if unknown or not names:
         raise ExoidError(f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")

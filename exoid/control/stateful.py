@@ -62,13 +62,9 @@ AnyLaw = Law | StatefulLaw
 
 @dataclass(frozen=True)
 class Memoryless:
-    """A controller without memory, as a :class:`StatefulLaw` whose memory is empty.
+    """A controller without memory, as a :class:`StatefulLaw` whose memory is empty."""
 
-    Attributes:
-        law: The controller.
-    """
-
-    law: Law
+    law: Law  # the controller
 
     @property
     def rate(self) -> float:
@@ -76,27 +72,11 @@ class Memoryless:
         return self.law.rate
 
     def begin(self, state: State) -> tuple[()]:
-        """Return the empty memory.
-
-        Args:
-            state: Not used.
-
-        Returns:
-            The empty tuple.
-        """
+        """Return the empty memory."""
         return ()
 
     def step(self, memory: tuple[()], state: State, target: Target) -> tuple[FloatArray, tuple[()]]:
-        """Compute the torque of the controller.
-
-        Args:
-            memory: The empty tuple.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the empty tuple.
-        """
+        """Compute the torque of the controller."""
         return self.law.torque(state, target), ()
 
 
@@ -131,19 +111,7 @@ def stateful(law: AnyLaw) -> StatefulLaw:
 
 
 def torque_without_memory(law: AnyLaw, state: State, target: Target) -> FloatArray:
-    """Compute the torque of a controller that must not have memory.
-
-    Args:
-        law: The controller.
-        state: Measured state, (n,) or (n, B).
-        target: Reference at this moment, likewise.
-
-    Returns:
-        Torque [N·m], of the shape of ``state.q``.
-
-    Raises:
-        ExoidError: The controller has memory.
-    """
+    """Compute the torque of a controller that must not have memory."""
     if not callable(getattr(law, "torque", None)):
         raise ExoidError(
             f"{type(law).__name__} has memory, which torque() cannot keep",

@@ -25,33 +25,20 @@ SETTLED = 5.0
 
 
 class PredictionMemory(NamedTuple):
-    """Memory of the prediction, with B legs.
+    """Memory of the prediction, with B legs."""
 
-    Attributes:
-        motion: Filtered motion, (n, B) each.
-        torque: Filtered torque [N·m], (n, B).
-        torque_rate: Rate of change of it [N·m/s], (n, B).
-        information: Information matrix I = P⁻¹, (B, P, P).
-        age: Time since the first sample [s], ().
-    """
-
-    motion: FilteredMotion
-    torque: FloatArray
-    torque_rate: FloatArray
-    information: FloatArray
-    age: FloatArray
+    motion: FilteredMotion  # filtered motion, (n, B) each
+    torque: FloatArray  # filtered torque [N·m], (n, B)
+    torque_rate: FloatArray  # rate of change of it [N·m/s], (n, B)
+    information: FloatArray  # information matrix I = P⁻¹, (B, P, P)
+    age: FloatArray  # time since the first sample [s], ()
 
 
 class Learned(NamedTuple):
-    """What a sample teaches.
+    """What a sample teaches."""
 
-    Attributes:
-        memory: Memory for the next sample.
-        gradient: T Wᵀ R e, (B, P).
-    """
-
-    memory: PredictionMemory
-    gradient: FloatArray
+    memory: PredictionMemory  # memory for the next sample
+    gradient: FloatArray  # T Wᵀ R e, (B, P)
 
 
 @dataclass(frozen=True)

@@ -151,15 +151,7 @@ class Tracking:
 
 
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
-    """Make a table of several controllers.
-
-    Args:
-        caption: Caption.
-        trackings: Runs, in the order of the table.
-
-    Returns:
-        Table with one line for each joint; TV is the total variation of the torque per second.
-    """
+    """Make a table of several controllers."""
     rows = [
         (
             one.law if joint == 0 else "",
@@ -201,18 +193,7 @@ def command_table(trackings: Iterable[Tracking], actuators: Actuators) -> DataTa
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:
-    """Take one rig out of a run.
-
-    Args:
-        run: Run of several rigs.
-        rig: Index of the rig.
-        law: Name of the controller.
-        rate: Sampling rate of the controller [Hz].
-        settle: Time at the beginning that the metrics leave out [s].
-
-    Returns:
-        Run of that rig.
-    """
+    """Take one rig out of a run."""
     energy = run.energy
     worn = {name: None if (x := getattr(run, name)) is None else x[..., rig] for name in ("interaction", "limb_q")}
     return Tracking(

@@ -51,12 +51,5 @@ def dfki_double_pendulum() -> Dataset:
 
 
 def recording_path() -> Path:
-    """Find or download the file, and check its hash.
-
-    Returns:
-        Path of the file.
-
-    Raises:
-        ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
-    """
+    """Find or download the file, and check its hash."""
     return find_or_download(URL, SHA256, f"dfki_double_pendulum/{FILE}")

@@ -10,19 +10,7 @@ from exoid.errors import ExoidError
 
 
 def find_or_download(url: str, sha256: str, file: str) -> Path:
-    """Find a file in ``$EXOID_DATA_DIR`` or in the cache, or download it, and check its hash.
-
-    Args:
-        url: Address of the published file.
-        sha256: Its SHA-256.
-        file: Folder and name below ``$EXOID_DATA_DIR``, such as "teststand_leg/teststand.urdf".
-
-    Returns:
-        Path of the file.
-
-    Raises:
-        ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
-    """
+    """Find a file in ``$EXOID_DATA_DIR`` or in the cache, or download it, and check its hash."""
     folder = os.environ.get("EXOID_DATA_DIR")
     kept = Path(folder or "") / file
     if folder and kept.is_file():

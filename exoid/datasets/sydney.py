@@ -72,15 +72,5 @@ def sydney_swing_leg(which: Which = "inner") -> Dataset:
 
 
 def recording_path(which: Which) -> Path:
-    """Find or download the file, and check its hash.
-
-    Args:
-        which: The inner or the outer leg.
-
-    Returns:
-        Path of the file.
-
-    Raises:
-        ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
-    """
+    """Find or download the file, and check its hash."""
     return find_or_download(f"{URL}/{FILES[which]}", SHA256[which], f"{FOLDER}/{FILES[which]}")

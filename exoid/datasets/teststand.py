@@ -122,14 +122,7 @@ def _on_foot(q: FloatArray, force: FloatArray) -> Wrench:
 
 
 def aligned(*logs: FloatArray) -> tuple[FloatArray, ...]:
-    """Select the samples that all logs have.
-
-    Args:
-        *logs: Matrices whose first column counts samples, in increasing order, (N, 1 + k) each.
-
-    Returns:
-        The other columns of each log at the common counts, (K, k) each.
-    """
+    """Select the samples that all logs have."""
     common = logs[0][:, 0]
     for log in logs[1:]:
         common = np.intersect1d(common, log[:, 0], assume_unique=True)

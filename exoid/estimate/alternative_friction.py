@@ -31,18 +31,13 @@ COUNT = sum(map(len, KINDS.values()))
 
 @dataclass(frozen=True, eq=False)
 class AlternativeFriction:
-    """Columns of friction of other forms at each joint, K of them.
+    """Columns of friction of other forms at each joint, K of them."""
 
-    Column k of joint j is the k-th alternative at this joint, with a coefficient of its own there: presliding z(q),
-    sgn(v) exp(−(v / vs)²), v |v| and sgn(v) |τ_rb|.
+    # Column k of joint j is the k-th alternative at this joint, with a coefficient of its own there: presliding z(q),
+    # sgn(v) exp(−(v / vs)²), v |v| and sgn(v) |τ_rb|.
 
-    Attributes:
-        rigid: Parameters of the rigid bodies, whose torque τ_rb loads the joints, (p,).
-        speed: Largest speed of the training [rad/s], (n,).
-    """
-
-    rigid: FloatArray
-    speed: FloatArray
+    rigid: FloatArray  # parameters of the rigid bodies, whose torque τ_rb loads the joints, (p,)
+    speed: FloatArray  # largest speed of the training [rad/s], (n,)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -55,14 +50,7 @@ class AlternativeFriction:
         return np.ones((len(self.speed), COUNT), dtype=np.bool_)
 
     def motion(self, motion: Motion) -> Motion:
-        """Add presliding states.
-
-        Args:
-            motion: Motion of a whole recording.
-
-        Returns:
-            The motion with these states.
-        """
+        """Add presliding states."""
         states: dict[tuple[int, InternalState], FloatArray] = {
             (j, presliding): presliding.states(motion.q[:, j], motion.v[:, j])
             for j in range(motion.q.shape[1])
@@ -71,13 +59,7 @@ class AlternativeFriction:
         return motion._replace(states={**motion.states, **states})
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
-        """Write the columns.
-
-        Args:
-            motion: Motion of N samples, of :meth:`motion`.
-            columns: Columns of the parameters, (P, n, N).
-            out: Receives the columns, (K, n, N).
-        """
+        """Write the columns."""
         load = np.tensordot(self.rigid, columns[: len(self.rigid)], axes=1)
         if motion.payload is not None:
             load += motion.payload.T
@@ -98,14 +80,5 @@ class AlternativeFriction:
 
 
 def with_alternatives(model: TorqueModel, values: FloatArray, speed: FloatArray) -> WithColumns:
-    """Add columns of friction of other forms to a torque model.
-
-    Args:
-        model: Torque model.
-        values: Its parameters, (P,).
-        speed: Largest speed of the training [rad/s], (n,).
-
-    Returns:
-        The model with K more columns.
-    """
+    """Add columns of friction of other forms to a torque model."""
     return WithColumns(model, (AlternativeFriction(values[: len(model.leg.parameter_names)], speed),))

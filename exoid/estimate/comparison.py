@@ -209,22 +209,7 @@ def wald(
     notes: tuple[str, ...] = (),
     std: FloatArray | None = None,
 ) -> Comparison:
-    """Test whether differences are zero, each alone and all together.
-
-    Args:
-        names: Parameters, (P,).
-        units: Units, (P,).
-        difference: Differences, (P,).
-        covariance: Covariance of the differences, (P, P).
-        dof: Degrees of freedom of each difference, (P,).
-        least: Degrees of freedom of the test of all.
-        held: Parameters that are not tested, (P,).
-        notes: Notes for the reader.
-        std: Standard deviations of the differences, (P,); None for those of the covariance.
-
-    Returns:
-        Differences with their tests.
-    """
+    """Test whether differences are zero, each alone and all together."""
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None)) if std is None else std
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
     p_values = np.where(tested, _each(difference, std, dof), 1.0)
@@ -309,14 +294,7 @@ def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
 
 
 def holm(p_values: FloatArray) -> FloatArray:
-    """Adjust for the number of tests, the smallest first.
-
-    Args:
-        p_values: p-value of each test, (P,).
-
-    Returns:
-        Adjusted p-values, (P,).
-    """
+    """Adjust for the number of tests, the smallest first."""
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * p_values[order]
     adjusted = np.empty_like(p_values)

@@ -14,47 +14,23 @@ from .comparison import holm, hotelling
 
 
 class Equality(NamedTuple):
-    """Wald test of each parameter: is it the same in all groups?
+    """Wald test of each parameter: is it the same in all groups?"""
 
-    Attributes:
-        names: The parameters.
-        p_values: Probability of larger differences if it were, (P,).
-        adjusted: p-values adjusted for the number of tests (Holm), (P,).
-    """
-
-    names: tuple[str, ...]
-    p_values: FloatArray
-    adjusted: FloatArray
+    names: tuple[str, ...]  # the parameters
+    p_values: FloatArray  # probability of larger differences if it were, (P,)
+    adjusted: FloatArray  # p-values adjusted for the number of tests (Holm), (P,)
 
     def below(self, level: float) -> tuple[str, ...]:
-        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to.
-
-        Args:
-            level: Significance level.
-
-        Returns:
-            Names of the parameters.
-        """
+        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to."""
         return tuple(name for name, p in zip(self.names, self.adjusted, strict=True) if p < level)
 
 
 def equality_of(
     places: Mapping[str, Sequence[int]], values: FloatArray, covariance: FloatArray, dof: FloatArray
 ) -> Equality:
-    """Compare the values that groups found for each of some parameters.
-
-    With d the differences to the first group, and C their covariance, dᵀ C⁻¹ d is Hotelling's T², with the smallest
-    degrees of freedom of the groups.
-
-    Args:
-        places: Indices of the values of each parameter, one for each group.
-        values: (P,).
-        covariance: Covariance of the values, (P, P).
-        dof: Degrees of freedom of each, (P,).
-
-    Returns:
-        Test of each parameter.
-    """
+    """Compare the values that groups found for each of some parameters."""
+    # With d the differences to the first group, and C their covariance, dᵀ C⁻¹ d is Hotelling's T², with the smallest
+    # degrees of freedom of the groups.
     p_values = np.ones(len(places))
     for k, several in enumerate(places.values()):
         contrast = np.column_stack([-np.ones(len(several) - 1), np.eye(len(several) - 1)])
@@ -65,17 +41,7 @@ def equality_of(
 
 
 def own_equality(layout: ParameterLayout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
-    """Test whether own parameters are the same in all groups, with their joint covariance.
-
-    Args:
-        layout: Parameter layout.
-        values: All parameters, (P,).
-        covariance: Their covariance, (P, P).
-        dofs: Degrees of freedom of each, (P,).
-
-    Returns:
-        Test of each own parameter.
-    """
+    """Test whether own parameters are the same in all groups, with their joint covariance."""
     groups = range(len(layout.groups))
     places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
     return equality_of(places, values, covariance, dofs)

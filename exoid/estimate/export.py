@@ -161,21 +161,7 @@ def export_urdf(
     pull: float = PULL,
     mass_factor: float = MASS_FACTOR,
 ) -> Export:
-    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`.
-
-    Args:
-        estimate: The estimate.
-        path: The URDF to write.
-        pull: See :meth:`Estimate.to_urdf`.
-        mass_factor: See :meth:`Estimate.to_urdf`.
-
-    Returns:
-        What was written.
-
-    Raises:
-        ExoidError: The path names no URDF, is the URDF that was identified or a recording, or cannot be written. Or a
-            mass would change beyond the factor.
-    """
+    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
@@ -195,35 +181,16 @@ def export_urdf(
 
 
 class Lifted(NamedTuple):
-    """Estimate of links that can exist.
+    """Estimate of links that can exist."""
 
-    Attributes:
-        lift: The links, and by how much the estimate had to move.
-        links: Inertia of each changed link, π about its frame, (10,).
-        values: All parameters, (P,).
-        masses: Masses before and after.
-    """
-
-    lift: Lift
-    links: dict[str, FloatArray]
-    values: FloatArray
-    masses: tuple[MassChange, ...]
+    lift: Lift  # the links, and by how much the estimate had to move
+    links: dict[str, FloatArray]  # inertia of each changed link, π about its frame, (10,)
+    values: FloatArray  # all parameters, (P,)
+    masses: tuple[MassChange, ...]  # masses before and after
 
 
 def lift_estimate(estimate: EstimateData, pull: float, mass_factor: float) -> Lifted:
-    """Find links that can exist for an estimate.
-
-    Args:
-        estimate: The estimate.
-        pull: See :meth:`Estimate.to_urdf`.
-        mass_factor: See :meth:`Estimate.to_urdf`.
-
-    Returns:
-        Links and parameters.
-
-    Raises:
-        ExoidError: A mass would change beyond the factor.
-    """
+    """Find links that can exist for an estimate."""
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
@@ -268,15 +235,7 @@ def _places(model: TorqueModel) -> dict[str, tuple[str, str]]:
 
 
 def _term_of(model: TorqueModel, terms: Sequence[str]) -> dict[str, str]:
-    """Name of the term that each parameter beside the rigid bodies belongs to.
-
-    Args:
-        model: The model.
-        terms: Name of each of its terms.
-
-    Returns:
-        Name of the term, by the name of the parameter.
-    """
+    """Name of the term that each parameter beside the rigid bodies belongs to."""
     known = dict(zip(map(id, model.terms), terms, strict=True))
     return {name: known[id(block.term)] for block in model.blocks for name in block.names if name in model.names}
 

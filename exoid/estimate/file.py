@@ -37,15 +37,7 @@ E = TypeVar("E", bound=EstimateData)
 
 
 def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None:
-    """Write an estimate; see :meth:`Estimate.save`.
-
-    Args:
-        estimate: The estimate.
-        path: File to write.
-
-    Raises:
-        ExoidError: The file cannot be written, or is a recording of the estimate.
-    """
+    """Write an estimate; see :meth:`Estimate.save`."""
     refuse_content(path, [each.sha256 for each in estimate.inputs if each.sha256])
     write_whole(path, [estimate_text(estimate)])
 
@@ -56,18 +48,7 @@ def estimate_text(estimate: EstimateData) -> str:
 
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
-    """Read an estimate; see :meth:`Estimate.load`.
-
-    Args:
-        path: The file.
-        kind: Class to make.
-
-    Returns:
-        The estimate.
-
-    Raises:
-        ExoidError: The file is unreadable or not an estimate.
-    """
+    """Read an estimate; see :meth:`Estimate.load`."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
@@ -89,14 +70,7 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
 
 
 def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
-    """Turn an estimate into what JSON can hold, values by name.
-
-    Args:
-        estimate: The estimate.
-
-    Returns:
-        All that :func:`estimate_from_json` needs, and figures for other programs.
-    """
+    """Turn an estimate into what JSON can hold, values by name."""
     model, leg = estimate.model, estimate.model.leg
     interval = estimate.interval(0.95)
     return {
@@ -150,18 +124,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
 
 
 def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
-    """Rebuild an estimate.
-
-    Args:
-        data: The estimate as JSON holds it.
-        kind: Class to make.
-
-    Returns:
-        The estimate.
-
-    Raises:
-        ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
-    """
+    """Rebuild an estimate."""
     about = data["leg"]
     leg = Leg.from_description(
         describe(about["urdf"], about["name"]),

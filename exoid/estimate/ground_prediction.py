@@ -111,17 +111,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
 
 
 def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:
-    """Turn a measured wrench into level axes, to compare it with a predicted one.
-
-    Args:
-        leg: The leg.
-        link: Link that rests flat.
-        wrench: Measured wrench in the axes of the link.
-        rows: Samples.
-
-    Returns:
-        The measured force, without a band, with the sample numbers as time.
-    """
+    """Turn a measured wrench into level axes, to compare it with a predicted one."""
     level = level_rotation(leg, link)
     force = wrench.force[rows]
     moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)

@@ -37,31 +37,16 @@ class StandingTorques(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """Measured and predicted torques, filtered alike.
+    """Measured and predicted torques, filtered alike."""
 
-    Attributes:
-        time: Samples that are compared [s], (N,).
-        measured: Measured torque [N·m], (N, n).
-        predicted: Predicted torque [N·m], (N, n).
-        variance: Variance of the measured torque about the predicted one [N²·m²], (N, n).
-    """
-
-    time: FloatArray
-    measured: FloatArray
-    predicted: FloatArray
-    variance: FloatArray
+    time: FloatArray  # samples that are compared [s], (N,)
+    measured: FloatArray  # measured torque [N·m], (N, n)
+    predicted: FloatArray  # predicted torque [N·m], (N, n)
+    variance: FloatArray  # variance of the measured torque about the predicted one [N²·m²], (N, n)
 
 
 def stands(estimate: EstimateData, recording: Recording) -> bool:
-    """Tell whether a recording has to be split by the links that rest on the ground.
-
-    Args:
-        estimate: The estimate.
-        recording: The recording.
-
-    Returns:
-        Whether the base floats, or links rest by unknown wrenches.
-    """
+    """Tell whether a recording has to be split by the links that rest on the ground."""
     return bool(estimate.model.leg.base_rows or {*recording.contacts} - {*recording.wrenches})
 
 
@@ -73,25 +58,10 @@ def compare_on_ground(
     *,
     unknown_wrenches: bool = True,
 ) -> Compared:
-    """Predict the torques of a recording with contacts.
-
-    Where one link rests by an unknown wrench, the base hangs on it, and each joint has a torque. Where several do, only
-    the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is compared.
-
-    Args:
-        estimate: The estimate.
-        recording: The recording.
-        preparation: Way to filtered torques.
-        bandwidth: Noise bandwidth of its filter over that of the training's.
-        unknown_wrenches: Whether to compare samples too at which a link rests by an unknown wrench. The root link does
-            not count: only base rows have its wrench.
-
-    Returns:
-        Torques of all samples that count, in order of time.
-
-    Raises:
-        ExoidError: Nothing is left of the recording, or the torque of a joint is missing.
-    """
+    """Predict the torques of a recording with contacts."""
+    # Where one link rests by an unknown wrench, the base hangs on it, and each joint has a torque. Where
+    # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
+    # compared.
     leg = estimate.model.leg
     stretches = split(leg, for_leg(estimate.model, recording)).stretches
     if not unknown_wrenches:

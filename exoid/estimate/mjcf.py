@@ -98,21 +98,7 @@ def export_mjcf(
     pull: float = PULL,
     mass_factor: float = MASS_FACTOR,
 ) -> MjcfExport:
-    """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`.
-
-    Args:
-        estimate: The estimate.
-        path: The file to write.
-        pull: See :meth:`Estimate.to_urdf`.
-        mass_factor: See :meth:`Estimate.to_urdf`.
-
-    Returns:
-        What was written.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, the base floats, a mass would change beyond the factor, or the file cannot
-            be written.
-    """
+    """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`."""
     leg = estimate.model.leg
     if leg.base == "floating":
         raise ExoidError(

@@ -87,14 +87,7 @@ class ModelError:
 
 
 def model_error_to_json(model_error: ModelError | None) -> dict[str, Any]:
-    """Turn a model error into a JSON object.
-
-    Args:
-        model_error: The model error; None for none.
-
-    Returns:
-        Its arrays; empty for none.
-    """
+    """Turn a model error into a JSON object."""
     if model_error is None:
         return {}
     names = ("speed", "parameters", "alternatives", "explained")
@@ -104,16 +97,7 @@ def model_error_to_json(model_error: ModelError | None) -> dict[str, Any]:
 def model_error_from_json(
     data: Mapping[str, Any] | None, joints: Sequence[str], parameters: Sequence[str]
 ) -> ModelError | None:
-    """Read what :func:`model_error_to_json` wrote.
-
-    Args:
-        data: The JSON object; None in files of exoid 0.1.
-        joints: Names of the joints, (n,).
-        parameters: Names of the parameters, (P,).
-
-    Returns:
-        The model error; None where there is none.
-    """
+    """Read what :func:`model_error_to_json` wrote."""
     if not data:
         return None
     n, count = len(joints), len(parameters)

@@ -110,17 +110,11 @@ def _refuse_ground(recording: Recording) -> None:
 
 
 class Surroundings(NamedTuple):
-    """What acts on the leg from outside at one time.
+    """What acts on the leg from outside at one time."""
 
-    Attributes:
-        base: Motion of the base, of B samples if it moves; None if it is upright and still.
-        payloads: Payloads on the leg.
-        temperature: Temperatures [°C], (B, n); None without.
-    """
-
-    base: MovingBase | None
-    payloads: tuple[Payload, ...]
-    temperature: FloatArray | None = None
+    base: MovingBase | None  # motion of the base, of B samples if it moves; None if it is upright and still
+    payloads: tuple[Payload, ...]  # payloads on the leg
+    temperature: FloatArray | None = None  # temperatures [°C], (B, n); None without
 
 
 def _between(base: MovingBase | None, samples: NDArray[np.intp], share: float) -> MovingBase | None:

@@ -79,15 +79,7 @@ class Identified(Protocol):
 
 
 def provenance(identified: Identified) -> list[str]:
-    """Say what values were identified from, how, and how well.
-
-    Args:
-        identified: An estimate.
-
-    Returns:
-        Lines of text: estimator, recordings with their hashes, warnings, regrouped parameters; then each parameter with
-        standard deviation, unit and verdict.
-    """
+    """Say what values were identified from, how, and how well."""
     lines = [
         f"Estimator: {identified.estimator}, {identified.preparation.name} preparation; condition number "
         f"{identified.condition_number:.1f}."

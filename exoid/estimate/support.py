@@ -9,17 +9,11 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Support:
-    """Samples at which the same links rested by wrenches that were not measured.
+    """Samples at which the same links rested by wrenches that were not measured."""
 
-    Attributes:
-        name: These links, or "measured".
-        seconds: How long they rested in all recordings [s].
-        residual_rms: RMS residual of each row [N, N·m], by its name.
-    """
-
-    name: str
-    seconds: float
-    residual_rms: Mapping[str, float]
+    name: str  # these links, or "measured"
+    seconds: float  # how long they rested in all recordings [s]
+    residual_rms: Mapping[str, float]  # RMS residual of each row [N, N·m], by its name
 
     def __str__(self) -> str:
         """Write one line."""
@@ -28,26 +22,12 @@ class Support:
 
 
 def supports_to_json(supports: Sequence[Support]) -> list[dict[str, Any]]:
-    """Turn supports into what JSON can hold.
-
-    Args:
-        supports: The supports.
-
-    Returns:
-        One object for each.
-    """
+    """Turn supports into what JSON can hold."""
     return [{"name": one.name, "seconds": one.seconds, "residual_rms": dict(one.residual_rms)} for one in supports]
 
 
 def supports_from_json(data: Sequence[Mapping[str, Any]]) -> tuple[Support, ...]:
-    """Read what :func:`supports_to_json` wrote.
-
-    Args:
-        data: What it wrote.
-
-    Returns:
-        The supports.
-    """
+    """Read what :func:`supports_to_json` wrote."""
     return tuple(
         Support(
             str(one["name"]), float(one["seconds"]), {str(row): float(rms) for row, rms in one["residual_rms"].items()}

@@ -25,14 +25,7 @@ HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
 
 
 def report(estimate: EstimateData) -> list[DataTable | str]:
-    """Describe an estimate by a title, a table of its parameters, and what the reader should know.
-
-    Args:
-        estimate: The estimate.
-
-    Returns:
-        Parts for :func:`exoid.tables.to_text` or :func:`exoid.tables.to_html`.
-    """
+    """Describe an estimate by a title, a table of its parameters, and what the reader should know."""
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
     leg = estimate.model.leg
     given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
@@ -43,16 +36,7 @@ def report(estimate: EstimateData) -> list[DataTable | str]:
 def compared_table(
     caption: str, rows: Sequence[tuple[str, ...]], other_values: Mapping[str, Mapping[str, float]]
 ) -> DataTable:
-    """Make a table of parameters with other values beside them.
-
-    Args:
-        caption: Line above the table.
-        rows: Rows of :func:`parameter_rows`.
-        other_values: Values by parameter name, by label.
-
-    Returns:
-        The table, with one more column for each label.
-    """
+    """Make a table of parameters with other values beside them."""
     compared = [
         (*row, *(f"{values[row[0]]:.4g}" if row[0] in values else "–" for values in other_values.values()))
         for row in rows
@@ -100,14 +84,7 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 
 
 def fit_table(estimate: EstimateData) -> DataTable:
-    """Make a table of the fit of each joint, without the figures that are not known.
-
-    Args:
-        estimate: The estimate.
-
-    Returns:
-        Table with RMS residual, NRMSE and R², and the independent samples that say as much as the fitted rows.
-    """
+    """Make a table of the fit of each joint, without the figures that are not known."""
     headers, columns = ["joint", "residual RMS [N·m]"], [[f"{rms:.3g}" for rms in estimate.residual_rms]]
     if estimate.torque_spread.any():
         headers += ["NRMSE", "R²"]

@@ -29,15 +29,7 @@ class TorqueBand(NamedTuple):
 
 
 def parameter_variance(covariance: FloatArray, rows: FloatArray) -> FloatArray:
-    """Variance w C wᵀ that the parameters' errors give a torque.
-
-    Args:
-        covariance: Covariance C of the parameters, (P, P).
-        rows: Rows w of the regressor, (N, n, P or more); further columns do not count.
-
-    Returns:
-        Variance [N²·m²], (N, n).
-    """
+    """Variance w C wᵀ that the parameters' errors give a torque."""
     W = rows[..., : len(covariance)]
     return np.asarray(np.clip(((W @ covariance) * W).sum(axis=-1), 0.0, None))
 
@@ -45,16 +37,7 @@ def parameter_variance(covariance: FloatArray, rows: FloatArray) -> FloatArray:
 def torque_std(
     model: RegressorModel, variance: Callable[[FloatArray], FloatArray], motion: MotionSamples
 ) -> FloatArray:
-    """Standard deviation of torques of a motion, block by block.
-
-    Args:
-        model: Model whose columns the variance needs.
-        variance: Variance [N²·m²], (N, n), of torques whose rows are given, (N, n, P).
-        motion: Motion of N samples.
-
-    Returns:
-        Standard deviations of each row [N, N·m], (N, n).
-    """
+    """Standard deviation of torques of a motion, block by block."""
     std = np.empty((len(motion.q), len(model.row_names)))
     for start in range(0, len(motion.q), BLOCK):
         rows = slice(start, start + BLOCK)

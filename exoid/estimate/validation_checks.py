@@ -41,18 +41,7 @@ LATE = 0.5
 
 
 def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
-    """Compute torques by the drives of the training, and shift them by the delays that were taken out there.
-
-    Args:
-        estimate: The estimate, with its drives and delays.
-        recording: A recording.
-
-    Returns:
-        The recording; as it is where the estimate has neither drives nor delays.
-
-    Raises:
-        ExoidError: The recording has neither torque nor what the drives need.
-    """
+    """Compute torques by the drives of the training, and shift them by the delays that were taken out there."""
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
     if not estimate.torque_delays.any():
@@ -62,15 +51,7 @@ def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
 
 
 def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
-    """Say by how much torques are shifted.
-
-    Args:
-        estimate: The estimate, with its delays.
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint whose torque is shifted.
-    """
+    """Say by how much torques are shifted."""
     for joint, delay in zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True):
         if delay:
             yield Finding(
@@ -86,16 +67,7 @@ def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Findin
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:
-    """Find joints that move further, faster or more abruptly than in the training.
-
-    Args:
-        estimate: The estimate, with the ranges of its training.
-        ranges: Ranges of the recording that is predicted.
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint and quantity.
-    """
+    """Find joints that move further, faster or more abruptly than in the training."""
     trained = estimate.ranges
     if trained is None:
         return
@@ -123,16 +95,7 @@ def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "
 
 
 def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str = "") -> Iterator[Finding]:
-    """Say which joints cannot be validated, and which are predicted without their friction.
-
-    Args:
-        estimate: The estimate.
-        measured: Whether the torque of each is known, (n,).
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint without torque here or in the training.
-    """
+    """Say which joints cannot be validated, and which are predicted without their friction."""
     for joint, trained, there in zip(estimate.joint_names, estimate.trained, measured, strict=True):
         if trained and there:
             continue
@@ -152,18 +115,7 @@ def poor_predictions(
     *,
     passive: BoolArray | None = None,
 ) -> Iterator[Finding]:
-    """Find joints whose torque is predicted badly: by itself, or in comparison with the training.
-
-    Args:
-        estimate: The estimate.
-        nrmse: RMSE of each joint over the standard deviation of its torque, (n,).
-        growth: RMSE of each joint over that of the training, (n,).
-        source: Name of the recording.
-        passive: Joints whose torque is zero, (n,); None for none.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find joints whose torque is predicted badly: by itself, or in comparison with the training."""
     of_passive = np.zeros(len(nrmse), dtype=np.bool_) if passive is None else passive
     for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, of_passive, strict=True):
         if not np.isfinite(error):
@@ -216,20 +168,9 @@ def poor_predictions(
 
 
 def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, source: str = "") -> Iterator[Finding]:
-    """Find joints whose torque leaves its 95 % band too often.
-
-    The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
-    times the share of effective samples in the training.
-
-    Args:
-        estimate: The estimate.
-        coverage: Share of the samples inside the band, (n,).
-        samples: Number of samples that carry independent white noise.
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find joints whose torque leaves its 95 % band too often."""
+    # The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
+    # times the share of effective samples in the training.
     for k, (joint, share) in enumerate(zip(estimate.joint_names, coverage, strict=True)):
         count = max(1, round(samples * effective_share(estimate, k)))
         inside = np.ceil(share * count)
@@ -262,21 +203,8 @@ def late_torques(
     coverage: FloatArray,
     source: str = "",
 ) -> Iterator[Finding]:
-    """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt.
-
-    Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
-
-    Args:
-        joints: Names of the joints, (n,).
-        time: [s], (N,), evenly spaced.
-        predicted: Predicted torque [N·m], (N, n).
-        residual: Measured less predicted torque [N·m], (N, n).
-        coverage: Share of the samples inside the band, (n,).
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt."""
+    # Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
     if len(time) < 3:
         return
     rate = np.gradient(predicted, time, axis=0)

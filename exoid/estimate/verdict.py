@@ -17,17 +17,9 @@ LOWERING = ("large-residual", "narrow-band", "torque-delay")
 
 
 def verdict_of(findings: Sequence[Finding]) -> Verdict:
-    """Judge a prediction by its findings.
-
-    An error (NRMSE above 1: a constant torque would predict better) means "does not predict". A warning that the
-    residual is large, the band too narrow, or the torque late means "predicts poorly".
-
-    Args:
-        findings: Findings of a validation.
-
-    Returns:
-        The verdict.
-    """
+    """Judge a prediction by its findings."""
+    # An error (NRMSE above 1: a constant torque would predict better) means "does not predict". A warning that the
+    # residual is large, the band too narrow, or the torque late means "predicts poorly".
     lowering = _lowering(findings)
     if any(finding.severity == "error" for finding in lowering):
         return "does not predict"
@@ -35,14 +27,7 @@ def verdict_of(findings: Sequence[Finding]) -> Verdict:
 
 
 def verdict_line(findings: Sequence[Finding]) -> str:
-    """Write the verdict and its reasons in one line.
-
-    Args:
-        findings: Findings of a validation.
-
-    Returns:
-        The line.
-    """
+    """Write the verdict and its reasons in one line."""
     reasons = []
     told = [*_lowering(findings), *(finding for finding in findings if finding.kind == "extrapolation")]
     for kind in (*LOWERING, "extrapolation"):

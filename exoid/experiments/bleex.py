@@ -25,23 +25,15 @@ LOG_RATE = 50.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StaticSets:
-    """Poses of the static experiments, (K, n) each [rad].
+    """Poses of the static experiments, (K, n) each [rad]."""
 
-    Attributes:
-        ankle: Sets of constant θ123 and varying θ3, for b2 and b1 of the ankle (doc. 1, eq. (20)).
-        ankle_set: Number of the set of each ankle pose, (K,).
-        knee: Sets of constant θ12 and θ3 and varying θ2, for b2 and b1 of the knee.
-        knee_set: Number of the set of each knee pose, (K,).
-        pairs: Consecutive pairs with the same θ3 and θ12 180° apart, for b0 of the ankle (doc. 1, eqs. (22)-(25)).
-        random: Random poses for the mass moments (doc. 1, sec. III-E).
-    """
-
-    ankle: FloatArray
-    ankle_set: FloatArray
-    knee: FloatArray
-    knee_set: FloatArray
+    ankle: FloatArray  # sets of constant θ123 and varying θ3, for b2 and b1 of the ankle (doc. 1, eq. (20))
+    ankle_set: FloatArray  # number of the set of each ankle pose, (K,)
+    knee: FloatArray  # sets of constant θ12 and θ3 and varying θ2, for b2 and b1 of the knee
+    knee_set: FloatArray  # number of the set of each knee pose, (K,)
+    # consecutive pairs with the same θ3 and θ12 180° apart, for b0 of the ankle (doc. 1, eqs. (22)-(25))
     pairs: FloatArray
-    random: FloatArray
+    random: FloatArray  # random poses for the mass moments (doc. 1, sec. III-E)
 
     def __repr__(self) -> str:
         """Count the poses of each kind."""
@@ -54,17 +46,7 @@ class StaticSets:
         return np.vstack([self.ankle, self.knee, self.pairs, self.random])
 
     def split(self, poses: Poses) -> tuple[Poses, Poses, Poses, Poses]:
-        """Split measurements at :attr:`all`.
-
-        Args:
-            poses: Measured poses in the order of :attr:`all`.
-
-        Returns:
-            Poses of the ankle sets, of the knee sets, of the pairs, and random poses.
-
-        Raises:
-            ExoidError: The number of poses differs from that of :attr:`all`.
-        """
+        """Split measurements at :attr:`all`."""
         ends = np.cumsum([len(self.ankle), len(self.knee), len(self.pairs), len(self.random)])
         if len(poses) != ends[-1]:
             raise ExoidError(f"{len(poses)} poses instead of {ends[-1]}", remedy="measure each pose once")
@@ -73,18 +55,7 @@ class StaticSets:
 
 
 def static_sets(rng: np.random.Generator, poses: int = 100) -> StaticSets:
-    """Choose the sets of poses that document 1 describes, and random poses.
-
-    Args:
-        rng: Generator of the random poses.
-        poses: Number of random poses.
-
-    Returns:
-        All poses of the static experiments.
-
-    Raises:
-        ExoidError: The number of random poses is below one.
-    """
+    """Choose the sets of poses that document 1 describes, and random poses."""
     if poses < 1:
         raise ExoidError(f"{poses} random poses", remedy="request at least one")
     ankle, ankle_set = _ankle_sets()
@@ -133,14 +104,9 @@ AMPLITUDE = np.deg2rad([14.0, 14.0, 22.0])
 
 
 def dynamic_motions() -> Harmonics:
-    """Make all motions of the dynamic experiments, one a rig.
-
-    In rig 5 j + k joint j follows a sinusoid of the k-th frequency while the others are held (doc. 1, sec. III-F and
-    III-G). In rig 15, :data:`VALIDATION`, all joints move at different frequencies and phases (doc. 1, sec. IV-B).
-
-    Returns:
-        Motions of 16 rigs.
-    """
+    """Make all motions of the dynamic experiments, one a rig."""
+    # In rig 5 j + k joint j follows a sinusoid of the k-th frequency while the others are held (doc. 1, sec. III-F and
+    # III-G). In rig 15, `VALIDATION`, all joints move at different frequencies and phases (doc. 1, sec. IV-B).
     rigs = 3 * len(FREQUENCIES) + 1
     amplitude, frequency, phase = np.zeros((3, 2, 3, rigs))
     for joint in (HIP, KNEE, ANKLE):

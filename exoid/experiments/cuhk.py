@@ -29,28 +29,13 @@ BASE_FREQUENCY, HARMONICS = 0.2, 5
 
 
 def stiffness_poses(difference: float = np.deg2rad(-10.0)) -> FloatArray:
-    """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh.
-
-    Args:
-        difference: Difference Δ [rad], which the document does not print.
-
-    Returns:
-        Angles of hip and knee [rad], (K, 2).
-    """
+    """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh."""
     knee = np.deg2rad(np.arange(10.0, 71.0, 5.0))
     return np.column_stack([knee - difference, knee])
 
 
 def random_poses(rng: np.random.Generator, count: int = 40) -> FloatArray:
-    """Draw the poses of row 2.
-
-    Args:
-        rng: Generator of the poses.
-        count: Number of poses K.
-
-    Returns:
-        Angles of hip and knee [rad], (K, 2).
-    """
+    """Draw the poses of row 2."""
     return rng.uniform(np.deg2rad([-10.0, 5.0]), np.deg2rad([80.0, 95.0]), (count, 2))
 
 
@@ -69,13 +54,8 @@ def swing(joint: int) -> Harmonics:
 
 
 def validation_motion() -> Harmonics:
-    """Make the validation motion, 40° + 20° sin(0.4 π t) at both joints (doc. 2, sec. III-B).
-
-    Δ = 0 throughout, so that the torque does not depend on J2.
-
-    Returns:
-        Motion of one leg.
-    """
+    """Make the validation motion, 40° + 20° sin(0.4 π t) at both joints (doc. 2, sec. III-B)."""
+    # Δ = 0 throughout, so that the torque does not depend on J2.
     return Harmonics(
         np.full((2, 1), np.deg2rad(40.0)),
         np.full((1, 2, 1), np.deg2rad(20.0)),
@@ -85,19 +65,7 @@ def validation_motion() -> Harmonics:
 
 
 def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics:
-    """Draw multisines of five harmonics of 0.2 Hz within limits of angle and speed; keep the best conditioned.
-
-    Args:
-        leg: Leg whose regressor is to be well conditioned.
-        rng: Generator of the draws.
-        draws: Number of draws.
-
-    Returns:
-        Motion of one leg with the smallest condition number.
-
-    Raises:
-        ExoidError: The number of draws is below one.
-    """
+    """Draw multisines of five harmonics of 0.2 Hz within limits of angle and speed; keep the best conditioned."""
     if draws < 1:
         raise ExoidError(f"the best of {draws} draws", remedy="draw at least one motion")
     model = TorqueModel(

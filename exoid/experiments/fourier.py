@@ -51,17 +51,7 @@ def fit_harmonics(time: ArrayLike, q: ArrayLike, period: float, count: int = 6) 
 
 
 def from_coefficients(mean: FloatArray, cosine: FloatArray, sine: FloatArray, period: float) -> Harmonics:
-    """Make the motion of one leg from Fourier coefficients.
-
-    Args:
-        mean: Mean a0 [rad], (n,).
-        cosine: Cosine coefficients a1 … aK [rad], (n, K).
-        sine: Sine coefficients b1 … bK [rad], (n, K).
-        period: Period [s].
-
-    Returns:
-        Motion of one leg.
-    """
+    """Make the motion of one leg from Fourier coefficients."""
     frequency = 2.0 * np.pi / period * np.arange(1.0, cosine.shape[1] + 1.0)[:, None, None]
     phase = np.arctan2(cosine, sine)  # a cos x + b sin x = c sin(x + phase)
     return Harmonics(mean[:, None], np.hypot(cosine, sine).T[..., None], frequency, phase.T[..., None])

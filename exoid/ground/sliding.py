@@ -39,30 +39,14 @@ PLANAR = 3
 
 
 class Slip(NamedTuple):
-    """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it.
+    """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it."""
 
-    Attributes:
-        slides: Whether a link slides, (N,).
-        visible: Slowest slip that is seen [m/s]; zero where no rest is long enough to look for one.
-    """
-
-    slides: NDArray[np.bool_]
-    visible: float
+    slides: NDArray[np.bool_]  # whether a link slides, (N,)
+    visible: float  # slowest slip that is seen [m/s]; zero where no rest is long enough to look for one
 
 
 def slipping(leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray, widened: int) -> NDArray[np.bool_]:
-    """Find the samples at which two links that rest move against each other.
-
-    Args:
-        leg: The leg.
-        rest: Samples at which each link is said to rest, (N,) each.
-        q: Smoothed joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        widened: Samples on either side that count too.
-
-    Returns:
-        Whether they do, (N,).
-    """
+    """Find the samples at which two links that rest move against each other."""
     slips = np.zeros(len(q), dtype=np.bool_)
     base = leg.base_rows
     if not base:
@@ -85,21 +69,10 @@ def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
 
 
 def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[str, NDArray[np.bool_]]) -> Slip:
-    """Find slips that all feet make alike, by the measured motion of the base.
-
-    The specific force f of an IMU, less that of a base on a foot that rests, is the acceleration of this foot. Its
-    integral is the velocity s of the foot, beside a drift by bias, tilt and noise that a running median takes out. A
-    slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself.
-
-    Args:
-        leg: The leg.
-        recording: Recording at even time stamps.
-        base: Measured motion of the base, without bias where that is known.
-        resting: Samples at which each link is said to rest on level ground, (N,) each.
-
-    Returns:
-        The samples, and the slowest slip that is seen.
-    """
+    """Find slips that all feet make alike, by the measured motion of the base."""
+    # The specific force f of an IMU, less that of a base on a foot that rests, is the acceleration of this foot. Its
+    # integral is the velocity s of the foot, beside a drift by bias, tilt and noise that a running median takes out. A
+    # slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself.
     slides, visible = np.zeros(len(recording), dtype=np.bool_), 0.0
     for link, flags in resting.items():
         away = max(1, round(ENDS * recording.sample_rate))
@@ -150,15 +123,7 @@ def _episodes(over: FloatArray) -> NDArray[np.bool_]:
 
 
 def low_passed(values: FloatArray, rate: float) -> FloatArray:
-    """Pass columns through a zero-phase low-pass, which leaves the velocities in which slipping is looked for.
-
-    Args:
-        values: Columns, (N, K).
-        rate: Samples in a second [Hz].
-
-    Returns:
-        Smoothed columns, (N, K).
-    """
+    """Pass columns through a zero-phase low-pass, which leaves the velocities in which slipping is looked for."""
     if 0.4 * rate <= LOOK:
         return values
     return np.asarray(scipy.signal.sosfiltfilt(scipy.signal.butter(2, LOOK, fs=rate, output="sos"), values, axis=0))

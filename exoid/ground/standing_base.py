@@ -71,29 +71,14 @@ def _tilts(leg: Leg, recording: Recording, link: str, compliance: float) -> Floa
 
 
 class StandingReading(NamedTuple):
-    """What a unit on the base would measure without errors while a link rests flat on level ground.
+    """What a unit on the base would measure without errors while a link rests flat on level ground."""
 
-    Attributes:
-        angular_velocity: ω [rad/s], (N, 3).
-        specific_force: f at the place of the unit [m/s²], (N, 3).
-    """
-
-    angular_velocity: FloatArray
-    specific_force: FloatArray
+    angular_velocity: FloatArray  # ω [rad/s], (N, 3)
+    specific_force: FloatArray  # f at the place of the unit [m/s²], (N, 3)
 
 
 def standing_reading(leg: Leg, recording: Recording, link: str, position: FloatArray) -> StandingReading:
-    """Derive what an inertial measurement unit measures while a link rests flat on level ground.
-
-    Args:
-        leg: The leg.
-        recording: The recording, with even time stamps.
-        link: Link that rests.
-        position: Place of the unit in the axes of the root link [m], (3,).
-
-    Returns:
-        f(r) = f(0) + ω̇ × r + ω × (ω × r) and ω at all samples.
-    """
+    """Derive what an inertial measurement unit measures while a link rests flat on level ground."""
     true = standing_base(leg, recording, link)
     omega = true.angular_velocity
     alpha = np.gradient(omega, recording.time, axis=0)

@@ -21,15 +21,10 @@ DISAGREE = 0.01
 
 
 class Agreement(NamedTuple):
-    """Whether groups, each identified alone, agree on what they share.
+    """Whether groups, each identified alone, agree on what they share."""
 
-    Attributes:
-        equality: The test; None where there is none.
-        note: Why there is none.
-    """
-
-    equality: Equality | None
-    note: str = ""
+    equality: Equality | None  # the test; None where there is none
+    note: str = ""  # why there is none
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -49,17 +44,7 @@ class Agreement(NamedTuple):
 
 
 def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool) -> Agreement:
-    """Identify each group alone, without priors and bounds, and test whether shared parameters are the same.
-
-    Args:
-        problem: The problem of all groups.
-        estimator: The estimator.
-        samples: Independent samples of each group.
-        white: Whether the covariance assumes white noise.
-
-    Returns:
-        The test, or why there is none.
-    """
+    """Identify each group alone, without priors and bounds, and test whether shared parameters are the same."""
     layout, groups = problem.layout, problem.layout.groups
     if len(groups) < 2 or not layout.shared:
         return Agreement(None)

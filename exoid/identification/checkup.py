@@ -35,17 +35,7 @@ NOT_CHECKED = Finding(
 
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
-    """Check the logs of one group, and the fit to them.
-
-    Args:
-        fitted: The fit of all groups.
-        group: Index of the group.
-        covariance: Covariance of the parameters of its model, (P, P).
-        actuators: Drives of its recordings; None where torques were measured.
-
-    Returns:
-        Findings and ranges of the motion; for recordings on a cluster only that they were not checked.
-    """
+    """Check the logs of one group, and the fit to them."""
     data = fitted.problem.groups[group].data
     if isinstance(data, Cluster):
         return Checkup((NOT_CHECKED,))
@@ -59,18 +49,7 @@ def model_error(
     residual_rms: FloatArray,
     noise: Sequence[JointNoise],
 ) -> ModelError | None:
-    """Estimate how far friction of another form may move the torques that one group's estimate predicts.
-
-    Args:
-        fitted: The fit of all groups.
-        group: Index of the group.
-        checkup: Result of its checks, with the ranges of the motion.
-        residual_rms: RMS residual of each joint [N·m], (n,).
-        noise: Noise of the residuals of each joint.
-
-    Returns:
-        The model error; None for recordings on a cluster, or without ranges.
-    """
+    """Estimate how far friction of another form may move the torques that one group's estimate predicts."""
     data = fitted.problem.groups[group].data
     if checkup.ranges is None or isinstance(data, Cluster):
         return None
@@ -82,32 +61,15 @@ def model_error(
 
 
 class WithoutDelays(NamedTuple):
-    """Recordings with shifted torques.
+    """Recordings with shifted torques."""
 
-    Attributes:
-        task: Torque model and data.
-        delays: Delays that were taken out of the torques of each group [s], (n,) each.
-        findings: What was shifted in each group.
-    """
-
-    task: Task
-    delays: tuple[FloatArray, ...]
-    findings: tuple[tuple[Finding, ...], ...]
+    task: Task  # torque model and data
+    delays: tuple[FloatArray, ...]  # delays that were taken out of the torques of each group [s], (n,) each
+    findings: tuple[tuple[Finding, ...], ...]  # what was shifted in each group
 
 
 def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
-    """Estimate by how much torques are late, and shift them.
-
-    Args:
-        task: Torque model and data.
-        fitted: Fit to the data as they are.
-
-    Returns:
-        The task with shifted torques, delays, and findings that say by how much.
-
-    Raises:
-        ExoidError: Recordings are on a cluster.
-    """
+    """Estimate by how much torques are late, and shift them."""
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
         if isinstance(group.data, Cluster):

@@ -61,21 +61,9 @@ class _Point(NamedTuple):
 
 
 def search_constants(task: Task, actuators: Actuators) -> Fitted:
-    """Find unknown constants of drives beside the parameters of a leg.
-
-    Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see :class:`exoid.identification.drive_model.DriveModel`, and
-    goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
-
-    Args:
-        task: Task with one group, whose recordings have torques of the constants' start values.
-        actuators: Drives, constants of which are not known.
-
-    Returns:
-        The fit; constants are nonlinear parameters.
-
-    Raises:
-        ExoidError: Constants are not determined by the recordings, or readings have the wrong sign: names them.
-    """
+    """Find unknown constants of drives beside the parameters of a leg."""
+    # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drive_model.DriveModel`, and
+    # goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
     (group,), (model,) = task.groups, task.models
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)
@@ -114,15 +102,7 @@ def search_constants(task: Task, actuators: Actuators) -> Fitted:
 
 
 def with_found(actuators: Actuators, fitted: Fitted) -> Actuators:
-    """Give drives the constants that were found.
-
-    Args:
-        actuators: Drives, constants of which were not known.
-        fitted: The fit.
-
-    Returns:
-        The drives with all constants.
-    """
+    """Give drives the constants that were found."""
     found = fitted.nonlinear
     return with_constants(actuators, dict(zip(found.names, found.values.tolist(), strict=True)))
 
@@ -130,21 +110,11 @@ def with_found(actuators: Actuators, fitted: Fitted) -> Actuators:
 def refuse_unknown_scale(
     actuators: Actuators, summaries: Sequence[RecordingSummary], knowledge: PriorKnowledge
 ) -> None:
-    """Refuse recordings without a drive's readings, or in which nothing is known in N·m.
-
-    In the latter, a larger constant only makes the leg heavier.
-
-    Known are a payload that has a mass, a torque that was measured or computed with a known torque constant, and a
-    parameter that is known or has a prior, unless its value is zero.
-
-    Args:
-        actuators: Drives, constants of which are not known.
-        summaries: Summaries of the recordings.
-        knowledge: Known parameters and priors.
-
-    Raises:
-        ExoidError: Names the constants, and what to record.
-    """
+    """Refuse recordings without a drive's readings, or in which nothing is known in N·m."""
+    # In the latter, a larger constant only makes the leg heavier.
+    #
+    # Known are a payload that has a mass, a torque that was measured or computed with a known torque constant, and a
+    # parameter that is known or has a prior, unless its value is zero.
     constants = unknown_constants(actuators)
     scales = [each for each in constants if each.constant.is_scale]
     free = np.isin(np.arange(len(actuators.joint_names)), [each.joint for each in scales])

@@ -17,25 +17,19 @@ from exoid.torques import Motion, TorqueModel
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriveModel(TorqueModel):
-    """Both sides of τ(i, κ) = W β + τ_payload, linear in β and in changes δ of the constants κ of drives.
+    """Both sides of τ(i, κ) = W β + τ_payload, linear in β and in changes δ of the constants κ of drives."""
 
-    τ(i, κ) is the torque that the drives make of their readings, such as ratio · k_t · i. About a point (β₀, κ₀):
+    # τ(i, κ) is the torque that the drives make of their readings, such as ratio · k_t · i. About a point (β₀, κ₀):
+    #
+    #     τ(i, κ₀) − τ_payload = W β − s δ,    s = ∂τ/∂κ at the torque W β₀ + τ_payload of the model.
+    #
+    # The columns s are formed of the torque of the model, not of the measured currents. Noise of the currents therefore
+    # stands on the left side only, and attenuates no constant. Where the solution is δ = 0, it solves
+    # i = (W β + τ_payload) / (ratio · k_t), with the covariance of the Gauss-Newton method.
 
-        τ(i, κ₀) − τ_payload = W β − s δ,    s = ∂τ/∂κ at the torque W β₀ + τ_payload of the model.
-
-    The columns s are formed of the torque of the model, not of the measured currents. Noise of the currents therefore
-    stands on the left side only, and attenuates no constant. Where the solution is δ = 0, it solves
-    i = (W β + τ_payload) / (ratio · k_t), with the covariance of the Gauss-Newton method.
-
-    Attributes:
-        point: β₀, (P,).
-        constants: The constants, K of them, whose changes are parameters.
-        actuators: Drives with the constants κ₀.
-    """
-
-    point: FloatArray = field(kw_only=True)
-    constants: tuple[DriveConstant, ...] = field(kw_only=True)
-    actuators: Actuators = field(kw_only=True)
+    point: FloatArray = field(kw_only=True)  # β₀, (P,)
+    constants: tuple[DriveConstant, ...] = field(kw_only=True)  # the constants, K of them, whose changes are parameters
+    actuators: Actuators = field(kw_only=True)  # drives with the constants κ₀
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -56,14 +50,7 @@ class DriveModel(TorqueModel):
         return acting
 
     def columns(self, motion: Motion) -> FloatArray:
-        """Form the columns W and −s for a motion, or for some rows of one.
-
-        Args:
-            motion: Motion of N samples.
-
-        Returns:
-            Columns, (P + K, n, N), each contiguous in memory.
-        """
+        """Form the columns W and −s for a motion, or for some rows of one."""
         out = super().columns(motion)
         torque = np.tensordot(self.point, out[: len(self.point)], axes=1)
         if motion.payload is not None:
@@ -81,17 +68,7 @@ class DriveModel(TorqueModel):
 def about(
     model: TorqueModel, point: FloatArray, actuators: Actuators, constants: Sequence[DriveConstant]
 ) -> DriveModel:
-    """Linearise a torque model with unknown constants of drives.
-
-    Args:
-        model: The torque model, linear in all parameters.
-        point: Its parameters β₀, (P,).
-        actuators: Drives with the constants κ₀.
-        constants: The constants whose changes are parameters.
-
-    Returns:
-        The model.
-    """
+    """Linearise a torque model with unknown constants of drives."""
     return DriveModel(
         *(model.leg, model.terms, model.rigid, model.regrouped, model.separate),
         point=point,

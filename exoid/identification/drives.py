@@ -20,31 +20,14 @@ Drives = Mapping[str, Drive | Coupling] | Actuators
 
 
 class DrivenGroups(NamedTuple):
-    """Groups of recordings with the torques of their drives.
+    """Groups of recordings with the torques of their drives."""
 
-    Attributes:
-        groups: The groups.
-        actuators: Actuators of the leg of each group; some of their constants may be unknown.
-    """
-
-    groups: tuple[Group, ...]
-    actuators: tuple[Actuators, ...]
+    groups: tuple[Group, ...]  # the groups
+    actuators: tuple[Actuators, ...]  # actuators of the leg of each group; some of their constants may be unknown
 
     @staticmethod
     def of(groups: Sequence[Group], drives: Drives) -> DrivenGroups:
-        """Compute torques before anything else looks at the recordings.
-
-        Args:
-            groups: Groups of recordings.
-            drives: Drives of the joints.
-
-        Returns:
-            The groups; recordings on disk or on a cluster get their torques when they are read. Unknown constants
-            have the values at which a search begins.
-
-        Raises:
-            ExoidError: A drive does not fit a leg, or a recording does not fit the drives.
-        """
+        """Compute torques before anything else looks at the recordings."""
         driven, mounted = [], []
         for group in groups:
             with within(group.name):
@@ -61,18 +44,7 @@ class DrivenGroups(NamedTuple):
     def refuse_unknown(
         self, estimator: Estimator, terms: Sequence[Term], delay: str | None, names: Sequence[str] = ()
     ) -> None:
-        """Refuse what cannot act beside unknown constants of drives.
-
-        Args:
-            estimator: The estimator.
-            terms: Terms of the identification.
-            delay: How delays are treated.
-            names: Names of parameters that are known or have a prior.
-
-        Raises:
-            ExoidError: Constants are unknown, and there are several groups, recordings are on a cluster, or an argument
-                cannot act beside them.
-        """
+        """Refuse what cannot act beside unknown constants of drives."""
         constants = [each.name for actuators in self.actuators for each in unknown_constants(actuators)]
         if not constants:
             return
@@ -99,11 +71,7 @@ class DrivenGroups(NamedTuple):
             )
 
     def default_terms(self) -> tuple[Term, ...]:
-        """Add friction and rotors of coupled motors to the default terms, where torque was computed of these motors.
-
-        Returns:
-            Terms for an identification whose caller gave none.
-        """
+        """Add friction and rotors of coupled motors to the default terms, where torque was computed of these motors."""
         computed = self._computed
         couplings = self.actuators[0].couplings.values()
         used = [coupling for coupling in couplings if computed & set(coupling.joints)]
@@ -122,17 +90,8 @@ class DrivenGroups(NamedTuple):
         return {joint for joint, label in labels if joint in every and names & {joint, label}}
 
     def known_rotors(self, terms: Sequence[Term], knowledge: PriorKnowledge) -> dict[str, float]:
-        """Hold rotor inertias that motors state, unless the caller says otherwise.
-
-        A torque sensor behind the gear does not see the rotor: only motors whose torque was computed have one.
-
-        Args:
-            terms: Terms of the identification.
-            knowledge: What the caller knows.
-
-        Returns:
-            Known parameters.
-        """
+        """Hold rotor inertias that motors state, unless the caller says otherwise."""
+        # A torque sensor behind the gear does not see the rotor: only motors whose torque was computed have one.
         plain = {name.partition("[")[0] for name in knowledge.names}
         leg = self.groups[0].leg
         labels = dict(zip(leg.joint_names, leg.joint_labels, strict=True))

@@ -18,61 +18,36 @@ from .problem import Problem
 
 
 class Task(NamedTuple):
-    """Torque model, data and estimator of a fit.
+    """Torque model, data and estimator of a fit."""
 
-    Attributes:
-        groups: Groups of recordings; one is the usual case.
-        models: Torque model of each group, nonlinear parameters at their start values.
-        terms: Terms of the models, settings of which may be nonlinear parameters.
-        estimator: The estimator.
-        own: Names of parameters that each group has of its own.
-        prior_knowledge: Known parameters, priors and signs.
-        keep: Function that selects rows; None for all.
-        unknown: Drives with unknown constants, which are found beside the parameters; None for none.
-    """
-
-    groups: tuple[Group, ...]
-    models: tuple[TorqueModel, ...]
-    terms: tuple[Term, ...]
-    estimator: Estimator
-    own: tuple[str, ...] = ()
-    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
-    keep: Keep | None = None
+    groups: tuple[Group, ...]  # groups of recordings; one is the usual case
+    models: tuple[TorqueModel, ...]  # torque model of each group, nonlinear parameters at their start values
+    terms: tuple[Term, ...]  # terms of the models, settings of which may be nonlinear parameters
+    estimator: Estimator  # the estimator
+    own: tuple[str, ...] = ()  # names of parameters that each group has of its own
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE  # known parameters, priors and signs
+    keep: Keep | None = None  # function that selects rows; None for all
+    # drives with unknown constants, which are found beside the parameters; None for none
     unknown: Actuators | None = None
 
 
 class Fitted(NamedTuple):
-    """A fit.
+    """A fit."""
 
-    Attributes:
-        models: Torque model of each group with all settings, loaded by the fitted rigid bodies.
-        values: β, (P,).
-        nonlinear: Nonlinear parameters that were found, without covariance.
-        problem: Rows, about the solution linear in β and in the nonlinear parameters that are not held.
-        fit: Solution in both.
-        warnings: Warnings for the reader.
-    """
-
-    models: tuple[TorqueModel, ...]
-    values: FloatArray
-    nonlinear: NonlinearParameters
-    problem: Problem
-    fit: Fit
-    warnings: tuple[str, ...]
+    models: tuple[TorqueModel, ...]  # torque model of each group with all settings, loaded by the fitted rigid bodies
+    values: FloatArray  # β, (P,)
+    nonlinear: NonlinearParameters  # nonlinear parameters that were found, without covariance
+    problem: Problem  # rows, about the solution linear in β and in the nonlinear parameters that are not held
+    fit: Fit  # solution in both
+    warnings: tuple[str, ...]  # warnings for the reader
 
 
 class Start(NamedTuple):
-    """Where a fit begins.
+    """Where a fit begins."""
 
-    Attributes:
-        values: β, (P,).
-        settings: θ by name.
-        weights: Weights of the R factors.
-    """
-
-    values: FloatArray
-    settings: dict[str, float]
-    weights: Sequence[float]
+    values: FloatArray  # β, (P,)
+    settings: dict[str, float]  # θ by name
+    weights: Sequence[float]  # weights of the R factors
 
     @staticmethod
     def at(fitted: Fitted) -> Start:

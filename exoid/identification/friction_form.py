@@ -38,24 +38,12 @@ def friction_form_error(
     independent: FloatArray,
     rows: Sequence[Rows],
 ) -> ModelError | None:
-    """Average over forms of friction that the terms do not have (Bayesian model averaging).
-
-    The candidates are presliding, Stribeck, quadratic and load-dependent friction, each alone and all together. Each
-    has coefficients c ~ N(0, s²), with s in :data:`SIZES` (in units of a joint's RMS torque). With X the alternatives'
-    weighted rows less what the parameters absorb, and r the weighted residuals, c has the posterior covariance
-    S = (XᵀX + s⁻²)⁻¹ and mean S Xᵀr, and the evidence of the candidate is log p = ½ rᵀX S Xᵀr − ½ log|1 + s² XᵀX|.
-    Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
-
-    Args:
-        fitted: Torque model, preparation, parameters, and which of them are known.
-        speed: Largest speed of the training [rad/s], (n,).
-        residual_rms: RMS residual of each joint [N·m], (n,).
-        independent: Independent samples over decimated rows of each joint, (n,).
-        rows: Decimated rows of parameters and alternatives, of recordings in motion.
-
-    Returns:
-        The model error; None where there are no rows.
-    """
+    """Average over forms of friction that the terms do not have (Bayesian model averaging)."""
+    # The candidates are presliding, Stribeck, quadratic and load-dependent friction, each alone and all together. Each
+    # has coefficients c ~ N(0, s²), with s in `SIZES` (in units of a joint's RMS torque). With X the alternatives'
+    # weighted rows less what the parameters absorb, and r the weighted residuals, c has the posterior covariance
+    # S = (XᵀX + s⁻²)⁻¹ and mean S Xᵀr, and the evidence of the candidate is log p = ½ rᵀX S Xᵀr − ½ log|1 + s² XᵀX|.
+    # Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
     if not rows:
         return None
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
@@ -77,18 +65,12 @@ def friction_form_error(
 
 
 class _Joint(NamedTuple):
-    """Weighted rows of one joint: those of the parameters W (N, P), alternatives Z (N, K), residuals r (N,).
+    """Weighted rows of one joint: those of the parameters W (N, P), alternatives Z (N, K), residuals r (N,)."""
 
-    Attributes:
-        W: Columns of the parameters.
-        Z: Columns of the alternatives.
-        residual: Residuals.
-        unit: Coefficient of each alternative whose torque has the RMS of that of the joint, (K,); 0 for one without.
-    """
-
-    W: FloatArray
-    Z: FloatArray
-    residual: FloatArray
+    W: FloatArray  # columns of the parameters
+    Z: FloatArray  # columns of the alternatives
+    residual: FloatArray  # residuals
+    # coefficient of each alternative whose torque has the RMS of that of the joint, (K,); 0 for one without
     unit: FloatArray
 
     @staticmethod
@@ -122,16 +104,7 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
 
 
 def friction_rows(fitted: FittedLeg, speed: FloatArray, data: Sequence[Recording | Poses]) -> list[Rows]:
-    """Form decimated rows of recordings in motion, of as many samples as checks look at.
-
-    Args:
-        fitted: Torque model, preparation and parameters.
-        speed: Largest speed of the training [rad/s], (n,).
-        data: Recordings and poses.
-
-    Returns:
-        Rows of parameters and alternatives.
-    """
+    """Form decimated rows of recordings in motion, of as many samples as checks look at."""
     model, found = with_alternatives(fitted.model, fitted.values, speed), []
     moving = [one for one in few_of(data) if isinstance(one, Recording)]
     for one in some_samples(fitted.model, moving):
@@ -144,17 +117,7 @@ def friction_rows(fitted: FittedLeg, speed: FloatArray, data: Sequence[Recording
 
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
-    """Average the second moment E[c cᵀ] over all candidates.
-
-    Args:
-        H: XᵀX, (n K, n K).
-        h: Xᵀr, (n K,).
-        unit: Coefficient of each alternative whose torque has the RMS of that of its joint, (n K,).
-        joints: Number n of joints.
-
-    Returns:
-        Second moment, (n K, n K).
-    """
+    """Average the second moment E[c cᵀ] over all candidates."""
     sizes, spectra, evidence = np.array(SIZES)[:, None], [], []
     for columns in (*KINDS.values(), tuple(range(COUNT))):
         chosen = np.flatnonzero(np.tile(np.isin(np.arange(COUNT), columns), joints) & (unit > 0.0))

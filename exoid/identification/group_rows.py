@@ -48,14 +48,7 @@ def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T
 
 @contextmanager
 def within(part: str) -> Iterator[None]:
-    """Name the part of the input, such as a group of recordings, in errors that are raised inside.
-
-    Args:
-        part: Its name; "" adds nothing.
-
-    Raises:
-        ExoidError: The error that was raised inside, with the name.
-    """
+    """Name the part of the input, such as a group of recordings, in errors that are raised inside."""
     try:
         yield
     except ExoidError as error:
@@ -63,36 +56,17 @@ def within(part: str) -> Iterator[None]:
 
 
 class Group(NamedTuple):
-    """Recordings of one leg, or of one session.
+    """Recordings of one leg, or of one session."""
 
-    Attributes:
-        name: Name of the group; "" where there is only one.
-        leg: The leg.
-        data: Its recordings and poses.
-        preparation: Filter and differentiation; None while it is not chosen.
-        unmeasured: Joints without torque in any of the recordings.
-    """
-
-    name: str
-    leg: Leg
-    data: Data
-    preparation: Preparation | None = None
-    unmeasured: tuple[str, ...] = ()
+    name: str  # name of the group; "" where there is only one
+    leg: Leg  # the leg
+    data: Data  # its recordings and poses
+    preparation: Preparation | None = None  # filter and differentiation; None while it is not chosen
+    unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings
 
     @classmethod
     def alone(cls, leg: Leg, recordings: Measured | Cluster) -> Group:
-        """Make the only group, which needs no name.
-
-        Args:
-            leg: The leg.
-            recordings: One recording or several.
-
-        Returns:
-            The group, without a preparation.
-
-        Raises:
-            ExoidError: There is no recording, or something else.
-        """
+        """Make the only group, which needs no name."""
         return cls("", leg, check_recordings(recordings))
 
     @property
@@ -121,27 +95,19 @@ def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cl
 
 @dataclass(frozen=True, eq=False)
 class GroupRows:
-    """τ = W β over the recordings and poses of one leg.
+    """τ = W β over the recordings and poses of one leg."""
 
-    A first pass over the rows leaves R factors, which suffice for least squares; whoever needs more goes over
-    :meth:`blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
-    the kinematics of one recording, and of rows that are kept where there are few.
+    # A first pass over the rows leaves R factors, which suffice for least squares; whoever needs more goes over
+    # `blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
+    # the kinematics of one recording, and of rows that are kept where there are few.
 
-    Attributes:
-        model: Torque model.
-        data: Recordings and poses, in memory, on disk, or on a cluster.
-        preparation: Filter and differentiation.
-        keep: Function that selects rows, given the index of the recording and their times [s], (N,); None for all.
-        memory_share: Part of :data:`KEPT_BYTES` for rows that are kept, where there are several groups.
-        unmeasured: Joints without torque in any of the recordings, which have no rows.
-    """
-
-    model: TorqueModel
-    data: Data
-    preparation: Preparation
+    model: TorqueModel  # torque model
+    data: Data  # recordings and poses, in memory, on disk, or on a cluster
+    preparation: Preparation  # filter and differentiation
+    # function that selects rows, given the index of the recording and their times [s], (N,); None for all
     keep: Keep | None = None
-    memory_share: float = 1.0
-    unmeasured: tuple[str, ...] = ()
+    memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
+    unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings, which have no rows
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
@@ -153,11 +119,7 @@ class GroupRows:
 
     @property
     def local_data(self) -> Sequence[Recording | Poses]:
-        """Recordings and poses.
-
-        Raises:
-            ExoidError: They are on a cluster, which does not let them go.
-        """
+        """Recordings and poses."""
         if isinstance(self.data, Cluster):
             raise ExoidError(
                 "recordings stay on the workers of the cluster, and this estimator wants them here",
@@ -203,17 +165,7 @@ class GroupRows:
         return self.data.at_rest(index) if isinstance(self.data, Recordings) else isinstance(self.data[index], Poses)
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time.
-
-        Args:
-            decimated: Only as many as carry independent noise, see :func:`exoid.regression.rows.decimate`.
-
-        Yields:
-            Blocks of rows.
-
-        Raises:
-            ExoidError: They are on a cluster, which does not let them go.
-        """
+        """Go over the rows, recording by recording, each in order of time."""
         for index in range(len(self.local_data)):
             yield from self._blocks_of(index, decimated=decimated)
 
@@ -294,15 +246,10 @@ class GroupRows:
 
 
 class WorkerRows(NamedTuple):
-    """What is made of one recording on a worker, and stays there.
+    """What is made of one recording on a worker, and stays there."""
 
-    Attributes:
-        r_factors: One a joint.
-        blocks: Thinned rows.
-    """
-
-    r_factors: list[RFactor]
-    blocks: tuple[RowBlock, ...]
+    r_factors: list[RFactor]  # one a joint
+    blocks: tuple[RowBlock, ...]  # thinned rows
 
 
 def _make_worker_rows(model: TorqueModel, preparation: Preparation, data: Recording) -> WorkerRows:

@@ -23,19 +23,7 @@ def make_groups(
     recordings: Measured | Mapping[str, Measured] | Cluster,
     own: str | Sequence[str] | None,
 ) -> tuple[Group, ...]:
-    """Bring legs and recordings together by the names of the groups; a recording without a name has a number.
-
-    Args:
-        legs: The leg, or one for each group.
-        recordings: Recordings by the name of the group; without names, each is a group if ``own`` is given.
-        own: Parameters that each group has of its own; None for all but those of the rigid bodies.
-
-    Returns:
-        The groups.
-
-    Raises:
-        ExoidError: Names of legs and of recordings differ, two groups have the same name, or recordings are elsewhere.
-    """
+    """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):
         raise ExoidError("legs have names, recordings have none", remedy='name both: {"left": leg}, {"left": log}')
     given = recordings.values() if isinstance(recordings, Mapping) else (recordings,)
@@ -81,19 +69,7 @@ def _file_name(recordings: Sequence[Recording | Poses], index: int) -> str:
 
 
 def own_parameters(models: Mapping[str, TorqueModel], own: str | Sequence[str] | None) -> tuple[str, ...]:
-    """Look up the names of the parameters that each group has of its own.
-
-    Args:
-        models: Torque model of each group, by its name.
-        own: Symbols such as "c0", or names such as "c0_hip" or "J1"; None for all but those of the rigid bodies.
-
-    Returns:
-        Names, in the model's order.
-
-    Raises:
-        ExoidError: Names of the groups' parameters differ, there is no such symbol or name, or groups share parameters
-            of rigid bodies that are not of one design.
-    """
+    """Look up the names of the parameters that each group has of its own."""
     _refuse_other_names(models)
     model = next(iter(models.values()))
     rigid = model.leg.parameter_names
@@ -130,15 +106,7 @@ def _refuse_other_names(models: Mapping[str, TorqueModel]) -> None:
 
 
 def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> None:
-    """Refuse terms whose torque is not linear in all parameters where there are several groups.
-
-    Args:
-        legs: Leg of each group, by its name.
-        terms: The terms.
-
-    Raises:
-        ExoidError: Names the nonlinear parameters and terms.
-    """
+    """Refuse terms whose torque is not linear in all parameters where there are several groups."""
     leg = next(iter(legs.values()))
     free = [setting.name for setting in nonlinear_settings(terms, leg.joint_names, leg.joint_labels)]
     loaded = [type(term).__name__ for term in terms if term.loaded]

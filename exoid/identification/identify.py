@@ -181,19 +181,12 @@ def identify(
 
 
 class _Inputs(NamedTuple):
-    """What an identification begins with.
+    """What an identification begins with."""
 
-    Attributes:
-        groups: Groups of recordings.
-        terms: Terms beside rigid-body dynamics.
-        knowledge: What is known beside the recordings.
-        drives: Drives of which torques were computed; None without drives.
-    """
-
-    groups: tuple[Group, ...]
-    terms: tuple[Term, ...]
-    knowledge: PriorKnowledge
-    drives: DrivenGroups | None = None
+    groups: tuple[Group, ...]  # groups of recordings
+    terms: tuple[Term, ...]  # terms beside rigid-body dynamics
+    knowledge: PriorKnowledge  # what is known beside the recordings
+    drives: DrivenGroups | None = None  # drives of which torques were computed; None without drives
 
     def driven(self, drives: Drives, estimator: Estimator, delay: str | None, *, default_terms: bool) -> _Inputs:
         """Turn readings of drives into torque; coupled motors have terms, and known rotors are held."""
@@ -279,21 +272,9 @@ def _on_ground(
 
 
 def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
-    """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers.
-
-    Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
-    no outliers then, which are looked for once more.
-
-    Args:
-        task: Torque model, data and estimator.
-        by_noise: Whether to choose cut-off frequencies by the noise of the angles.
-
-    Returns:
-        The fit, and what was left out.
-
-    Raises:
-        ExoidError: Parameters are not determined by the rows: names them.
-    """
+    """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
+    # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
+    # no outliers then, which are looked for once more.
     standing = on_ground(task, by_noise=by_noise)
     try:
         robust = fit_model(standing.task._replace(estimator=find_estimator("huber")))
@@ -311,19 +292,7 @@ def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
-
-    Args:
-        task: Torque model, data and estimator.
-        start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
-            nonlinear parameters.
-
-    Returns:
-        The fit.
-
-    Raises:
-        ExoidError: Parameters are not determined by the rows: names them.
-    """
+    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection."""
     if task.unknown is not None:
         return search_constants(task, task.unknown)
     if any(term.nonlinear or term.loaded for term in task.terms):

@@ -45,65 +45,33 @@ MEASURED = "measured"
 
 
 class OnGround(NamedTuple):
-    """A task whose groups are sets of resting links.
+    """A task whose groups are sets of resting links."""
 
-    Attributes:
-        task: The task; its groups share all parameters.
-        model: Torque model of the leg with all its rows.
-        findings: What was left out of the recordings.
-    """
-
-    task: Task
-    model: TorqueModel
-    findings: tuple[Finding, ...]
+    task: Task  # the task; its groups share all parameters
+    model: TorqueModel  # torque model of the leg with all its rows
+    findings: tuple[Finding, ...]  # what was left out of the recordings
 
 
 class FittedOnGround(NamedTuple):
-    """A fit to recordings with contacts.
+    """A fit to recordings with contacts."""
 
-    Attributes:
-        task: The task without the samples that do not fit.
-        fitted: The fit to it.
-        model: Torque model of the leg with all its rows.
-        findings: What was left out of the recordings.
-        soles: Compliance of the soles that carry a base whose motion was not measured; None where it was.
-    """
-
-    task: Task
-    fitted: Fitted
-    model: TorqueModel
-    findings: tuple[Finding, ...]
+    task: Task  # the task without the samples that do not fit
+    fitted: Fitted  # the fit to it
+    model: TorqueModel  # torque model of the leg with all its rows
+    findings: tuple[Finding, ...]  # what was left out of the recordings
+    # compliance of the soles that carry a base whose motion was not measured; None where it was
     soles: SoleCompliance | None
 
 
 def channel_findings(task: Task) -> tuple[Finding, ...]:
-    """Check the channels and times of the logs, which needs no fit.
-
-    Args:
-        task: Torque model and recordings of one leg.
-
-    Returns:
-        Findings of the recordings.
-    """
+    """Check the channels and times of the logs, which needs no fit."""
     (group,), (model,) = _alone(task)
     assert not isinstance(group.data, Cluster)
     return signal_findings(model, group.data)
 
 
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:
-    """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
-
-    Args:
-        task: Torque model and recordings of one leg.
-        by_noise: Whether to choose the cut-off frequency of each set of links by the noise of the angles, which the
-            motion of a base on its feet multiplies.
-
-    Returns:
-        The task with one group for each set of links.
-
-    Raises:
-        ExoidError: There are several groups, poses or recordings elsewhere, terms are not linear, or nothing is left.
-    """
+    """Split the recordings of a task by the links that rest on the ground with an unknown wrench."""
     (group,), (model,) = _alone(task)
     assert not isinstance(group.data, Cluster)
     found: dict[tuple[str, ...], list[Recording]] = {}
@@ -274,15 +242,7 @@ def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
 
 
 def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, ...]]:
-    """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip.
-
-    Args:
-        task: A task of :func:`on_ground`.
-        fitted: A robust fit to it.
-
-    Returns:
-        The task with fewer samples, and what was left out.
-    """
+    """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
     groups, findings = [], []
     wrong = [_wrong_samples(fitted, k, group) for k, group in enumerate(task.groups)]
     every = [mask for group in task.groups for _, mask in _masked(group)]

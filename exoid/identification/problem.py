@@ -25,18 +25,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """τ_g = W_g β[places of g] over groups g; one group is the usual case.
+    """τ_g = W_g β[places of g] over groups g; one group is the usual case."""
 
-    Joints, and so noise and weights, are counted through all groups.
+    # Joints, and so noise and weights, are counted through all groups.
 
-    Attributes:
-        groups: Rows of each group.
-        layout: Parameter layout: indices of the parameters of each group in β.
-        prior_knowledge: Known parameters, priors and signs, by the names of the layout.
-    """
-
-    groups: tuple[GroupRows, ...]
-    layout: ParameterLayout
+    groups: tuple[GroupRows, ...]  # rows of each group
+    layout: ParameterLayout  # parameter layout: indices of the parameters of each group in β
+    # known parameters, priors and signs, by the names of the layout
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
 
     @classmethod
@@ -48,18 +43,7 @@ class Problem:
         prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
         keep: Keep | None = None,
     ) -> Problem:
-        """Form the regression problem of groups of recordings.
-
-        Args:
-            groups: The groups, with their preparations.
-            models: Torque model of each.
-            own: Names of parameters that each group has of its own.
-            prior_knowledge: Known parameters, priors and signs.
-            keep: Function that selects rows; None for all.
-
-        Returns:
-            The problem; rows are formed when they are first needed.
-        """
+        """Form the regression problem of groups of recordings."""
         rows = tuple(
             GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups), group.unmeasured)
             for model, group in zip(models, groups, strict=True)
@@ -74,20 +58,12 @@ class Problem:
 
     @property
     def single(self) -> GroupRows:
-        """Rows of the only group.
-
-        Raises:
-            ExoidError: There are several.
-        """
+        """Rows of the only group."""
         self.refuse_several_groups()
         return self.groups[0]
 
     def refuse_several_groups(self) -> None:
-        """Refuse several groups of recordings.
-
-        Raises:
-            ExoidError: There are several.
-        """
+        """Refuse several groups of recordings."""
         if len(self.groups) > 1:
             raise ExoidError(
                 "this estimator is for one leg alone, and there are several groups",
@@ -95,14 +71,7 @@ class Problem:
             )
 
     def refuse_moving_base(self, estimator: str) -> None:
-        """Refuse recordings whose base moves, for estimators that simulate the leg.
-
-        Args:
-            estimator: Name of the estimator, for the message.
-
-        Raises:
-            ExoidError: The base moves in a recording of the only group.
-        """
+        """Refuse recordings whose base moves, for estimators that simulate the leg."""
         moving = next((data for data in self.local_data if isinstance(data, Recording) and data.base), None)
         if moving is not None:
             raise ExoidError(
@@ -112,14 +81,7 @@ class Problem:
             )
 
     def refuse_payloads(self, estimator: str) -> None:
-        """Refuse recordings with payloads, for estimators that do not fit the rows.
-
-        Args:
-            estimator: Name of the estimator, for the message.
-
-        Raises:
-            ExoidError: A recording of the only group has a payload.
-        """
+        """Refuse recordings with payloads, for estimators that do not fit the rows."""
         loaded = next((data for data in self.local_data if data.payloads), None)
         if loaded is not None:
             raise ExoidError(
@@ -129,14 +91,7 @@ class Problem:
             )
 
     def refuse_loaded_links(self, estimator: str) -> None:
-        """Refuse recordings with wrenches or contacts, for estimators that do not fit the rows.
-
-        Args:
-            estimator: Name of the estimator, for the message.
-
-        Raises:
-            ExoidError: Something acts on a link in a recording of the only group.
-        """
+        """Refuse recordings with wrenches or contacts, for estimators that do not fit the rows."""
         loaded = next((data for data in self.local_data if isinstance(data, Recording) and data.loaded_links), None)
         if loaded is not None:
             raise ExoidError(
@@ -228,11 +183,7 @@ class Problem:
         return r_factor.among(np.append(self.layout.places[group], count), count + 1)
 
     def refuse_empty_joints(self) -> None:
-        """Refuse a fit in which the terms' dead bands left no sample of a joint.
-
-        Raises:
-            ExoidError: Names group and joints.
-        """
+        """Refuse a fit in which the terms' dead bands left no sample of a joint."""
         for name, rows in zip(self.layout.groups, self.groups, strict=True):
             with within(name):
                 of_joints = zip(rows.model.row_names, *rows.by_kind, strict=True)
@@ -261,16 +212,7 @@ class Problem:
         ]
 
     def without(self, index: int, others: RFactor, solution: Solution) -> FloatArray:
-        """Solve without one of the recordings; a group that has no other loses its own parameters.
-
-        Args:
-            index: Index of the recording.
-            others: R factor of the weighted rows of the others.
-            solution: Solution with all of them.
-
-        Returns:
-            Values, infinite for what was lost, (P,).
-        """
+        """Solve without one of the recordings; a group that has no other loses its own parameters."""
         group = [g for g, rows in enumerate(self.groups) for _ in rows.each][index]
         if len(self.groups[group].data) > 1:
             return self.solve(others).values

@@ -41,68 +41,36 @@ Below it, the motion of the base hardly tells a rotor from the link that it turn
 
 
 class Torques(NamedTuple):
-    """Values that the torque of each joint has, (n,) each.
+    """Values that the torque of each joint has, (n,) each."""
 
-    Attributes:
-        first: In the first sample [N·m].
-        constant: Whether all others are the same.
-        middle: Their median [N·m].
-        share: Part of the samples that have exactly the median.
-        measured: Whether there are any, or the joint is passive.
-        passive: Whether the joint is passive.
-        computed: Whether they were computed of what a drive measured.
-    """
-
-    first: FloatArray
-    constant: NDArray[np.bool_]
-    middle: FloatArray
-    share: FloatArray
-    measured: NDArray[np.bool_]
-    passive: NDArray[np.bool_]
-    computed: NDArray[np.bool_]
+    first: FloatArray  # in the first sample [N·m]
+    constant: NDArray[np.bool_]  # whether all others are the same
+    middle: FloatArray  # their median [N·m]
+    share: FloatArray  # part of the samples that have exactly the median
+    measured: NDArray[np.bool_]  # whether there are any, or the joint is passive
+    passive: NDArray[np.bool_]  # whether the joint is passive
+    computed: NDArray[np.bool_]  # whether they were computed of what a drive measured
 
 
 class RecordingSummary(NamedTuple):
-    """Evidence, range and torques of a recording.
+    """Evidence, range and torques of a recording."""
 
-    Attributes:
-        evidence: Name, hash and size.
-        source: Name of its file, for errors; "" for one made in memory.
-        lowest: Smallest angle of each joint of the leg [rad], (n,).
-        highest: Largest angle of each joint [rad], (n,).
-        mean: Mean angle of each joint [rad], (n,).
-        torques: None where there are none.
-        acceleration_power: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
-        base_turning: Angular velocity of the base over that of the first joint, root mean square each; 0 for a base at
-            rest. Of a planar leg only rotation within its plane counts.
-        stands: Whether a link rests on the ground by a wrench that was not measured.
-    """
-
-    evidence: Input
-    source: str
-    lowest: FloatArray
-    highest: FloatArray
-    mean: FloatArray
-    torques: Torques | None
+    evidence: Input  # name, hash and size
+    source: str  # name of its file, for errors; "" for one made in memory
+    lowest: FloatArray  # smallest angle of each joint of the leg [rad], (n,)
+    highest: FloatArray  # largest angle of each joint [rad], (n,)
+    mean: FloatArray  # mean angle of each joint [rad], (n,)
+    torques: Torques | None  # none where there are none
+    # noise of the angles beside their motion, for the cut-off; None where it is not needed
     acceleration_power: AccelerationPower | None
+    # angular velocity of the base over that of the first joint, root mean square each; 0 for a base at rest. Of
+    # a planar leg only rotation within its plane counts
     base_turning: float = 0.0
-    stands: bool = False
+    stands: bool = False  # whether a link rests on the ground by a wrench that was not measured
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
-    """Summarize a recording in one pass.
-
-    Args:
-        model: For its joints.
-        data: The recording.
-        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.default_preparation.cutoff_from`.
-
-    Returns:
-        The summary.
-
-    Raises:
-        ExoidError: A joint is missing, time has a gap, or the mask leaves no sample.
-    """
+    """Summarize a recording in one pass."""
     chosen = for_leg(model, data)
     mask = chosen.mask if isinstance(chosen, Recording) else None
     counted = slice(None) if mask is None else mask
@@ -137,27 +105,12 @@ def _base_turning(model: TorqueModel, recording: Recording) -> float:
 
 
 def bases_turn(groups: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether the base turns in any recording, by more than :data:`TURNING`.
-
-    Args:
-        groups: Summaries of each group.
-
-    Returns:
-        Whether it does.
-    """
+    """Tell whether the base turns in any recording, by more than :data:`TURNING`."""
     return any(one.base_turning > TURNING for summaries in groups for one in summaries)
 
 
 def are_on_ground(leg: Leg, groups: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether recordings have to be split by the links that rest on the ground.
-
-    Args:
-        leg: The leg.
-        groups: Summaries of each group.
-
-    Returns:
-        Whether the base floats, or links rest by unknown wrenches.
-    """
+    """Tell whether recordings have to be split by the links that rest on the ground."""
     return bool(leg.base_rows) or any(one.stands for summaries in groups for one in summaries)
 
 
@@ -167,16 +120,7 @@ def angles(summaries: Sequence[RecordingSummary]) -> tuple[FloatArray, FloatArra
 
 
 def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:
-    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
-
-    Args:
-        model: Torque model, for its joints.
-        summaries: Summaries of all recordings and poses.
-        known: Parameters that are known or have a prior.
-
-    Raises:
-        ExoidError: Names the joint, how little it moves, and how to lock it.
-    """
+    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them."""
     lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
     spans, means = highest.max(axis=0) - lowest.min(axis=0), np.mean([one.mean for one in summaries], axis=0)
     names = model.leg.joint_names
@@ -192,17 +136,8 @@ def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary
 
 
 def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary]) -> None:
-    """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
-
-    A recording in which a joint swings freely throughout, beside others, is none.
-
-    Args:
-        model: Torque model, for its joints.
-        summaries: Summaries of all recordings of a group.
-
-    Raises:
-        ExoidError: Names all such joints and the values.
-    """
+    """Refuse torques of a joint that hardly ever change: a channel that was not connected."""
+    # A recording in which a joint swings freely throughout, beside others, is none.
     measured = [(one, one.torques) for one in summaries if one.torques is not None]
     if not measured:
         return  # preparing them says so, and which column is missing
@@ -248,28 +183,13 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
 
 
 def has_unmeasured_joints(summaries: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether some recording has torques of some joints only.
-
-    Args:
-        summaries: Summaries of the recordings of each group.
-
-    Returns:
-        Whether there is one.
-    """
+    """Tell whether some recording has torques of some joints only."""
     each = (one.torques for of_group in summaries for one in of_group)
     return any(torques is not None and not torques.measured.all() for torques in each)
 
 
 def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[RecordingSummary]]) -> tuple[str, ...]:
-    """List the joints whose torque is not known in any recording, although that of others is.
-
-    Args:
-        joint_names: Joints of the leg, (n,).
-        groups: Summaries of the recordings of each group.
-
-    Returns:
-        Their names.
-    """
+    """List the joints whose torque is not known in any recording, although that of others is."""
     measured = [one.torques.measured for summaries in groups for one in summaries if one.torques is not None]
     if not measured:
         return ()
@@ -282,17 +202,7 @@ def _refuse_still_groups(
     shared: Sequence[str],
     known: Sequence[Sequence[str]],
 ) -> None:
-    """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown.
-
-    Args:
-        summaries: Summaries of the recordings of each group, by its name.
-        models: Torque model of each group.
-        shared: Parameters that another group may determine.
-        known: Parameters of each group that are known or have a prior.
-
-    Raises:
-        ExoidError: Names group and joint.
-    """
+    """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown."""
     moves = np.any([_moving(of_group) for of_group in summaries.values()], axis=0)
     unseen = {name for joint in np.flatnonzero(~moves) for name in models[0].own_parameters(int(joint))}
     told = [name for name in shared if name not in unseen]
@@ -315,21 +225,7 @@ def summarize_groups(
     *,
     for_cutoff: bool,
 ) -> dict[str, list[RecordingSummary]]:
-    """Look through all recordings once, and refuse groups that nothing can be identified from.
-
-    Args:
-        groups: The groups.
-        models: Torque model of each, by its name.
-        own: Names of parameters that each group has of its own.
-        knowledge: Known parameters, priors and signs.
-        for_cutoff: Whether to compare noise and motion of the angles.
-
-    Returns:
-        Summaries of the recordings of each group, by its name.
-
-    Raises:
-        ExoidError: What is known does not fit the models, a recording is in two groups, or a joint stands still.
-    """
+    """Look through all recordings once, and refuse groups that nothing can be identified from."""
     model = next(iter(models.values()))
     layout = ParameterLayout.of(list(models), model.names, model.units, own)
     knowledge.check_regrouped(model.regrouped)
@@ -363,21 +259,7 @@ def prepare_groups(
     preparation: Preparation | str | None,
     cutoff: float | None,
 ) -> tuple[Group, ...]:
-    """Choose how the recordings of each group become rows.
-
-    Args:
-        groups: The groups.
-        models: Torque model of each, by its name.
-        summaries: Summaries of its recordings, by its name.
-        preparation: The preparation that was asked for; None for the parallel filter.
-        cutoff: Cut-off frequency that was asked for [Hz]; None to choose one for each group.
-
-    Returns:
-        The groups with their preparation.
-
-    Raises:
-        ExoidError: The torque of a joint never changes, or there is no such preparation.
-    """
+    """Choose how the recordings of each group become rows."""
     prepared = []
     for group in groups:
         with within(group.name):

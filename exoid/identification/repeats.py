@@ -23,35 +23,19 @@ FEWEST_SAMPLES = 10
 
 
 class Once(NamedTuple):
-    """Groups of recordings without samples that are passed twice.
+    """Groups of recordings without samples that are passed twice."""
 
-    Attributes:
-        groups: The groups.
-        summaries: Summaries of their recordings, by the name of the group.
-        findings: What was left out of each group.
-    """
-
-    groups: tuple[Group, ...]
-    summaries: dict[str, list[RecordingSummary]]
-    findings: tuple[tuple[Finding, ...], ...]
+    groups: tuple[Group, ...]  # the groups
+    summaries: dict[str, list[RecordingSummary]]  # summaries of their recordings, by the name of the group
+    findings: tuple[tuple[Finding, ...], ...]  # what was left out of each group
 
 
 def counted_once(
     groups: Sequence[Group], models: Mapping[str, TorqueModel], summaries: Mapping[str, Sequence[RecordingSummary]]
 ) -> Once:
-    """Leave out samples that are passed twice in a group.
-
-    Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that overlap get a
-    mask: their shared samples count in the first one only.
-
-    Args:
-        groups: Groups of recordings; those on a cluster stay as they are.
-        models: Torque model of each group, by its name.
-        summaries: Summaries of their recordings, by the name of the group.
-
-    Returns:
-        What remains.
-    """
+    """Leave out samples that are passed twice in a group."""
+    # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
+    # overlap get a mask: their shared samples count in the first one only.
     kept_groups, kept_summaries, findings = [], {}, []
     for group in groups:
         data, of_group = group.data, list(summaries[group.name])

@@ -49,54 +49,25 @@ BELOW_ZERO = 0.005
 
 
 class Preliminaries(NamedTuple):
-    """What was mended and chosen before the fit.
+    """What was mended and chosen before the fit."""
 
-    Attributes:
-        findings: What was mended in each group; empty for nothing.
-        delays: Delays that were taken out of the torques of each group [s], (n,) each; empty for none.
-        cutoff_source: How the cut-off was chosen.
-        actuators: Drives of each group; empty where torques were measured.
-    """
-
-    findings: tuple[tuple[Finding, ...], ...] = ()
+    findings: tuple[tuple[Finding, ...], ...] = ()  # what was mended in each group; empty for nothing
+    # delays that were taken out of the torques of each group [s], (n,) each; empty for none
     delays: tuple[FloatArray, ...] = ()
-    cutoff_source: str = ""
-    actuators: tuple[Actuators, ...] = ()
+    cutoff_source: str = ""  # how the cut-off was chosen
+    actuators: tuple[Actuators, ...] = ()  # drives of each group; empty where torques were measured
 
     def beside_others(self, findings: Sequence[tuple[Finding, ...]]) -> Preliminaries:
-        """Add findings of each group.
-
-        Args:
-            findings: Findings of each group.
-
-        Returns:
-            All that was found before the fit.
-        """
+        """Add findings of each group."""
         before = self.findings or ((),) * len(findings)
         return self._replace(findings=tuple((*old, *new) for old, new in zip(before, findings, strict=True)))
 
     def shifted(self, delays: Sequence[FloatArray], findings: Sequence[Sequence[Finding]]) -> Preliminaries:
-        """Add delays that were taken out.
-
-        Args:
-            delays: Delays of the torques of each group [s], (n,) each.
-            findings: What was shifted in each group.
-
-        Returns:
-            All that was mended.
-        """
+        """Add delays that were taken out."""
         return self.beside_others([tuple(of_group) for of_group in findings])._replace(delays=tuple(delays))
 
     def beside(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
-        """Add what was mended in a group to other findings.
-
-        Args:
-            group: Index of the group.
-            others: Findings of the logs as they were fitted.
-
-        Returns:
-            All findings, the worst first.
-        """
+        """Add what was mended in a group to other findings."""
         own = self.findings[group] if self.findings else ()
         return ordered((*own, *others)) if own else others
 
@@ -107,23 +78,14 @@ NO_PRELIMINARIES = Preliminaries()
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A fit with what its residuals say.
+    """A fit with what its residuals say."""
 
-    Attributes:
-        fitted: The fit.
-        summaries: Summaries of the recordings of each group.
-        estimator: The estimator.
-        uncertainty: Covariance of all parameters, and the noise that it is for.
-        check: Whether to check logs and fit for faults.
-        before: What was mended and chosen before the fit.
-    """
-
-    fitted: Fitted
-    summaries: Sequence[Sequence[RecordingSummary]]
-    estimator: Estimator
-    uncertainty: Uncertainty
-    check: bool = False
-    before: Preliminaries = NO_PRELIMINARIES
+    fitted: Fitted  # the fit
+    summaries: Sequence[Sequence[RecordingSummary]]  # summaries of the recordings of each group
+    estimator: Estimator  # the estimator
+    uncertainty: Uncertainty  # covariance of all parameters, and the noise that it is for
+    check: bool = False  # whether to check logs and fit for faults
+    before: Preliminaries = NO_PRELIMINARIES  # what was mended and chosen before the fit
 
     @classmethod
     def of(
@@ -136,19 +98,7 @@ class Result:
         check: bool = False,
         before: Preliminaries = NO_PRELIMINARIES,
     ) -> Result:
-        """Find noise and covariance of a fit.
-
-        Args:
-            fitted: The fit.
-            summaries: Summaries of the recordings of each group.
-            estimator: The estimator.
-            white: Whether the covariance assumes white noise.
-            check: Whether to check logs and fit for faults.
-            before: What was mended and chosen before the fit.
-
-        Returns:
-            The result.
-        """
+        """Find noise and covariance of a fit."""
         uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
         return cls(fitted, summaries, estimator, uncertainty, check, before)
 
@@ -182,15 +132,7 @@ class Result:
         )
 
     def standing_estimate(self, model: TorqueModel, soles: SoleCompliance | None = None) -> Estimate:
-        """Make the one estimate of groups that share all parameters: sets of links that rest on the ground.
-
-        Args:
-            model: Torque model of the leg with all its rows.
-            soles: Compliance of the soles that carry the base, whose error adds to that of the parameters.
-
-        Returns:
-            The estimate.
-        """
+        """Make the one estimate of groups that share all parameters: sets of links that rest on the ground."""
         problem, fit = self.fitted.problem, self.fitted.fit
         solution, values = fit.solution, self.fitted.values
         covariance, groups = self.uncertainty.covariance, range(len(problem.groups))
@@ -236,15 +178,7 @@ class Result:
         return Support(name, seconds, dict(zip(rows.model.row_names, rms, strict=True)))
 
     def _estimate_of(self, group: int, common: tuple[str, ...]) -> Estimate:
-        """Make the estimate of one group, its covariance the group's block of the whole.
-
-        Args:
-            group: Index of the group.
-            common: Warnings that all groups share.
-
-        Returns:
-            The estimate.
-        """
+        """Make the estimate of one group, its covariance the group's block of the whole."""
         problem, fit, model = self.fitted.problem, self.fitted.fit, self.fitted.models[group]
         layout, solution, rows = problem.layout, fit.solution, problem.groups[group]
         every = layout.places[group]  # nonlinear parameters stand behind the others

@@ -9,17 +9,9 @@ from exoid.torques.model import regroup
 
 
 def rotors_apart(models: Iterable[TorqueModel]) -> tuple[str, ...]:
-    """Name parameters that a fixed base regroups into others, and a turning base does not.
-
-    On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ, the
-    leg has the acceleration q̈ + ψ̈ and the rotor q̈.
-
-    Args:
-        models: Torque model of each group.
-
-    Returns:
-        Names of the parameters.
-    """
+    """Name parameters that a fixed base regroups into others, and a turning base does not."""
+    # On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ, the
+    # leg has the acceleration q̈ + ψ̈ and the rotor q̈.
     found: dict[str, None] = {}
     for model in models:
         merged = {one.name for one in model.regrouped}

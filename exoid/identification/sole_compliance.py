@@ -30,19 +30,12 @@ VARIES = 0.2
 
 
 class SoleCompliance(NamedTuple):
-    """Compliance c of the soles of feet that carry the base, θ = c τ, found beside the parameters.
+    """Compliance c of the soles of feet that carry the base, θ = c τ, found beside the parameters."""
 
-    Attributes:
-        links: Feet.
-        values: Compliance of each [rad/(N·m)], (K,).
-        covariance: Its covariance, (K, K).
-        slopes: Change of the parameters by the compliances, ∂β/∂c, (P, K).
-    """
-
-    links: tuple[str, ...]
-    values: FloatArray
-    covariance: FloatArray
-    slopes: FloatArray
+    links: tuple[str, ...]  # feet
+    values: FloatArray  # compliance of each [rad/(N·m)], (K,)
+    covariance: FloatArray  # its covariance, (K, K)
+    slopes: FloatArray  # change of the parameters by the compliances, ∂β/∂c, (P, K)
 
     @property
     def of_parameters(self) -> FloatArray:
@@ -69,18 +62,9 @@ class SoleCompliance(NamedTuple):
 
 
 def sole_compliance(task: Task, fitted: Fitted) -> SoleCompliance | None:
-    """Find the compliance of soles beside the parameters.
-
-    Rows depend on c by the motion of the base, r(c) = r − D c, with D by a difference. Least squares of
-    r = W δβ + D c with c ~ N(0, σ²) gives c and its covariance; ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
-
-    Args:
-        task: A task of :func:`exoid.identification.on_ground.on_ground`.
-        fitted: A fit to it.
-
-    Returns:
-        The compliances; None where the motion of the base was measured in all recordings.
-    """
+    """Find the compliance of soles beside the parameters."""
+    # Rows depend on c by the motion of the base, r(c) = r − D c, with D by a difference. Least squares of
+    # r = W δβ + D c with c ~ N(0, σ²) gives c and its covariance; ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
     links = tuple(dict.fromkeys(base.link for group in task.groups for base in _bases(group)))
     if not links:
         return None
@@ -117,15 +101,7 @@ TINY = 1e-300
 
 
 def tilted(task: Task, compliance: Mapping[str, float]) -> Task:
-    """Let the feet that carry the base tilt.
-
-    Args:
-        task: A task of :func:`exoid.identification.on_ground.on_ground`.
-        compliance: Compliance of their soles [rad/(N·m)].
-
-    Returns:
-        The task with other motions of the base.
-    """
+    """Let the feet that carry the base tilt."""
     return task._replace(groups=tuple(_tilted(task, k, compliance) for k in range(len(task.groups))))
 
 

@@ -19,22 +19,8 @@ from .recording_summary import RecordingSummary, unmeasured_joints
 def terms_where_measured(
     terms: Sequence[Term], leg: Leg, unmeasured: Sequence[str], known: Sequence[str] = ()
 ) -> tuple[Term, ...]:
-    """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known.
-
-    Friction of a joint leaves no trace in the torques of other joints.
-
-    Args:
-        terms: Terms besides rigid-body dynamics.
-        leg: The leg.
-        unmeasured: Labels of the joints without torque in any recording.
-        known: Names of parameters that are known or have a prior.
-
-    Returns:
-        The terms, without those that are left no joint.
-
-    Raises:
-        ExoidError: A term names an unmeasured joint, and its parameters there are not known.
-    """
+    """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known."""
+    # Friction of a joint leaves no trace in the torques of other joints.
     kept = []
     for term in terms:
         if isinstance(term, CoupledTerm):
@@ -79,21 +65,7 @@ def only_measured(
     summaries: Mapping[str, Sequence[RecordingSummary]],
     knowledge: PriorKnowledge,
 ) -> tuple[tuple[Term, ...], tuple[tuple[Finding, ...], ...]]:
-    """Let terms act where torque was measured in some recording of some group, and say where it was not.
-
-    Args:
-        estimator: The estimator.
-        terms: Terms besides rigid-body dynamics.
-        groups: Groups of recordings, whose legs are of one design.
-        summaries: Summaries of their recordings, by the name of the group.
-        knowledge: What is known of parameters.
-
-    Returns:
-        The terms, and the findings of each group.
-
-    Raises:
-        ExoidError: The estimator fits the torque of all joints, or a term names an unmeasured joint.
-    """
+    """Let terms act where torque was measured in some recording of some group, and say where it was not."""
     if getattr(estimator, "fits_samples", False):
         raise ExoidError(
             f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
@@ -109,15 +81,7 @@ def only_measured(
 def unmeasured_findings(
     joint_names: Sequence[Sequence[str]], groups: Iterable[Sequence[RecordingSummary]]
 ) -> Iterator[tuple[Finding, ...]]:
-    """Say of each group which joints have no torque.
-
-    Args:
-        joint_names: Joints of the leg of each group, (n,).
-        groups: Summaries of the recordings of each group.
-
-    Yields:
-        One finding for each joint of a group without torque in some recording.
-    """
+    """Say of each group which joints have no torque."""
     for names, summaries in zip(joint_names, groups, strict=True):
         nowhere = unmeasured_joints(names, [summaries])
         found = []

@@ -66,18 +66,7 @@ NOTICEABLE = 0.02
 
 
 def search(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model that is not linear in all parameters.
-
-    Args:
-        task: Task with one group.
-        start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
-
-    Returns:
-        The fit.
-
-    Raises:
-        ExoidError: Parameters are not determined by the rows: names them.
-    """
+    """Fit a model that is not linear in all parameters."""
     leg = task.groups[0].leg
     settings = nonlinear_settings(task.terms, leg.joint_names, leg.joint_labels)
     found = _Search(task, settings, start)
@@ -87,12 +76,11 @@ def search(task: Task, start: Start | None = None) -> Fitted:
 
 
 class _Search:
-    """Variable projection: parameters are solved for at each trial of the settings.
+    """Variable projection: parameters are solved for at each trial of the settings."""
 
-    With rows [J_β J_θ r] reduced to a R factor R, r the torque less what the settings explain, R's lower right corner
-    holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
-    asks for; the rows themselves are never kept.
-    """
+    # With rows [J_β J_θ r] reduced to a R factor R, r the torque less what the settings explain, R's lower right corner
+    # holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
+    # asks for; the rows themselves are never kept.
 
     def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
         self.task, self.nonlinear = task, tuple(settings)
@@ -209,11 +197,7 @@ class _Search:
         self._solve()
 
     def _refuse_unloaded(self) -> None:
-        """Refuse friction that depends on a rigid-body torque where there is none.
-
-        Raises:
-            ExoidError: Names the parameters.
-        """
+        """Refuse friction that depends on a rigid-body torque where there is none."""
         model = self._problem().model
         columns = np.sqrt(sum(t.R**2 for t in self.r_factors)).max(axis=0)
         places = {name: k for k, name in enumerate(model.names)}

@@ -241,18 +241,7 @@ def _usual_mass(own: FloatArray, target: FloatArray) -> float:
 
 
 def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
-    """Check that base parameters fit a leg.
-
-    Args:
-        leg: The leg.
-        values: Base parameters, (p,).
-
-    Returns:
-        The values, (p,).
-
-    Raises:
-        ExoidError: Their number is wrong, or one is not finite.
-    """
+    """Check that base parameters fit a leg."""
     return _checked(leg, values, "values", 1)
 
 

@@ -28,17 +28,11 @@ AGREEMENT = 1e-9
 
 
 class LinkInertia(NamedTuple):
-    """A link with inertia.
+    """A link with inertia."""
 
-    Attributes:
-        link: Name of the link.
-        placement: Link frame in the joint frame of the body.
-        parameters: π about the joint frame of the body, (10,).
-    """
-
-    link: str
-    placement: pin.SE3
-    parameters: FloatArray
+    link: str  # name of the link
+    placement: pin.SE3  # link frame in the joint frame of the body
+    parameters: FloatArray  # π about the joint frame of the body, (10,)
 
 
 def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf) -> dict[str, FloatArray]:

@@ -44,30 +44,13 @@ class MassChange(NamedTuple):
 
 
 def mass_changes(description: Description, links: Mapping[str, FloatArray]) -> tuple[MassChange, ...]:
-    """Compare masses of links with those in a URDF.
-
-    Args:
-        description: The URDF.
-        links: π about the link frame, (10,), by the name of the link.
-
-    Returns:
-        Mass of each link before and after.
-    """
+    """Compare masses of links with those in a URDF."""
     before = read_inertials(description)
     return tuple(MassChange(name, float(before[name][0]), float(pi[0])) for name, pi in links.items())
 
 
 def refuse_mass_changes(masses: Sequence[MassChange], mass_factor: float, name: str) -> None:
-    """Refuse links whose masses are far from those in the URDF.
-
-    Args:
-        masses: Mass of each link before and after.
-        mass_factor: Largest factor between both.
-        name: Name of the URDF, for messages.
-
-    Raises:
-        ExoidError: Names the links with their masses, and the factor that would allow them.
-    """
+    """Refuse links whose masses are far from those in the URDF."""
     beyond = [mass for mass in masses if not mass.change <= mass_factor]
     if not beyond:
         return

@@ -54,17 +54,11 @@ ORTHONORMAL = np.linalg.inv(np.linalg.cholesky(BASIS.reshape(10, 16) @ BASIS.res
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The lift in coordinates in which the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ.
+    """The lift in coordinates in which the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ."""
 
-    Attributes:
-        K: Matrix from π̃ to base parameters, (p, 10 n).
-        back: Matrix from π̃ to π, (10 n, 10 n).
-        links: Number of links, n.
-    """
-
-    K: FloatArray
-    back: FloatArray
-    links: int
+    K: FloatArray  # matrix from π̃ to base parameters, (p, 10 n)
+    back: FloatArray  # matrix from π̃ to π, (10 n, 10 n)
+    links: int  # number of links, n
 
     @classmethod
     def around(cls, prior: FloatArray, reduction: Reduction) -> Problem:
@@ -101,11 +95,9 @@ class Problem:
         return U
 
     def _newton_step(self, U: FloatArray, misfit: Misfit) -> tuple[FloatArray, float]:
-        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and its predicted decrease of the objective.
-
-        In an orthonormal basis of Y the second derivative of −log det is 1, even close to the boundary. The second
-        derivative of the misfit has rank p.
-        """
+        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and its predicted decrease of the objective."""
+        # In an orthonormal basis of Y the second derivative of −log det is 1, even close to the boundary. The second
+        # derivative of the misfit has rank p.
         turned = congruence(U) @ ORTHONORMAL
         pull = np.ravel(TRACE @ ORTHONORMAL - TRACE @ turned)
         WK = misfit.W @ self.K / np.sqrt(misfit.mu)
@@ -138,15 +130,10 @@ class Misfit(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """Solution of the lift.
+    """Solution of the lift."""
 
-    Attributes:
-        unit: π̃ of the bodies, (10 n,).
-        divergence: Divergence D from the prior.
-    """
-
-    unit: FloatArray
-    divergence: float
+    unit: FloatArray  # π̃ of the bodies, (10 n,)
+    divergence: float  # divergence D from the prior
 
 
 def reproduce(
@@ -194,19 +181,7 @@ def approach(
     pull: float = 0.0,
     enough: float = 0.0,
 ) -> Bodies:
-    """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D.
-
-    Args:
-        problem: The problem.
-        target: β, (p,).
-        metric: Whitening matrix of the metric, (p, p).
-        heaviest: Largest mass of each link over that of the prior, (n,), without a pull.
-        pull: Weight w; at 0 the bodies are the nearest to within :data:`GAP`.
-        enough: Distance χ at which nearer bodies are not looked for.
-
-    Returns:
-        The bodies.
-    """
+    """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D."""
     U = problem.prior
     chi_squared = _chi_squared(problem, target, metric, U)
     mu = max(chi_squared, 10.0 * pull)

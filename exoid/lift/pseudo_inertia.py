@@ -29,38 +29,17 @@ THINNEST = 1e-3
 
 
 def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
-    """Compute the pseudo-inertia P of each link.
-
-    Args:
-        link_parameters: π of all links, (10 n,) or (n, 10).
-
-    Returns:
-        P, (n, 4, 4).
-    """
+    """Compute the pseudo-inertia P of each link."""
     return np.tensordot(np.reshape(link_parameters, (-1, 10)), BASIS, 1)
 
 
 def link_parameters(pseudo_inertias: FloatArray) -> FloatArray:
-    """Compute link parameters π: the inverse of :func:`pseudo_inertias`.
-
-    Args:
-        pseudo_inertias: P, (n, 4, 4).
-
-    Returns:
-        π of all links, (10 n,).
-    """
+    """Compute link parameters π: the inverse of :func:`pseudo_inertias`."""
     return np.ravel(np.reshape(pseudo_inertias, (-1, 16)) @ COORDINATES.T)
 
 
 def margins(link_parameters: FloatArray) -> FloatArray:
-    """Compute the margin of physical consistency: the smallest eigenvalue of P scaled to a unit diagonal.
-
-    Args:
-        link_parameters: π of all links, (10 n,) or (n, 10).
-
-    Returns:
-        Margins, (n,): positive for consistent bodies, at most 1; −inf if the mass or a second moment is not positive.
-    """
+    """Compute the margin of physical consistency: the smallest eigenvalue of P scaled to a unit diagonal."""
     P = pseudo_inertias(link_parameters)
     diagonal = np.diagonal(P, axis1=1, axis2=2)
     positive = (diagonal > 0.0).all(axis=1)
@@ -70,17 +49,9 @@ def margins(link_parameters: FloatArray) -> FloatArray:
 
 
 def make_consistent(link_parameters: FloatArray) -> FloatArray:
-    """Give bodies without a mass distribution, such as point masses or rods, a small extent.
-
-    Mass and centre of mass do not change. Principal second moments about the centre of mass grow to at least
-    m · :data:`SMALLEST_RADIUS`² and :data:`THINNEST` times the largest.
-
-    Args:
-        link_parameters: π of bodies with positive mass, (10 n,).
-
-    Returns:
-        π, (10 n,); consistent bodies are unchanged.
-    """
+    """Give bodies without a mass distribution, such as point masses or rods, a small extent."""
+    # Mass and centre of mass do not change. Principal second moments about the centre of mass grow to at least
+    # m · `SMALLEST_RADIUS`² and `THINNEST` times the largest.
     repaired = np.reshape(link_parameters, (-1, 10)).copy()
     for k in np.flatnonzero(margins(link_parameters) < BARELY):
         P = pseudo_inertias(repaired[k])[0]
@@ -93,25 +64,11 @@ def make_consistent(link_parameters: FloatArray) -> FloatArray:
 
 
 def congruence(A: FloatArray) -> FloatArray:
-    """Compute matrices T with π(A P Aᵀ) = T π(P), which move mass by affine maps.
-
-    Args:
-        A: Affine maps, (n, 4, 4).
-
-    Returns:
-        T, (n, 10, 10).
-    """
+    """Compute matrices T with π(A P Aᵀ) = T π(P), which move mass by affine maps."""
     moved = A[:, None] @ BASIS @ A[:, None].transpose(0, 1, 3, 2)
     return np.asarray(COORDINATES @ moved.reshape(-1, 10, 16).transpose(0, 2, 1))
 
 
 def upper_factors(P: FloatArray) -> FloatArray:
-    """Factorise P = U Uᵀ with U upper triangular, as in the log-Cholesky parameterisation.
-
-    Args:
-        P: Pseudo-inertias, (n, 4, 4).
-
-    Returns:
-        U, (n, 4, 4).
-    """
+    """Factorise P = U Uᵀ with U upper triangular, as in the log-Cholesky parameterisation."""
     return np.asarray(np.linalg.cholesky(P[:, ::-1, ::-1])[:, ::-1, ::-1], dtype=np.float64)

@@ -170,20 +170,9 @@ def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
 
 
 def freed(settings: Settings, state: State, information: Information, basis: FloatArray) -> Information:
-    """Forget what is known of some parameters, and keep what is known of all others.
-
-    In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows, and one with
-    b last that on b alone.
-
-    Args:
-        settings: Settings.
-        state: The state, of which weights and correlation are used.
-        information: R factors before the change.
-        basis: B, (P, d).
-
-    Returns:
-        R factors in which all that was known has the place of what was known before the rows.
-    """
+    """Forget what is known of some parameters, and keep what is known of all others."""
+    # In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows,
+    # and one with b last that on b alone.
     inflation = inflations(settings, state.correlation)
     R = belief(settings, state._replace(information=information))
     count, freedom = basis.shape
@@ -203,14 +192,6 @@ def freed(settings: Settings, state: State, information: Information, basis: Flo
 
 
 def samples_of(block: Sequence[Sequence[float]], n: int) -> Block:
-    """Make a block of samples.
-
-    Args:
-        block: Samples of q, v, a, τ and marks of torques that are left out, k of (5 n,).
-        n: Number of joints.
-
-    Returns:
-        The block.
-    """
+    """Make a block of samples."""
     table = np.array(block, dtype=np.float64).reshape(-1, 5, n)
     return Block(table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4] > 0.0)

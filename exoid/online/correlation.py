@@ -26,17 +26,7 @@ NEGLIGIBLE = 0.02
 
 
 def followed(settings: Settings, before: Correlation, e: FloatArray, used: NDArray[np.bool_]) -> Correlation:
-    """Add the residuals of a block.
-
-    Args:
-        settings: Settings.
-        before: Autocorrelation so far.
-        e: Residuals [N·m], zero where a row is left out, (m, n).
-        used: Rows of each joint that are used, (m, n).
-
-    Returns:
-        The autocorrelation.
-    """
+    """Add the residuals of a block."""
     m = len(e)
     discount = float(np.exp(-m * settings.row_time / MEMORY))
     both, mask = np.concatenate([before.tail, e]), np.concatenate([before.used, used])
@@ -50,15 +40,7 @@ def followed(settings: Settings, before: Correlation, e: FloatArray, used: NDArr
 
 
 def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
-    """Rows of each joint that say as much as one independent row.
-
-    Args:
-        settings: Settings.
-        correlation: Autocorrelation of residuals.
-
-    Returns:
-        Factors c of at least 1, and at least that of white noise behind the filters, (n,).
-    """
+    """Rows of each joint that say as much as one independent row."""
     sums, counts = correlation.sums, np.maximum(correlation.counts, 1.0)
     variance = sums[0] / counts[0]
     rho = np.divide(sums[1:] / counts[1:], variance, out=np.zeros_like(sums[1:]), where=variance > 0.0)

@@ -61,30 +61,17 @@ RIDGE = 1e-9
 
 
 class Detection(NamedTuple):
-    """What the change detection tests.
+    """What the change detection tests."""
 
-    Attributes:
-        hypotheses: The hypotheses, C of them.
-        limits: Thresholds of their statistics over the mean, (C,); infinite for no detection.
-        dimensions: Dimension d of each, (C,).
-        bases: Places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d).
-    """
-
-    hypotheses: tuple[Hypothesis, ...]
-    limits: FloatArray
-    dimensions: NDArray[np.intp]
+    hypotheses: tuple[Hypothesis, ...]  # the hypotheses, C of them
+    limits: FloatArray  # thresholds of their statistics over the mean, (C,); infinite for no detection
+    dimensions: NDArray[np.intp]  # dimension d of each, (C,)
+    # places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d)
     bases: tuple[tuple[NDArray[np.intp], FloatArray], ...]
 
     @classmethod
     def of(cls, settings: Settings) -> Detection:
-        """Make the hypotheses of a leg, and thresholds by the rate of false alarms.
-
-        Args:
-            settings: Settings.
-
-        Returns:
-            What is tested.
-        """
+        """Make the hypotheses of a leg, and thresholds by the rate of false alarms."""
         hypotheses = hypotheses_of(settings.model)
         dimensions = np.array([one.basis.shape[1] for one in hypotheses])
         places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
@@ -101,15 +88,7 @@ class Detection(NamedTuple):
         return bool(np.isfinite(self.limits).all())
 
     def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
-        """Compute the likelihood ratio of each hypothesis over its dimension.
-
-        Args:
-            score: s, (P,).
-            energy: E, (P, P).
-
-        Returns:
-            g/d, zero where a direction of the hypothesis was not excited, (C,).
-        """
+        """Compute the likelihood ratio of each hypothesis over its dimension."""
         found = np.zeros(len(self.hypotheses))
         for places, bases in self.bases:
             s, E = score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)
@@ -123,15 +102,7 @@ class Detection(NamedTuple):
         return found
 
     def most_likely(self, ratios: FloatArray, detector: Detector) -> int:
-        """Choose the hypothesis that explains most of the innovations.
-
-        Args:
-            ratios: Statistics over mean and threshold, (C,).
-            detector: The detector.
-
-        Returns:
-            Index of the hypothesis.
-        """
+        """Choose the hypothesis that explains most of the innovations."""
         mean = np.maximum(1.0, detector.level / max(detector.looks, 1.0))
         energy = ratios * self.limits * mean * self.dimensions
         return int(np.argmax(energy - PENALTY * self.dimensions * mean.mean()))
@@ -146,20 +117,7 @@ def looked(
     weights: FloatArray,
     inflation: FloatArray,
 ) -> tuple[Detector, FloatArray]:
-    """Look at the innovations of a block.
-
-    Args:
-        settings: Settings.
-        detection: What is tested, C hypotheses.
-        before: Detector so far.
-        rows: Rows of the block.
-        innovations: τ − W β of the values before it [N·m], (m, n).
-        weights: Weights of the rows by the last block [1/(N·m)], (n,).
-        inflation: Rows that say as much as one independent row, (n,).
-
-    Returns:
-        The detector, and each statistic over its mean and threshold, (C,).
-    """
+    """Look at the innovations of a block."""
     suspected = before.crossing >= 0
     discount = 1.0 if suspected else math.exp(-settings.block_time / settings.window)
     followed = before.weights
@@ -188,13 +146,5 @@ def looked(
 
 
 def confirmed(settings: Settings, detector: Detector) -> bool:
-    """Say whether innovations were summed up for long enough, and a statistic stayed above its threshold.
-
-    Args:
-        settings: Settings.
-        detector: The detector.
-
-    Returns:
-        Whether there is a change.
-    """
+    """Say whether innovations were summed up for long enough, and a statistic stayed above its threshold."""
     return detector.crossing * settings.block_time > DECISION * settings.window

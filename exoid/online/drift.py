@@ -41,26 +41,14 @@ REMEMBERED = 100
 
 
 class EpochEstimate(NamedTuple):
-    """Estimate by the rows of an epoch.
+    """Estimate by the rows of an epoch."""
 
-    Attributes:
-        values: Parameters, (P,).
-        variances: Their variances, (P,).
-    """
-
-    values: FloatArray
-    variances: FloatArray
+    values: FloatArray  # parameters, (P,)
+    variances: FloatArray  # their variances, (P,)
 
 
 def drift_limit(settings: Settings) -> float:
-    """Compute the threshold of the statistic by the rate of false alarms.
-
-    Args:
-        settings: Settings.
-
-    Returns:
-        Threshold of the absolute statistic; infinite for no detection.
-    """
+    """Compute the threshold of the statistic by the rate of false alarms."""
     if not settings.false_alarms > 0.0 or settings.forgetting == "none":
         return np.inf
     level = settings.false_alarms * settings.epoch / 3600.0 / settings.count
@@ -68,17 +56,7 @@ def drift_limit(settings: Settings) -> float:
 
 
 def drifted(settings: Settings, limit: float, state: State, rows: Rows) -> State:
-    """Take the rows of a block into the epoch, and compare epochs at its end.
-
-    Args:
-        settings: Settings.
-        limit: Threshold.
-        state: State that already knows the rows.
-        rows: Rows of the block.
-
-    Returns:
-        State with these rows, and with the drifts that were found.
-    """
+    """Take the rows of a block into the epoch, and compare epochs at its end."""
     epochs = state.epochs
     table = np.concatenate([rows.W, rows.tau[..., None]], axis=2).transpose(1, 0, 2)
     R = np.asarray(np.linalg.qr(np.concatenate([epochs.R, table], axis=1), mode="r"))
@@ -171,13 +149,5 @@ def _with_new_reference(epochs: Epochs, which: NDArray[np.intp]) -> Epochs:
 
 
 def without_epochs(settings: Settings, state: State) -> State:
-    """Forget all epochs, as behind a sudden change.
-
-    Args:
-        settings: Settings.
-        state: The state.
-
-    Returns:
-        The state; the drifts that were found stay.
-    """
+    """Forget all epochs, as behind a sudden change."""
     return state._replace(epochs=no_epochs(settings.n, settings.count))

@@ -43,33 +43,13 @@ PLAIN = (
 
 
 def write_memory(path: str | os.PathLike[str], settings: Settings, memory: Memory) -> None:
-    """Write settings and memory.
-
-    Args:
-        path: File to write.
-        settings: Settings.
-        memory: Memory.
-
-    Raises:
-        ExoidError: The file cannot be written.
-    """
+    """Write settings and memory."""
     data = {"schema": SCHEMA, "leg": _leg(settings.model.leg), "settings": _settings(settings), **_memory(memory)}
     write_whole(path, [json.dumps(data, ensure_ascii=False, allow_nan=False), "\n"])
 
 
 def read_memory(path: str | os.PathLike[str], leg: Leg) -> tuple[Settings, Memory]:
-    """Read what :func:`write_memory` wrote.
-
-    Args:
-        path: The file.
-        leg: The leg that it is of.
-
-    Returns:
-        Settings and memory.
-
-    Raises:
-        ExoidError: The file is unreadable or damaged, or is of another leg.
-    """
+    """Read what :func:`write_memory` wrote."""
     where = str(path)
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -61,21 +61,13 @@ DOUBLE = Dialect("double")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecursiveSource:
-    """A recursive estimator in C; prints itself.
+    """A recursive estimator in C; prints itself."""
 
-    Attributes:
-        header: Text of the header.
-        source: Text of the source.
-        prefix: Prefix of every name in the files.
-        settings: Settings of the estimator.
-        path: Source that was written; None if none was.
-    """
-
-    header: str
-    source: str
-    prefix: str
-    settings: Settings
-    path: Path | None = None
+    header: str  # text of the header
+    source: str  # text of the source
+    prefix: str  # prefix of every name in the files
+    settings: Settings  # settings of the estimator
+    path: Path | None = None  # source that was written; None if none was
 
     @property
     def functions(self) -> tuple[str, ...]:
@@ -83,11 +75,7 @@ class RecursiveSource:
         return tuple(f"{self.prefix}_{name}" for name in ("init", "update", "solve"))
 
     def to_json(self) -> dict[str, Any]:
-        """Describe the files as JSON data.
-
-        Returns:
-            Names, hashes, functions, joints, parameters, rate, cut-off and estimator.
-        """
+        """Describe the files as JSON data."""
         texts = {f"{self.prefix}.h": self.header, self.path.name if self.path else f"{self.prefix}.c": self.source}
         return {
             "schema": SCHEMA,
@@ -115,26 +103,8 @@ class RecursiveSource:
 
 
 def recursive_source(estimator: RecursiveEstimator, name: str = "online") -> RecursiveSource:
-    """Turn a recursive estimator into C99, in double precision, without writing files.
-
-    The C begins with the start of the estimator, or with nothing; what it has learnt since is not written.
-
-    Args:
-        estimator: The estimator, of which the settings are written.
-        name: Prefix of every name in C.
-
-    Returns:
-        Header and source.
-
-    Raises:
-        ExoidError: A setting, a term or the leg has no form in C: names it.
-
-    Example:
-        >>> data = exoid.datasets.bleex_swing()
-        >>> online = RecursiveEstimator(data.leg, rate=100.0, cutoff=6.0)
-        >>> recursive_source(online).functions
-        ('online_init', 'online_update', 'online_solve')
-    """
+    """Turn a recursive estimator into C99, in double precision, without writing files."""
+    # The C begins with the start of the estimator, or with nothing; what it has learnt since is not written.
     settings, prefix = estimator.settings, identifier(name)
     _refuse(settings, estimator.state)
     values = {"p": prefix, "header": f"{prefix}.h", "version": __version__, **_values(settings, estimator.state)}
@@ -143,18 +113,7 @@ def recursive_source(estimator: RecursiveEstimator, name: str = "online") -> Rec
 
 
 def write_recursive(path: str | os.PathLike[str], estimator: RecursiveEstimator) -> RecursiveSource:
-    """Write the core of a recursive estimator as a source and, beside it, a header.
-
-    Args:
-        path: Source to write, such as ``online.c``; the header is ``online.h``.
-        estimator: The estimator, of which the settings are written.
-
-    Returns:
-        The texts that were written, with the file.
-
-    Raises:
-        ExoidError: As for :func:`recursive_source`, the file does not end in ``.c``, or it cannot be written.
-    """
+    """Write the core of a recursive estimator as a source and, beside it, a header."""
     if Path(path).suffix != ".c":
         raise ExoidError("a recursive estimator is a source and a header", where=str(path), remedy="name it ONLINE.c")
     written = recursive_source(estimator, Path(path).name)
@@ -191,26 +150,12 @@ def _refuse(settings: Settings, state: State) -> None:
 
 
 def detects(settings: Settings) -> bool:
-    """Say whether changes are detected.
-
-    Args:
-        settings: Settings.
-
-    Returns:
-        Whether they ask for it, and rows are forgotten.
-    """
+    """Say whether changes are detected."""
     return settings.false_alarms > 0.0 and settings.forgetting != "none"
 
 
 def forgets(settings: Settings) -> str:
-    """Say in words how rows are forgotten.
-
-    Args:
-        settings: Settings.
-
-    Returns:
-        The words.
-    """
+    """Say in words how rows are forgotten."""
     if settings.forgetting == "none":
         return "rows are never forgotten"
     where = "in the directions that new rows excite" if settings.forgetting == "directional" else "while rows excite"
@@ -351,28 +296,15 @@ def _of_detection(settings: Settings) -> dict[str, Any]:
 
 
 class Work(NamedTuple):
-    """What a sample has to do of the work after a block, in multiplications or so, as the units in C count it.
+    """What a sample has to do of the work after a block, in multiplications or so, as the units in C count it."""
 
-    Attributes:
-        plain: Without an R factor of what was known before the rows.
-        prior: With one.
-        change: In a block in which a change is confirmed.
-    """
-
-    plain: int
-    prior: int
-    change: int
+    plain: int  # without an R factor of what was known before the rows
+    prior: int  # with one
+    change: int  # in a block in which a change is confirmed
 
     @classmethod
     def of(cls, settings: Settings) -> Work:
-        """Share the work among the samples of the next block that form no row.
-
-        Args:
-            settings: Settings.
-
-        Returns:
-            The shares.
-        """
+        """Share the work among the samples of the next block that form no row."""
         calls = settings.block - ROWS if settings.stride > 1 else settings.block
         look = _work_of_looking(settings)
         plain, prior = (look + _work_of_rows(settings, before) for before in (False, True))

@@ -42,17 +42,7 @@ RIDGE = 1e-7
 
 
 def absorb(settings: Settings, information: Information, rows: Rows, weights: FloatArray) -> Information:
-    """Forget as the settings say, and take rows in.
-
-    Args:
-        settings: Settings.
-        information: R factors so far.
-        rows: New rows; those that are left out are zero.
-        weights: Weight of the rows of each joint [1/(N·m)], (n,).
-
-    Returns:
-        New R factors.
-    """
+    """Forget as the settings say, and take rows in."""
     table = np.concatenate([rows.W, rows.tau[..., None]], axis=2).transpose(1, 0, 2)
     counts = rows.used.sum(axis=0)
     if not counts.any():
@@ -67,10 +57,9 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
 
 
 def _without_rounding(R: FloatArray) -> FloatArray:
-    """R factors of which rows without information are zero, as of Coulomb friction and offset before a reversal.
-
-    Rounding has residuals end in such a row. They belong in the last row, of which a share is forgotten in every block.
-    """
+    """R factors of which rows without information are zero, as of Coulomb friction and offset before a reversal."""
+    # Rounding has residuals end in such a row. They belong in the last row, of which a share is forgotten in
+    # every block.
     size = ROUNDING * np.sqrt((R[:, :, :-1] ** 2).sum(axis=1, keepdims=True))
     empty = (np.abs(R[:, :-1, :-1]) <= size).all(axis=2)
     if not R[:, :-1, -1][empty].any():

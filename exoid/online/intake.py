@@ -46,56 +46,28 @@ NOTHING = tuple((kind, 0) for kind in MESSAGES)
 
 
 class Intake(NamedTuple):
-    """What is known of the stream of samples.
+    """What is known of the stream of samples."""
 
-    Attributes:
-        given: Whether velocities and accelerations are given; None before the first sample.
-        last: Last plausible sample of q, v, a, τ and marks, (5 n,); empty before the first.
-        time: Its time stamp [s]; NaN without time stamps.
-        missing: Samples that are missing since then.
-        implausible: Samples that were refused since the last plausible one.
-        counts: Number of samples with each fault.
-        received: Number of samples that were received.
-    """
-
+    # whether velocities and accelerations are given; None before the first sample
     given: tuple[bool, bool] | None = None
-    last: tuple[float, ...] = ()
-    time: float = math.nan
-    missing: int = 0
-    implausible: int = 0
-    counts: tuple[tuple[str, int], ...] = NOTHING
-    received: int = 0
+    last: tuple[float, ...] = ()  # last plausible sample of q, v, a, τ and marks, (5 n,); empty before the first
+    time: float = math.nan  # its time stamp [s]; NaN without time stamps
+    missing: int = 0  # samples that are missing since then
+    implausible: int = 0  # samples that were refused since the last plausible one
+    counts: tuple[tuple[str, int], ...] = NOTHING  # number of samples with each fault
+    received: int = 0  # number of samples that were received
 
 
 class Taken(NamedTuple):
-    """Samples that go on to the filters.
+    """Samples that go on to the filters."""
 
-    Attributes:
-        intake: The stream after them.
-        samples: Samples of q, v, a, τ and marks, (5 n,) each.
-        gap: Whether the filters have to start again before them.
-    """
-
-    intake: Intake
-    samples: tuple[tuple[float, ...], ...]
-    gap: bool = False
+    intake: Intake  # the stream after them
+    samples: tuple[tuple[float, ...], ...]  # samples of q, v, a, τ and marks, (5 n,) each
+    gap: bool = False  # whether the filters have to start again before them
 
 
 def take(settings: Settings, intake: Intake, sample: tuple[float, ...], time: float) -> Taken:
-    """Look at one sample.
-
-    Args:
-        settings: Settings.
-        intake: The stream so far.
-        sample: q, v, a and τ of all joints, those that are not given zero, (4 n,).
-        time: Time stamp [s]; NaN for none.
-
-    Returns:
-        The samples that go on: none, this one, or this one behind those that replace missing ones.
-
-    Raises:
-        ExoidError: No sample has been plausible for a second.
-    """
+    """Look at one sample."""
     n, last = settings.n, intake.last
     if not math.isfinite(sum(sample)):
         return Taken(_refused(settings, intake, "not-finite"), ())
@@ -128,15 +100,7 @@ def take(settings: Settings, intake: Intake, sample: tuple[float, ...], time: fl
 
 
 def findings_of(settings: Settings, intake: Intake) -> tuple[Finding, ...]:
-    """Turn the faults of a stream into findings.
-
-    Args:
-        settings: Settings.
-        intake: The stream.
-
-    Returns:
-        One finding for each fault that occurred.
-    """
+    """Turn the faults of a stream into findings."""
     found = []
     for kind, number in intake.counts:
         if number:
@@ -151,18 +115,7 @@ def findings_of(settings: Settings, intake: Intake) -> tuple[Finding, ...]:
 def one_sample(
     q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int
 ) -> tuple[float, ...] | None:
-    """Put one sample of arrays (n,) together, fast.
-
-    Args:
-        q: Angles [rad].
-        v: Velocities [rad/s]; None for zeros.
-        a: Accelerations [rad/s²]; None for zeros.
-        tau: Torques [N·m].
-        n: Number of joints.
-
-    Returns:
-        The sample, (4 n,); None where these are not arrays of one sample.
-    """
+    """Put one sample of arrays (n,) together, fast."""
     values: list[float] = []
     for channel in (q, v, a, tau):
         if channel is None and q is not None and tau is not None:
@@ -175,20 +128,7 @@ def one_sample(
 
 
 def as_table(values: ArrayLike | None, name: str, n: int, count: int | None) -> FloatArray:
-    """Check an argument of an update.
-
-    Args:
-        values: One sample (n,) or several (N, n); None for zeros.
-        name: Name of the argument.
-        n: Number of joints.
-        count: Number of samples of the others; None for the first.
-
-    Returns:
-        Samples, (N, n).
-
-    Raises:
-        ExoidError: The shape is wrong, or these are no numbers.
-    """
+    """Check an argument of an update."""
     if values is None:
         if name in ("q", "tau"):
             raise ExoidError(f"there is no {name} in the sample", remedy="pass q in rad and tau in N·m")

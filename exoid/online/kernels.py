@@ -24,17 +24,11 @@ NARROWEST = 1.2
 
 
 class Kernels(NamedTuple):
-    """Weights of a sample and its d neighbours on each side, (2 d + 1,) each, to be summed with the samples.
+    """Weights of a sample and its d neighbours on each side, (2 d + 1,) each, to be summed with the samples."""
 
-    Attributes:
-        smooth: Weights of the smoothed signal.
-        first: Weights of its first derivative [1/s].
-        second: Weights of its second derivative [1/s²].
-    """
-
-    smooth: FloatArray
-    first: FloatArray
-    second: FloatArray
+    smooth: FloatArray  # weights of the smoothed signal
+    first: FloatArray  # weights of its first derivative [1/s]
+    second: FloatArray  # weights of its second derivative [1/s²]
 
     @property
     def delay(self) -> int:
@@ -43,20 +37,8 @@ class Kernels(NamedTuple):
 
 
 def gaussian(rate: float, cutoff: float) -> Kernels:
-    """Make a Gaussian kernel with a gain of 1/√2 at the cut-off, σ = √(ln 2) / (2π f_c).
-
-    A constant passes unchanged. The derivatives of straight lines and parabolas are exact.
-
-    Args:
-        rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency [Hz].
-
-    Returns:
-        The kernels.
-
-    Raises:
-        ExoidError: The kernel is so narrow that a sample has no neighbours in it.
-    """
+    """Make a Gaussian kernel with a gain of 1/√2 at the cut-off, σ = √(ln 2) / (2π f_c)."""
+    # A constant passes unchanged. The derivatives of straight lines and parabolas are exact.
     sigma = math.sqrt(math.log(2.0)) / (2.0 * math.pi * cutoff)
     if not NARROWEST <= sigma * rate < 1e5:
         raise ExoidError(
@@ -74,15 +56,7 @@ def gaussian(rate: float, cutoff: float) -> Kernels:
 
 
 def sliding(weights: FloatArray, rows: range) -> FloatArray:
-    """Matrix that applies weights to the samples behind a history of as many samples less one.
-
-    Args:
-        weights: Weights, (L,).
-        rows: New samples at which the result is wanted, counted from the first new one.
-
-    Returns:
-        Matrix for L − 1 samples of history and as many new ones as the rows end with, (len(rows), L − 1 + rows.stop).
-    """
+    """Matrix that applies weights to the samples behind a history of as many samples less one."""
     matrix = np.zeros((len(rows), len(weights) - 1 + rows.stop))
     for k, row in enumerate(rows):
         matrix[k, row : row + len(weights)] = weights

@@ -9,14 +9,8 @@ from .state import State
 
 
 class Memory(NamedTuple):
-    """All that a recursive estimator has to remember, which its file contains.
+    """All that a recursive estimator has to remember, which its file contains."""
 
-    Attributes:
-        state: What it knows.
-        intake: What it knows of the stream.
-        pending: Samples that wait for their block to be complete, (5 n,) each.
-    """
-
-    state: State
-    intake: Intake
-    pending: tuple[tuple[float, ...], ...] = ()
+    state: State  # what it knows
+    intake: Intake  # what it knows of the stream
+    pending: tuple[tuple[float, ...], ...] = ()  # samples that wait for their block to be complete, (5 n,) each

@@ -49,30 +49,13 @@ class Rows(NamedTuple):
 
 
 def unfiltered_rows(settings: Settings, block: Block) -> Rows:
-    """Form rows of samples as they are.
-
-    Args:
-        settings: Settings without a cut-off.
-        block: Samples with velocities and accelerations.
-
-    Returns:
-        One row for each sample.
-    """
+    """Form rows of samples as they are."""
     W = settings.model.regressor(block.q, block.v, block.a)
     return _kept(W, block.tau, _marks(settings, block.v, np.where(block.left_out, UNKNOWN, 0.0)) < TOUCHED)
 
 
 def filtered_rows(settings: Settings, state: State, block: Block) -> tuple[Rows, State]:
-    """Smooth and differentiate a block, form columns, and filter columns and torques alike.
-
-    Args:
-        settings: Settings with a cut-off.
-        state: State, which has the samples before the block.
-        block: As many samples as the settings say.
-
-    Returns:
-        The rows, and the state with the last samples.
-    """
+    """Smooth and differentiate a block, form columns, and filter columns and torques alike."""
     n = settings.n
     channels = np.hstack([block.q, block.v, block.a, block.tau, np.where(block.left_out, UNKNOWN, 0.0)])
     given = ~np.isnan(block.v[0, 0]), ~np.isnan(block.a[0, 0])

@@ -32,31 +32,15 @@ FEWEST_ROWS = 100
 
 
 class Current(NamedTuple):
-    """Solution of the R factors by the last block.
+    """Solution of the R factors by the last block."""
 
-    Attributes:
-        values: Parameters, (P,).
-        std: Standard deviations by the R factors alone, (P,).
-        weights: Weights of the rows of each joint [1/(N·m)], (n,).
-    """
-
-    values: FloatArray
-    std: FloatArray
-    weights: FloatArray
+    values: FloatArray  # parameters, (P,)
+    std: FloatArray  # standard deviations by the R factors alone, (P,)
+    weights: FloatArray  # weights of the rows of each joint [1/(N·m)], (n,)
 
 
 def current(settings: Settings, information: Information, weights: FloatArray, inflation: FloatArray) -> Current | None:
-    """Solve for the values, fast.
-
-    Args:
-        settings: Settings.
-        information: R factors.
-        weights: Weights of the rows so far [1/(N·m)], (n,).
-        inflation: Rows that say as much as one independent row, (n,).
-
-    Returns:
-        The solution; None while the rows do not determine all parameters.
-    """
+    """Solve for the values, fast."""
     R = weighted_stack(information, weights, inflation)
     root, z = R[:-1, :-1], R[:-1, -1]
     size = np.sqrt((root**2).sum(axis=0))

@@ -24,54 +24,34 @@ LAST = 3
 
 
 class Information(NamedTuple):
-    """R factors of the rows so far: R β = z with noise of the size of the rows'.
+    """R factors of the rows so far: R β = z with noise of the size of the rows'."""
 
-    Attributes:
-        R: R factors [R z] of the rows of each joint, and last what was known before them, scaled to noise of unit
-            size, (n + 1, P + 1, P + 1).
-        rows: Rows of each joint, forgotten ones not counted, and samples behind what was known before, (n + 1,).
-    """
-
+    # R factors [R z] of the rows of each joint, and last what was known before them, scaled to noise of unit
+    # size, (n + 1, P + 1, P + 1)
     R: FloatArray
+    # rows of each joint, forgotten ones not counted, and samples behind what was known before, (n + 1,)
     rows: FloatArray
 
 
 class Correlation(NamedTuple):
-    """Autocorrelation of the residuals of each joint, over up to :data:`LAGS` rows.
+    """Autocorrelation of the residuals of each joint, over up to :data:`LAGS` rows."""
 
-    Attributes:
-        tail: The last residuals [N·m], zero where a row was left out, (K, n).
-        used: Whether they were used, 0 or 1, (K, n).
-        sums: Discounted sum of products of residuals k rows apart, (K + 1, n).
-        counts: Discounted number of them, (K + 1, n).
-    """
-
-    tail: FloatArray
-    used: FloatArray
-    sums: FloatArray
-    counts: FloatArray
+    tail: FloatArray  # the last residuals [N·m], zero where a row was left out, (K, n)
+    used: FloatArray  # whether they were used, 0 or 1, (K, n)
+    sums: FloatArray  # discounted sum of products of residuals k rows apart, (K + 1, n)
+    counts: FloatArray  # discounted number of them, (K + 1, n)
 
 
 class Detector(NamedTuple):
-    """State of the change detection.
+    """State of the change detection."""
 
-    Attributes:
-        score: Discounted Wᵀe of weighted innovations, (P,).
-        energy: Discounted WᵀW of the same rows, (P, P).
-        level: Discounted sum of the statistic of each hypothesis, (C,).
-        looks: Discounted number of blocks in it.
-        crossing: Blocks since a statistic crossed its threshold; −1 for none.
-        settled: Blocks with rows since the beginning, or since the last change.
-        weights: Weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,).
-    """
-
-    score: FloatArray
-    energy: FloatArray
-    level: FloatArray
-    looks: float
-    crossing: int
-    settled: int
-    weights: FloatArray
+    score: FloatArray  # discounted Wᵀe of weighted innovations, (P,)
+    energy: FloatArray  # discounted WᵀW of the same rows, (P, P)
+    level: FloatArray  # discounted sum of the statistic of each hypothesis, (C,)
+    looks: float  # discounted number of blocks in it
+    crossing: int  # blocks since a statistic crossed its threshold; −1 for none
+    settled: int  # blocks with rows since the beginning, or since the last change
+    weights: FloatArray  # weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,)
 
 
 class Change(NamedTuple):
@@ -102,35 +82,20 @@ class Change(NamedTuple):
 
 
 class Epochs(NamedTuple):
-    """Estimates of consecutive epochs, of which those of the first are the reference.
+    """Estimates of consecutive epochs, of which those of the first are the reference."""
 
-    Attributes:
-        R: R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1).
-        rows: Number of rows of each joint in it, (n,).
-        time: Time of rows in it [s].
-        values: Estimates of the last epochs, the latest first, (K, P).
-        variances: Their variances, (K, P).
-        number: Number of epochs so far.
-        score: Sum of the estimates of the reference over their variances, (P,).
-        precision: Sum of the inverse variances, (P,).
-        references: Number of epochs in the reference, (P,).
-        behind: Number of epochs behind it, (P,).
-        scatter: Sum of squared second differences of consecutive epochs over their variances, (P,).
-        bends: Number of these differences.
-    """
-
-    R: FloatArray
-    rows: FloatArray
-    time: float
-    values: FloatArray
-    variances: FloatArray
-    number: int
-    score: FloatArray
-    precision: FloatArray
-    references: FloatArray
-    behind: FloatArray
-    scatter: FloatArray
-    bends: float
+    R: FloatArray  # R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1)
+    rows: FloatArray  # number of rows of each joint in it, (n,)
+    time: float  # time of rows in it [s]
+    values: FloatArray  # estimates of the last epochs, the latest first, (K, P)
+    variances: FloatArray  # their variances, (K, P)
+    number: int  # number of epochs so far
+    score: FloatArray  # sum of the estimates of the reference over their variances, (P,)
+    precision: FloatArray  # sum of the inverse variances, (P,)
+    references: FloatArray  # number of epochs in the reference, (P,)
+    behind: FloatArray  # number of epochs behind it, (P,)
+    scatter: FloatArray  # sum of squared second differences of consecutive epochs over their variances, (P,)
+    bends: float  # number of these differences
 
 
 class Drift(NamedTuple):
@@ -200,30 +165,14 @@ class State(NamedTuple):
 
 
 def no_epochs(n: int, count: int) -> Epochs:
-    """Begin without any epoch.
-
-    Args:
-        n: Number of joints.
-        count: Number of parameters P.
-
-    Returns:
-        Epochs that know nothing.
-    """
+    """Begin without any epoch."""
     none, last = np.zeros(count), np.zeros((LAST, count))
     R = np.zeros((n, count + 1, count + 1))
     return Epochs(R, np.zeros(n), 0.0, last, last + np.inf, 0, none, none, none, none, none, 0.0)
 
 
 def begin(settings: Settings, hypotheses: int) -> State:
-    """Make the state before the first sample.
-
-    Args:
-        settings: Settings.
-        hypotheses: Number of hypotheses of the change detection.
-
-    Returns:
-        A state that knows nothing.
-    """
+    """Make the state before the first sample."""
     n, P = settings.n, settings.count
     R = np.zeros((n + 1, P + 1, P + 1))
     state = State(
@@ -248,15 +197,7 @@ def begin(settings: Settings, hypotheses: int) -> State:
 
 
 def restarted(settings: Settings, state: State) -> State:
-    """Forget the last samples, as after a gap: rows come again when the filters are full.
-
-    Args:
-        settings: Settings.
-        state: The state.
-
-    Returns:
-        The state with nothing in its filters.
-    """
+    """Forget the last samples, as after a gap: rows come again when the filters are full."""
     n = settings.n
     motion, columns = np.zeros_like(state.motion), np.zeros_like(state.columns)
     motion[:, 4 * n :] = UNKNOWN

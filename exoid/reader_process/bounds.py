@@ -51,14 +51,7 @@ def most_memory(size: int) -> int:
 
 
 def most_seconds(size: int) -> float:
-    """Longest time that reading a file may take.
-
-    Args:
-        size: Size on disk [bytes].
-
-    Returns:
-        Time [s].
-    """
+    """Longest time that reading a file may take."""
     return READER_SECONDS + size / SLOWEST
 
 

@@ -88,11 +88,7 @@ class Child:
     """The child process, with the ends of its pipes."""
 
     def __init__(self, module: str) -> None:
-        """Start it.
-
-        Args:
-            module: Module that it imports at once: that of the first reader.
-        """
+        """Start it."""
         from multiprocessing import spawn  # noqa: PLC0415 - few callers read such files
 
         try:
@@ -117,19 +113,7 @@ class Child:
             self.usable = bool(self._replies.readline())
 
     def ask(self, request: Mapping[str, Any], file: str, seconds: float) -> Content:
-        """Send a request and wait for its reply.
-
-        Args:
-            request: The request.
-            file: Path as the caller gave it, for messages.
-            seconds: Time after which the child is killed [s].
-
-        Returns:
-            Content of the reply.
-
-        Raises:
-            ExoidError: It is the reply, or there is none.
-        """
+        """Send a request and wait for its reply."""
         whole, self.usable = self.usable, False  # until the reply has been read to its end
         reply: Mapping[str, Any] = {}
         arrays: dict[str, NDArray[Any]] = {}

@@ -23,11 +23,7 @@ REMEDY = "check that the file is complete"
 
 
 def serve(module: str) -> None:
-    """Answer requests on standard input until it is closed.
-
-    Args:
-        module: Module of the first reader; the time of its import does not count as that of reading.
-    """
+    """Answer requests on standard input until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the caller, which ends this process
     replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     silent = os.open(os.devnull, os.O_WRONLY)

@@ -36,11 +36,7 @@ SECONDS_OF_PS = 5.0
 
 @contextmanager
 def limited_memory(room: int) -> Iterator[None]:
-    """Let the system bound the memory that is used in addition, if it can.
-
-    Args:
-        room: Memory beyond the present one [bytes].
-    """
+    """Let the system bound the memory that is used in addition, if it can."""
     if sys.platform == "win32":
         yield
         return
@@ -63,26 +59,14 @@ def limited_memory(room: int) -> Iterator[None]:
 
 
 def keeps_little() -> bool:
-    """Tell whether this process has not kept much memory; the peak would be that of the caller, which started it.
-
-    Returns:
-        Whether it can serve another request; True where the system does not tell.
-    """
+    """Tell whether this process has not kept much memory; the peak would be that of the caller, which started it."""
     if sys.platform != "linux":
         return True  # its caller looks at its size
     return _pages(RESIDENT) * resource.getpagesize() < MOST_KEPT
 
 
 def size_of_process(pid: int | None, kind: str = "rss") -> int:
-    """Ask ps for the size of a process.
-
-    Args:
-        pid: The process; None for this one.
-        kind: "rss" for the resident size, "vsz" for its addresses.
-
-    Returns:
-        Size [bytes]; 0 where there is no ps that knows it.
-    """
+    """Ask ps for the size of a process."""
     command = ["ps", "-o", f"{kind}=", "-p", str(os.getpid() if pid is None else pid)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SECONDS_OF_PS)

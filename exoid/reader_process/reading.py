@@ -10,19 +10,7 @@ from exoid.errors import ExoidError
 
 @contextmanager
 def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
-    """Turn any exception that a library raises on a damaged file into one line.
-
-    Args:
-        file: Path as the caller gave it, for messages.
-        kind: Kind of file, with its article.
-        remedy: Remedy for the message.
-
-    Yields:
-        Nothing: the file is read inside.
-
-    Raises:
-        ExoidError: An exception was raised inside.
-    """
+    """Turn any exception that a library raises on a damaged file into one line."""
     try:
         yield
     except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):

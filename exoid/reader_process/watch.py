@@ -14,20 +14,12 @@ PERIOD = 0.2
 
 
 class Watch:
-    """Context in which a process is watched.
+    """Context in which a process is watched."""
 
-    Attributes:
-        killed: Reason for which the process was killed; None if it was not.
-    """
+    # killed: Reason for which the process was killed; None if it was not.
 
     def __init__(self, process: subprocess.Popen[bytes], seconds: float, memory: int | None = None) -> None:
-        """Set the bounds.
-
-        Args:
-            process: The process.
-            seconds: Time after which it is killed [s].
-            memory: Resident size from which on it is killed [bytes]; None to leave this to the system.
-        """
+        """Set the bounds."""
         self.killed: Literal["time", "memory"] | None = None
         self._process = process
         self._seconds = seconds

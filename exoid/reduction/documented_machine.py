@@ -55,10 +55,8 @@ def documented_machine(machine: PlanarMachine, hip: FloatArray, *, cumulative: b
 
 
 def _add_torso(machine: PlanarMachine, hip: FloatArray, collect: FloatArray, spread: FloatArray) -> None:
-    """Add the torso's own ten parameters, which are about the origin of the root link.
-
-    About the hip p its first moment is mc − m p, and its inertia I − 2 (mc · p) + m |p|² within the plane.
-    """
+    """Add the torso's own ten parameters, which are about the origin of the root link."""
+    # About the hip p its first moment is mc − m p, and its inertia I − 2 (mc · p) + m |p|² within the plane.
     forward, lateral, up = machine.plane
     x, z = forward @ hip, up @ hip
     about_lateral = quadratic_form(lateral)

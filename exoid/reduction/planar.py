@@ -174,17 +174,11 @@ _Joints = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class _Segment(NamedTuple):
-    """Segment j and the joint that carries it.
+    """Segment j and the joint that carries it."""
 
-    Attributes:
-        j: Index.
-        sign: Sign s_j.
-        offset: Vector d_j as a complex number; None for the last segment.
-    """
-
-    j: int
-    sign: float
-    offset: complex | None
+    j: int  # index
+    sign: float  # sign s_j
+    offset: complex | None  # vector d_j as a complex number; None for the last segment
 
 
 def _segments(chain: PlanarChain) -> list[_Segment]:
@@ -209,25 +203,15 @@ class _Parts(NamedTuple):
 
 
 class _Workspace(NamedTuple):
-    """Memory for one block of B samples; each segment overwrites the values of the one before.
+    """Memory for one block of B samples; each segment overwrites the values of the one before."""
 
-    Attributes:
-        absolute: Angle φ_j, rate φ̇_j and acceleration φ̈_j, (3, B).
-        scratch: Temporary values, (2, B).
-        origin: Values i conj(p̈_j + i g).
-        direction: Values e^{iφ_j}.
-        turn: Values e^{iφ_j}(φ̈_j + i φ̇_j²).
-        moment: Factor of h_j, or the part of it that a lever adds.
-        levers: Values conj(d_k e^{iφ_k}) of the segments k above, (n, B).
-    """
-
-    absolute: FloatArray
-    scratch: FloatArray
-    origin: _Parts
-    direction: _Parts
-    turn: _Parts
-    moment: _Parts
-    levers: ComplexArray
+    absolute: FloatArray  # angle φ_j, rate φ̇_j and acceleration φ̈_j, (3, B)
+    scratch: FloatArray  # temporary values, (2, B)
+    origin: _Parts  # values i conj(p̈_j + i g)
+    direction: _Parts  # values e^{iφ_j}
+    turn: _Parts  # values e^{iφ_j}(φ̈_j + i φ̇_j²)
+    moment: _Parts  # factor of h_j, or the part of it that a lever adds
+    levers: ComplexArray  # values conj(d_k e^{iφ_k}) of the segments k above, (n, B)
 
     @classmethod
     def allocate(cls, n: int, block: int) -> _Workspace:

@@ -23,16 +23,7 @@ DRAWS = 4
 def rounding_changes(
     model: pin.Model, regressor: Callable[[pin.Model], FloatArray], *, seed: int = 0
 ) -> list[FloatArray]:
-    """Change the placement of every joint by random rounding errors, and compare the regressors.
-
-    Args:
-        model: The model.
-        regressor: Function that computes the regressor of a model, (R, 10 n).
-        seed: Seed of the random errors.
-
-    Returns:
-        Change of the regressor by each of :data:`DRAWS` random roundings, (R, 10 n) each.
-    """
+    """Change the placement of every joint by random rounding errors, and compare the regressors."""
     rng = np.random.default_rng(seed)
     exact = regressor(model)
     return [regressor(_rounded(model, rng)) - exact for _ in range(DRAWS)]

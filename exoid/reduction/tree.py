@@ -23,27 +23,18 @@ BASE_ROWS = 6
 
 
 class TreeJoint(NamedTuple):
-    """Joint of one degree of freedom, and the body that it carries.
+    """Joint of one degree of freedom, and the body that it carries."""
 
-    Motion vectors are linear before angular, as in Pinocchio.
+    # Motion vectors are linear before angular, as in Pinocchio.
 
-    Attributes:
-        parent: Index of the body before it; −1 for the base.
-        turns: Whether it is revolute; otherwise it is prismatic.
-        axis: Axis of the joint, 0 to 2 for x, y, z of the frame behind ``into``.
-        sign: Sign of that axis.
-        into: Motion vectors of the parent into the frame of the joint at zero, (6, 6).
-        after: Motion vectors into the axes of the body if the joint's axis is oblique there, (6, 6); None otherwise.
-        carriers: Rows of the joints that carry the body, itself included, in ascending order.
-    """
-
-    parent: int
-    turns: bool
-    axis: int
-    sign: float
-    into: FloatArray
+    parent: int  # index of the body before it; −1 for the base
+    turns: bool  # whether it is revolute; otherwise it is prismatic
+    axis: int  # axis of the joint, 0 to 2 for x, y, z of the frame behind `into`
+    sign: float  # sign of that axis
+    into: FloatArray  # motion vectors of the parent into the frame of the joint at zero, (6, 6)
+    # motion vectors into the axes of the body if the joint's axis is oblique there, (6, 6); None otherwise
     after: FloatArray | None
-    carriers: tuple[int, ...]
+    carriers: tuple[int, ...]  # rows of the joints that carry the body, itself included, in ascending order
 
     @property
     def own_axis(self) -> FloatArray:
@@ -104,14 +95,7 @@ class Tree:
 
 
 def is_floating(model: pin.Model) -> bool:
-    """Whether the first joint of a model is a free-flyer.
-
-    Args:
-        model: Pinocchio model.
-
-    Returns:
-        True if it is.
-    """
+    """Whether the first joint of a model is a free-flyer."""
     return bool(model.njoints > 1 and model.joints[1].shortname() == FREE_FLYER)
 
 

@@ -18,16 +18,7 @@ CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 def carry(
     joint: TreeJoint, parent: FloatArray, motion: FloatArray, q: FloatArray, scratch: FloatArray, turn: FloatArray
 ) -> None:
-    """Carry the motion vectors of the parent over to a body, before the constant rotation behind an oblique axis.
-
-    Args:
-        joint: The joint that carries the body.
-        parent: Motion vectors of the parent, (6, K, B).
-        motion: Receives those of the body, with the joint's own axis behind them, (6, K + 1, B).
-        q: Positions of the joint times the sign of its axis [rad or m], (B,).
-        scratch: Temporary values, (2, K or more, B).
-        turn: Temporary values, (4, B).
-    """
+    """Carry the motion vectors of the parent over to a body, before the constant rotation behind an oblique axis."""
     count = parent.shape[1]
     np.matmul(joint.into, parent.reshape(6, -1), out=motion.reshape(6, -1)[:, : parent[0].size])
     motion[:, -1] = joint.own_axis[:, None]
@@ -49,12 +40,7 @@ def carry(
 
 
 def turned(joint: TreeJoint, motion: FloatArray) -> None:
-    """Turn the motion vectors of a body behind an oblique axis into its own axes.
-
-    Args:
-        joint: The joint that carries the body.
-        motion: Motion vectors, changed in place, (6, K, B).
-    """
+    """Turn the motion vectors of a body behind an oblique axis into its own axes."""
     if joint.after is not None:
         motion.reshape(6, -1)[:] = joint.after @ motion.reshape(6, -1)
 

@@ -87,39 +87,24 @@ def fill_tree_regressor(
 
 
 class _Run(NamedTuple):
-    """Consecutive joints that carry a body.
+    """Consecutive joints that carry a body."""
 
-    Attributes:
-        vectors: Places of their axes among the motion vectors of the body.
-        rows: Their rows in the output.
-        linear: Whether their axes have no angular part.
-    """
-
-    vectors: slice
-    rows: slice
-    linear: bool
+    vectors: slice  # places of their axes among the motion vectors of the body
+    rows: slice  # their rows in the output
+    linear: bool  # whether their axes have no angular part
 
 
 class _Layout(NamedTuple):
-    """Requested columns of one body, and the rows in which they are not zero.
+    """Requested columns of one body, and the rows in which they are not zero."""
 
-    Attributes:
-        mass: Place of the mass in the output, zero or one columns.
-        moments: Places of the first moments.
-        inertias: Places of the inertias.
-        moment_axes: Axes of the first moments.
-        inertia_axes: Pairs of axes of the inertias.
-        own: Rows whose axis is one of the body's own: row, component of the wrench, sign.
-        runs: The other rows.
-    """
-
-    mass: slice
-    moments: slice
-    inertias: slice
-    moment_axes: tuple[int, ...]
-    inertia_axes: tuple[tuple[int, int], ...]
+    mass: slice  # place of the mass in the output, zero or one columns
+    moments: slice  # places of the first moments
+    inertias: slice  # places of the inertias
+    moment_axes: tuple[int, ...]  # axes of the first moments
+    inertia_axes: tuple[tuple[int, int], ...]  # pairs of axes of the inertias
+    # rows whose axis is one of the body's own: row, component of the wrench, sign
     own: tuple[tuple[int, int, float], ...]
-    runs: tuple[_Run, ...]
+    runs: tuple[_Run, ...]  # the other rows
 
     @classmethod
     def of(cls, tree: Tree, body: int, columns: Sequence[int] | NDArray[np.intp]) -> _Layout:
@@ -149,25 +134,16 @@ def _runs(carriers: tuple[int, ...], *, floating: bool) -> Iterator[_Run]:
 
 
 class _Workspace(NamedTuple):
-    """Memory for one block of B samples.
+    """Memory for one block of B samples."""
 
-    Attributes:
-        base: Motion vectors of the base: velocity, acceleration and, if it floats, its axes, (6, 2 or 8, B).
-        bodies: Motion vectors of each body: velocity, acceleration, axes of its K carriers; (6, 2 + K, B) each.
-        scratch: Temporary values, (2, 2 + K, B) for the largest K.
-        products: Products ω_i ω_j, (3, 3, B).
-        moment: Wrench of each requested first moment of size one, (6, 3, B).
-        inertia: Torque of each requested inertia of size one, (3, 6, B).
-        turn: Cosine and sine of the joint's angle, and two temporary values, (4, B).
-    """
-
-    base: FloatArray
+    base: FloatArray  # motion vectors of the base: velocity, acceleration and, if it floats, its axes, (6, 2 or 8, B)
+    # motion vectors of each body: velocity, acceleration, axes of its K carriers; (6, 2 + K, B) each
     bodies: tuple[FloatArray, ...]
-    scratch: FloatArray
-    products: FloatArray
-    moment: FloatArray
-    inertia: FloatArray
-    turn: FloatArray
+    scratch: FloatArray  # temporary values, (2, 2 + K, B) for the largest K
+    products: FloatArray  # products ω_i ω_j, (3, 3, B)
+    moment: FloatArray  # wrench of each requested first moment of size one, (6, 3, B)
+    inertia: FloatArray  # torque of each requested inertia of size one, (3, 6, B)
+    turn: FloatArray  # cosine and sine of the joint's angle, and two temporary values, (4, B)
 
     @classmethod
     def allocate(cls, tree: Tree, block: int) -> _Workspace:

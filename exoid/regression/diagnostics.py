@@ -75,42 +75,25 @@ NAMED_PART = 0.2
 
 
 class Direction(NamedTuple):
-    """Parameters whose columns nearly cancel each other, those most involved first.
+    """Parameters whose columns nearly cancel each other, those most involved first."""
 
-    Attributes:
-        condition: Its condition index, the largest singular value of the unit-column regressor over its own.
-        columns: Their indices.
-    """
-
-    condition: float
-    columns: tuple[int, ...]
+    condition: float  # its condition index, the largest singular value of the unit-column regressor over its own
+    columns: tuple[int, ...]  # their indices
 
 
 class Collinearity(NamedTuple):
-    """What a least-squares problem says on parameters that it can hardly tell apart.
+    """What a least-squares problem says on parameters that it can hardly tell apart."""
 
-    Attributes:
-        indices: Condition index of each parameter: at least half of its variance comes from directions of this index
-            or worse, (P,); 1 for known parameters.
-        directions: Those beyond :data:`ILL_CONDITIONED`, the worst first.
-    """
-
+    # condition index of each parameter: at least half of its variance comes from directions of this index or
+    # worse, (P,); 1 for known parameters
     indices: FloatArray = np.ones(0)
-    directions: tuple[Direction, ...] = ()
+    directions: tuple[Direction, ...] = ()  # those beyond `ILL_CONDITIONED`, the worst first
 
     @classmethod
     def of(cls, solution: Solution) -> Collinearity:
-        """Look at the singular value decomposition of a unit-column regressor.
-
-        With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
-        sum is the variance-decomposition proportion of direction k.
-
-        Args:
-            solution: Least-squares solution with its singular values and vectors.
-
-        Returns:
-            Condition index of each parameter, and the directions of large ones.
-        """
+        """Look at the singular value decomposition of a unit-column regressor."""
+        # With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
+        # sum is the variance-decomposition proportion of direction k.
         sigma, places = solution.sigma, solution.free
         worst_first, columns = np.minimum(sigma[0] / sigma[::-1], LARGEST), solution.Vt[::-1]
         parts = (columns * worst_first[:, None]) ** 2
@@ -127,14 +110,7 @@ class Collinearity(NamedTuple):
         return cls(indices, tuple(directions))
 
     def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Name the parameters that move together, in one sentence.
-
-        Args:
-            names: Names of the parameters, (P,).
-
-        Returns:
-            One warning, or none.
-        """
+        """Name the parameters that move together, in one sentence."""
         groups = [
             f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
             for direction in self.directions
@@ -149,15 +125,7 @@ class Collinearity(NamedTuple):
 
 
 def condition_number(inverse: FloatArray, places: NDArray[np.intp]) -> float:
-    """Condition number of some parameters' scaled regressor, the columns of all others projected out.
-
-    Args:
-        inverse: (WᵀW)⁻¹ of all parameters, zero for known ones, (P, P).
-        places: Indices of the parameters.
-
-    Returns:
-        The condition number, at least 1.
-    """
+    """Condition number of some parameters' scaled regressor, the columns of all others projected out."""
     free = places[np.diag(inverse)[places] > 0.0]
     information = np.linalg.inv(_scaled(inverse[np.ix_(free, free)]))
     sizes = np.linalg.eigvalsh(_scaled(np.asarray(information, dtype=np.float64)))
@@ -191,16 +159,7 @@ class JointNoise:
 
 
 def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
-    """Describe the residuals of each joint.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        noises: Noise of each kind and joint.
-
-    Returns:
-        Description of the residuals of each joint, group by group.
-    """
+    """Describe the residuals of each joint."""
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
@@ -226,15 +185,7 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
 
 
 def short_runs(noises: Noises, joint_names: Sequence[str]) -> tuple[str, ...]:
-    """Warn of joints whose recordings or segments are too short to tell how long the noise remains correlated.
-
-    Args:
-        noises: Noise of each kind and joint.
-        joint_names: Names of the joints.
-
-    Returns:
-        One warning, or none.
-    """
+    """Warn of joints whose recordings or segments are too short to tell how long the noise remains correlated."""
     short = {
         joint: noise.longest_run
         for (kind, joint), noise in noises.items()
@@ -262,16 +213,8 @@ def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], tuple
 
 
 def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
-    """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
-
-    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
-
-    Args:
-        r_factors: R factor of the rows of each joint, in motion and at rest.
-
-    Returns:
-        Parameter scale of each parameter in its unit, (P,).
-    """
+    """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,)."""
+    # That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
     columns, torques = norms[:, :-1], norms[:, -1:]
     there = (columns > 0.0) & (torques > 0.0)  # a passive joint has no torque to explain
@@ -282,21 +225,10 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
 def reference_scale(
     model: RegressorModel, lowest: FloatArray, highest: FloatArray, r_factors: Sequence[RFactor]
 ) -> FloatArray:
-    """Return what :func:`parameter_scale` would if joints had moved as in a calm exercise at the angles recorded, (P,).
-
-    A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
-    would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
-    column counts by its largest value, over √3 like one that is spread evenly.
-
-    Args:
-        model: The model.
-        lowest: Smallest angle of each joint in all recordings [rad], (n,).
-        highest: Largest.
-        r_factors: Rows of each joint, in motion and at rest.
-
-    Returns:
-        Reference scale of each parameter in its unit, (P,); 0 for one that leaves no trace.
-    """
+    """Parameter scale of a calm exercise at the recorded angles, (P,)."""
+    # A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error
+    # of it would look small: a slow motion does not make an inertia sure. Nor does friction that acts for
+    # moments only: such a column counts by its largest value, over √3 like one that is spread evenly.
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
@@ -311,18 +243,7 @@ def reference_scale(
 
 
 def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
-    """Say how well a parameter is determined: "well", "weakly" or "not".
-
-    Args:
-        value: Value of the parameter.
-        std: Its standard deviation.
-        size: See :func:`parameter_scale`.
-        calm: See :func:`calm_sizes`.
-        index: Its condition index, see :class:`~exoid.regression.diagnostics.Collinearity`.
-
-    Returns:
-        The class.
-    """
+    """Say how well a parameter is determined: "well", "weakly" or "not"."""
     scale = max(abs(value), SIZE * min(size, calm))
     if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
         return "not"
@@ -330,17 +251,7 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
 
 
 def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: float, of_data: str) -> str:
-    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured.
-
-    Args:
-        name: Name of the parameter.
-        prior_knowledge: What was known beside the recordings.
-        std: Standard deviation of the parameter.
-        of_data: Class by the recordings alone.
-
-    Returns:
-        The class.
-    """
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
     if name in prior_knowledge.known:
         return "known"
     believed = prior_knowledge.prior.values.get(name)

@@ -14,33 +14,15 @@ from .rows import Prepared, chain, form_rows, prepare
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make a row of each sample of a recording that counts, or of poses, all at once; see :func:`each_row`.
-
-    Args:
-        model: Torque model.
-        data: The recording, or poses.
-        preparation: Filter and differentiation.
-
-    Returns:
-        The rows.
-    """
+    """Make a row of each sample of a recording that counts, or of poses, all at once; see :func:`each_row`."""
     return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
 
 
 def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
-    """Make a row of each sample of a recording that counts, or of poses, stretch by stretch.
-
-    Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here they are
-    divided by what the filter makes of ones in all segments. Rows are then weighted means of the torques around them,
-    as one wants to see them, but those near the ends have more noise than others.
-
-    Args:
-        model: Torque model.
-        prepared: The recording, or poses, of which :func:`prepare` made every sample a row.
-
-    Yields:
-        The rows of a stretch, without samples that do not count.
-    """
+    """Make a row of each sample of a recording that counts, or of poses, stretch by stretch."""
+    # Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here
+    # they are divided by what the filter makes of ones in all segments. Rows are then weighted means of the
+    # torques around them, as one wants to see them, but those near the ends have more noise than others.
     ones = prepared.inside[np.newaxis].astype(np.float64)
     for stretch in prepared.stretches():
         rows = form_rows(model, prepared, stretch)

@@ -45,17 +45,12 @@ NOISELESS = 1e-9
 
 
 class Covariance(NamedTuple):
-    """Covariance of parameters.
+    """Covariance of parameters."""
 
-    Attributes:
-        matrix: Covariance, (P, P).
-        dofs: Degrees of freedom of each variance, (P,); None where they follow from the number of samples.
-        stationary: Covariance by models of stationary noise, independent between joints, alone, (P, P).
-    """
-
-    matrix: FloatArray
+    matrix: FloatArray  # covariance, (P, P)
+    # degrees of freedom of each variance, (P,); None where they follow from the number of samples
     dofs: FloatArray | None
-    stationary: FloatArray
+    stationary: FloatArray  # covariance by models of stationary noise, independent between joints, alone, (P, P)
 
 
 class Fit(NamedTuple):
@@ -129,17 +124,11 @@ def _rms(r_factor: RFactor, values: FloatArray) -> float:
 
 
 class Uncertainty(NamedTuple):
-    """Covariance of a fit, and the noise that it is for.
+    """Covariance of a fit, and the noise that it is for."""
 
-    Attributes:
-        found: The covariance.
-        noises: Noise of each kind and joint.
-        white: Whether the covariance assumes white noise.
-    """
-
-    found: Covariance
-    noises: Noises
-    white: bool
+    found: Covariance  # the covariance
+    noises: Noises  # noise of each kind and joint
+    white: bool  # whether the covariance assumes white noise
 
     @property
     def covariance(self) -> FloatArray:
@@ -153,19 +142,7 @@ class Uncertainty(NamedTuple):
 
 
 def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
-    """Find the noise in the residuals of a fit and the covariance under it.
-
-    Args:
-        problem: The problem.
-        fit: Its solution; an estimator that brings its own noise keeps it.
-        white: Whether to take the textbook's covariance for white noise instead.
-
-    Returns:
-        The covariance with its noise.
-
-    Raises:
-        ExoidError: White noise is requested of an estimator that uses a model of correlated noise.
-    """
+    """Find the noise in the residuals of a fit and the covariance under it."""
     solution = fit.solution
     textbook = Covariance(solution.covariance, None, solution.covariance)
     if fit.noises is None:
@@ -186,16 +163,7 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
 
 
 def correlated_covariance(rows: RowSource, point: Point, solution: Solution) -> Covariance:
-    """Covariance of a least-squares estimate for correlated noise that need not be stationary, nor independent.
-
-    Args:
-        rows: Its rows.
-        point: Parameters and weights.
-        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
-
-    Returns:
-        The covariance.
-    """
+    """Covariance of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
     return _correlated(rows, point, solution, sandwich(rows, point, solution))
 
 
@@ -214,15 +182,7 @@ def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
 
 
 def smallest_variances(problem: RowProblem, fit: Fit) -> FloatArray:
-    """Compute the variances for white noise of :data:`ACCURACY` of the RMS torque of each joint.
-
-    Args:
-        problem: The problem.
-        fit: Its solution.
-
-    Returns:
-        Variance of each parameter, zero for known ones, (P,).
-    """
+    """Compute the variances for white noise of :data:`ACCURACY` of the RMS torque of each joint."""
     inverse = fit.solution.inverse
     variances = np.zeros(len(inverse))
     for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
@@ -242,33 +202,18 @@ def _not_below(found: Covariance, smallest: FloatArray) -> Covariance:
 
 
 class SamplesLeft(NamedTuple):
-    """Independent samples less parameters.
+    """Independent samples less parameters."""
 
-    Attributes:
-        groups: Those of the rows of each group, (G,).
-        each: Those of each parameter, (P,).
-    """
-
-    groups: FloatArray
-    each: FloatArray
+    groups: FloatArray  # those of the rows of each group, (G,)
+    each: FloatArray  # those of each parameter, (P,)
 
 
 def samples_left(rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence[float], free: int) -> SamplesLeft:
-    """Count the samples that stand behind each group, and each parameter.
-
-    The rows W_g of group g, whose N_g samples are independent, are fitted by p_g = tr(A⁻¹ W_gᵀ W_g) parameters, with
-    A = Σ_g W_gᵀ W_g: these add up to P, and leave ν_g = N_g − p_g. The variance of a parameter is the sum of what each
-    group brings in, v_g = (A⁻¹ W_gᵀ W_g A⁻¹)_ii, and has (Σ v_g)² / Σ (v_g² / ν_g) (Welch and Satterthwaite).
-
-    Args:
-        rows: R factor of the weighted rows of each group.
-        inverse: A⁻¹, zero for known parameters, (P, P).
-        samples: Independent samples N_g of each group.
-        free: Number of parameters that are not known.
-
-    Returns:
-        Samples left for each group and parameter, at least 1.
-    """
+    """Count the samples that stand behind each group, and each parameter."""
+    # The rows W_g of group g, whose N_g samples are independent, are fitted by p_g = tr(A⁻¹ W_gᵀ W_g)
+    # parameters, with A = Σ_g W_gᵀ W_g: these add up to P, and leave ν_g = N_g − p_g. The variance of a
+    # parameter is the sum of what each group brings in, v_g = (A⁻¹ W_gᵀ W_g A⁻¹)_ii, and has (Σ v_g)² / Σ (v_g²
+    # / ν_g) (Welch and Satterthwaite).
     if len(rows) == 1:
         left = max(1.0, samples[0] - free)
         return SamplesLeft(np.array([left]), np.full(len(inverse), left))
@@ -284,42 +229,24 @@ def samples_left(rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence
 
 
 class Jackknife(NamedTuple):
-    """Variances of parameters by the block jackknife.
+    """Variances of parameters by the block jackknife."""
 
-    Attributes:
-        variances: Variance of each parameter, (P,).
-        dofs: Degrees of freedom of each variance, (P,); infinite where no noise of the rows enters.
-        blocks: Number of blocks; 0 if there are too few to say anything.
-    """
-
-    variances: FloatArray
-    dofs: FloatArray
-    blocks: int
+    variances: FloatArray  # variance of each parameter, (P,)
+    dofs: FloatArray  # degrees of freedom of each variance, (P,); infinite where no noise of the rows enters
+    blocks: int  # number of blocks; 0 if there are too few to say anything
 
 
 def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution, *, whitened: bool) -> Jackknife:
-    """Leave out one block of rows after the other, all joints at once.
-
-    With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
-    d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its degrees of
-    freedom are 3 (Σ_b d_bi²)² / Σ_b d_bi⁴, at most B − 1. Joints share blocks, so that noise may be common to them, and
-    each block has noise of its own size.
-
-    Blocks are independent only if they are long beside the memory of the noise. The rows of a joint are therefore
-    whitened by its noise model Γ = σ² Φ⁻¹ Φ⁻ᵀ. Sample t of the sandwich WᵀΓW has the score y_t η_t and the information
-    y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up to those of the rows as they
-    are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
-
-    Args:
-        rows: Rows that were fitted.
-        point: Parameters and weights of the solution.
-        noises: Noise of each kind and joint.
-        solution: (WᵀW)⁻¹ of the weighted rows; its covariance if ``whitened``.
-        whitened: Whether the estimate is that of generalised least squares.
-
-    Returns:
-        Variances with their degrees of freedom; those of priors are included.
-    """
+    """Leave out one block of rows after the other, all joints at once."""
+    # With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
+    # d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its
+    # degrees of freedom are 3 (Σ_b d_bi²)² / Σ_b d_bi⁴, at most B − 1. Joints share blocks, so that noise may
+    # be common to them, and each block has noise of its own size.
+    #
+    # Blocks are independent only if they are long beside the memory of the noise. The rows of a joint are
+    # therefore whitened by its noise model Γ = σ² Φ⁻¹ Φ⁻ᵀ. Sample t of the sandwich WᵀΓW has the score y_t η_t
+    # and the information y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up
+    # to those of the rows as they are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
     inverse = solution.covariance if whitened else solution.inverse
     work = partial(_changes, noises, matrix_root(inverse), point.clip, whitened)
     changes = np.vstack(list(over_recordings(rows, point, work)))
@@ -392,13 +319,12 @@ class _WhitenedRows(NamedTuple):
 
 
 class _WhitenedJoint:
-    """Whitens the rows of a joint that come block by block.
+    """Whitens the rows of a joint that come block by block."""
 
-    Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards. Rows
-    come out when those that follow are known; all joints have the same delay, so that they stay together. Beyond the
-    end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact. Generalised least squares
-    whitens each run of samples by itself instead: where fewer samples follow, by a predictor of lower order.
-    """
+    # Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards. Rows
+    # come out when those that follow are known; all joints have the same delay, so that they stay together. Beyond the
+    # end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact. Generalised least squares
+    # whitens each run of samples by itself instead: where fewer samples follow, by a predictor of lower order.
 
     def __init__(self, noise: AutoregressiveNoise, rows: int, delay: int, *, whole_runs: bool) -> None:
         """Begin with nothing, for so many rows of X."""

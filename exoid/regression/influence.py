@@ -83,21 +83,10 @@ class Influence(NamedTuple):
 
 
 def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
-    """Leave out one recording after the other, with the weights of the whole.
-
-    With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
-    part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has the variance
-    ((A − A_r)⁻¹ − A⁻¹)_ii.
-
-    Args:
-        problem: The problem.
-        names: Names of its recordings, (R,); at least two.
-        weights: Weights of the rows of each R factor.
-        std: Standard deviations of the parameters, (P,).
-
-    Returns:
-        Influence on all parameters.
-    """
+    """Leave out one recording after the other, with the weights of the whole."""
+    # With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter
+    # i is the part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has
+    # the variance ((A − A_r)⁻¹ − A⁻¹)_ii.
     each = problem.recording_r_factors(weights)
     whole = problem.solve(stack(each))
     change, share, expected = np.zeros((3, len(each), len(std)))
@@ -112,10 +101,8 @@ def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence
 
 
 def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Share of a recording with A_r = RᵀR, and standard deviation of the change without it, (P,) each.
-
-    (A − A_r)⁻¹ − A⁻¹ = A⁻¹ Rᵀ (I − R A⁻¹ Rᵀ)⁻¹ R A⁻¹, so that both are sums over eigenvectors u of R A⁻¹ Rᵀ.
-    """
+    """Share of a recording with A_r = RᵀR, and standard deviation of the change without it, (P,) each."""
+    # (A − A_r)⁻¹ − A⁻¹ = A⁻¹ Rᵀ (I − R A⁻¹ Rᵀ)⁻¹ R A⁻¹, so that both are sums over eigenvectors u of R A⁻¹ Rᵀ.
     sizes, vectors = np.linalg.eigh(R @ inverse @ R.T)
     parts = (inverse @ R.T @ vectors) ** 2
     variance = np.diag(inverse)
@@ -124,15 +111,7 @@ def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Turn influences into what JSON can hold; what is infinite becomes null.
-
-    Args:
-        found: The influence; None for one recording.
-        names: Names of the parameters, (P,).
-
-    Returns:
-        Influence of each recording, by the names of the parameters.
-    """
+    """Turn influences into what JSON can hold; what is infinite becomes null."""
     if found is None:
         return []
     finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
@@ -148,15 +127,7 @@ def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dic
 
 
 def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
-    """Read what :func:`influence_to_json` wrote.
-
-    Args:
-        data: Influence of each recording.
-        names: Names of the parameters, (P,).
-
-    Returns:
-        The influence; None for no recording.
-    """
+    """Read what :func:`influence_to_json` wrote."""
     if not data:
         return None
     arrays = (

@@ -10,37 +10,13 @@ from exoid.errors import ExoidError
 
 
 def half_width(level: float, dof: FloatArray | float) -> FloatArray:
-    """Half width of an interval in standard deviations, for each number of degrees of freedom.
-
-    Args:
-        level: Probability that an interval contains the true value, between 0 and 1.
-        dof: Degrees of freedom of the standard deviations.
-
-    Returns:
-        Half width in standard deviations.
-
-    Raises:
-        ExoidError: The level is not between 0 and 1.
-    """
+    """Half width of an interval in standard deviations, for each number of degrees of freedom."""
     if not 0.0 < level < 1.0:
         raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
     return np.asarray(scipy.stats.t.ppf(0.5 + level / 2.0, dof))
 
 
 def intervals(values: FloatArray, std: FloatArray, dof: FloatArray, level: float) -> FloatArray:
-    """Confidence intervals, (P, 2).
-
-    Args:
-        values: (P,).
-        std: Standard deviations, (P,).
-        dof: Their degrees of freedom, (P,).
-        level: See :func:`half_width`.
-
-    Returns:
-        Lower and upper ends, (P, 2).
-
-    Raises:
-        ExoidError: The level is not between 0 and 1.
-    """
+    """Confidence intervals, (P, 2)."""
     half = half_width(level, dof) * std
     return np.column_stack([values - half, values + half])

@@ -126,16 +126,7 @@ def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
 
 
 def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
-    """Reduce rows of [W τ] to their R factor.
-
-    Args:
-        table: Rows of [W τ], (N, P + 1).
-        rows: Number of rows that the R factor stands for.
-        samples: Number of independent samples among them.
-
-    Returns:
-        The R factor.
-    """
+    """Reduce rows of [W τ] to their R factor."""
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
@@ -151,15 +142,7 @@ def _triangle(table: FloatArray | None) -> FloatArray | None:
 
 
 def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
-    """RMS residual over the rows of several R factors, reversals included [N·m].
-
-    Args:
-        r_factors: R factors of rows in the same unit.
-        values: Parameters, (P,).
-
-    Returns:
-        Root mean square of the residual.
-    """
+    """RMS residual over the rows of several R factors, reversals included [N·m]."""
     squares = sum(r_factor.whole_residual(values) ** 2 for r_factor in r_factors)
     return float(np.sqrt(squares / max(sum(max(t.rows, t.all_rows) for t in r_factors), 1)))
 
@@ -187,15 +170,7 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
 
 
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
-    """Refuse a fit in which the terms' dead bands left no sample of a joint.
-
-    Args:
-        joint_names: Names of the joints, (n,).
-        r_factors: R factor of each joint.
-
-    Raises:
-        ExoidError: Names the joints.
-    """
+    """Refuse a fit in which the terms' dead bands left no sample of a joint."""
     empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
     if empty:
         raise ExoidError(
@@ -252,26 +227,12 @@ def solve(
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
     nonnegative: NDArray[np.bool_] | None = None,
 ) -> Solution:
-    """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix).
-
-    With columns scaled to unit length and R = U Σ Vᵀ, β = V Σ⁻¹ Uᵀ (Qᵀτ) and cov β = s² V Σ⁻² Vᵀ. Of m rows only m'
-    carry independent noise, so that each residual counts m'/m: s² = ‖residual‖² / (m' − P).
-
-    Known parameters leave the problem with their torque. A prior p ± σ becomes a row (s/σ) β = (s/σ) p: s is what a
-    row of the recordings is worth, so that redundant rows do not outvote it.
-
-    Args:
-        r_factor: R of [W τ].
-        names: Parameters, (P,).
-        prior_knowledge: Known parameters, priors and signs.
-        nonnegative: Parameters that must not become negative, (P,); None if all may.
-
-    Returns:
-        Values with covariance, condition number and singular value decomposition.
-
-    Raises:
-        ExoidError: Names the parameters that neither rows nor priors determine, and what to do.
-    """
+    """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix)."""
+    # With columns scaled to unit length and R = U Σ Vᵀ, β = V Σ⁻¹ Uᵀ (Qᵀτ) and cov β = s² V Σ⁻² Vᵀ. Of m rows only m'
+    # carry independent noise, so that each residual counts m'/m: s² = ‖residual‖² / (m' − P).
+    #
+    # Known parameters leave the problem with their torque. A prior p ± σ becomes a row (s/σ) β = (s/σ) p: s is what a
+    # row of the recordings is worth, so that redundant rows do not outvote it.
     free = prior_knowledge.free(names)
     if not free.any():
         raise ExoidError("every parameter is known: nothing is left to identify", remedy="leave some unknown")

@@ -26,19 +26,13 @@ RING = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class AutoregressiveNoise:
-    """Noise e_t = Σ_i φ_i e_{t−i} + ε_t with white ε of variance σ².
+    """Noise e_t = Σ_i φ_i e_{t−i} + ε_t with white ε of variance σ²."""
 
-    Attributes:
-        predictors: Best predictors of orders 0 to p, row k holding φ_1 … φ_k, (p + 1, p).
-        variances: Variance that the predictor of each order leaves, (p + 1,); the last is σ².
-        samples: From how many it was estimated, N; 0 for silence.
-        longest_run: Samples of the longest uninterrupted run where these are so short that they limit the lags; None
-            where they do not.
-    """
-
-    predictors: FloatArray
-    variances: FloatArray
-    samples: float = 0.0
+    predictors: FloatArray  # best predictors of orders 0 to p, row k holding φ_1 … φ_k, (p + 1, p)
+    variances: FloatArray  # variance that the predictor of each order leaves, (p + 1,); the last is σ²
+    samples: float = 0.0  # from how many it was estimated, N; 0 for silence
+    # samples of the longest uninterrupted run where these are so short that they limit the lags; None where
+    # they do not
     longest_run: int | None = None
 
     @staticmethod
@@ -48,15 +42,7 @@ class AutoregressiveNoise:
 
     @staticmethod
     def from_autocovariances(gamma: FloatArray, samples: int) -> AutoregressiveNoise:
-        """Solve the Yule–Walker equations for all orders (Levinson and Durbin), and choose the order by AIC.
-
-        Args:
-            gamma: Autocovariances γ_0 … γ_K; orders up to K are compared.
-            samples: Number N of samples that they come from: AIC(p) = N ln σ_p² + 2 p.
-
-        Returns:
-            Noise model of the order with the smallest AIC.
-        """
+        """Solve the Yule–Walker equations for all orders (Levinson and Durbin), and choose the order by AIC."""
         if gamma[0] <= 0.0:
             return AutoregressiveNoise.none()
         largest = len(gamma) - 1
@@ -84,23 +70,14 @@ class AutoregressiveNoise:
 
     @cached_property
     def effective_share(self) -> float:
-        """Independent samples that say as much on the size of the noise as one of these, γ_0² / Σ γ_k².
-
-        By Parseval (mean S)² / mean S² of the spectrum S.
-        """
+        """Independent samples that say as much on the size of the noise as one of these, γ_0² / Σ γ_k²."""
+        # By Parseval (mean S)² / mean S² of the spectrum S.
         _, response = scipy.signal.freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
     def autocorrelation(self, lag: int) -> float:
-        """Compute the autocorrelation of the model.
-
-        Args:
-            lag: Lag k.
-
-        Returns:
-            γ_k / γ_0.
-        """
+        """Compute the autocorrelation of the model."""
         correlations = [1.0]
         for k in range(1, lag + 1):
             row = self.predictors[min(k, self.order)][: min(k, self.order)]
@@ -119,27 +96,13 @@ class AutoregressiveNoise:
         return longest if radius >= 1.0 else min(longest, math.ceil(math.log(RING) / math.log(max(radius, 1e-3))))
 
     def quadratic_form(self, X: FloatArray) -> FloatArray:
-        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`.
-
-        Args:
-            X: Rows over consecutive samples, zero at those left out, (P, N).
-
-        Returns:
-            (P, P).
-        """
+        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`."""
         form = QuadraticForm(self, len(X))
         form.add(X)
         return form.total()
 
     def whiten(self, X: FloatArray) -> FloatArray:
-        """Rows with which noise of this kind becomes white of unit variance, exactly from the first sample on.
-
-        Args:
-            X: Rows over consecutive samples, none left out, (P, N).
-
-        Returns:
-            Whitened rows, (P, N).
-        """
+        """Rows with which noise of this kind becomes white of unit variance, exactly from the first sample on."""
         p = min(self.order, X.shape[1])
         out = np.empty_like(X)
         factor = np.eye(p)
@@ -154,12 +117,11 @@ class AutoregressiveNoise:
 
 
 class QuadraticForm:
-    """X Γ Xᵀ of rows that come stretch by stretch, with Γ the covariance matrix of consecutive samples of a noise.
+    """X Γ Xᵀ of rows that come stretch by stretch, with Γ the covariance matrix of consecutive samples of a noise."""
 
-    With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on beyond
-    their beginning until the response is over. Γ is the same with time reversed, so they may be filtered forwards, and
-    on beyond their end.
-    """
+    # With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on
+    # beyond their beginning until the response is over. Γ is the same with time reversed, so they may be
+    # filtered forwards, and on beyond their end.
 
     def __init__(self, noise: AutoregressiveNoise, rows: int) -> None:
         """Begin with nothing, for so many rows of X."""
@@ -204,18 +166,10 @@ class LagSums:
 
 
 def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
-    """Σ_t x_t · x_{t+k} for k = 0 … ``largest``, summed over the rows of x, (P, N) or (N,).
-
-    Each row is cut into pieces longer than the lags: the diagonals of the products of a piece with itself and with the
-    next one hold every pair. These are products of matrices, and take less than half the time of Fourier transforms.
-
-    Args:
-        x: Rows over consecutive samples, (P, N) or (N,).
-        largest: Largest lag.
-
-    Returns:
-        Sum for each lag, (largest + 1,).
-    """
+    """Σ_t x_t · x_{t+k} for k = 0 … ``largest``, summed over the rows of x, (P, N) or (N,)."""
+    # Each row is cut into pieces longer than the lags: the diagonals of the products of a piece with itself and
+    # with the next one hold every pair. These are products of matrices, and take less than half the time of
+    # Fourier transforms.
     length = largest + 1
     within, across = np.zeros((2, length, length))
     for row in np.atleast_2d(x):

@@ -93,17 +93,11 @@ class Prior:
 
 @dataclass(frozen=True)
 class PriorKnowledge:
-    """All that enters an identification beside recordings, in the order of the model's parameters where it is arrays.
+    """All that enters an identification beside recordings; arrays follow the model's parameters."""
 
-    Attributes:
-        known: Values of parameters that are held fixed.
-        prior: Values that others are believed to have.
-        nonnegative: Whether friction and rotor inertia are kept from falling below zero.
-    """
-
-    known: Mapping[str, float] = field(default_factory=dict)
-    prior: Prior = field(default_factory=Prior)
-    nonnegative: bool = False
+    known: Mapping[str, float] = field(default_factory=dict)  # values of parameters that are held fixed
+    prior: Prior = field(default_factory=Prior)  # values that others are believed to have
+    nonnegative: bool = False  # whether friction and rotor inertia are kept from falling below zero
 
     def __post_init__(self) -> None:
         """Check that what is known is a number."""
@@ -127,19 +121,7 @@ class PriorKnowledge:
         *,
         nonnegative: bool,
     ) -> PriorKnowledge:
-        """Check arguments as a user gives them; None for nothing.
-
-        Args:
-            known: Values of parameters that are held fixed, by name.
-            prior: Value and standard deviation by name.
-            nonnegative: Whether friction and rotor inertia are kept from falling below zero.
-
-        Returns:
-            The knowledge.
-
-        Raises:
-            ExoidError: A value is not a number, or a parameter is both known and has a prior.
-        """
+        """Check arguments as a user gives them; None for nothing."""
         return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
 
     @property
@@ -153,61 +135,29 @@ class PriorKnowledge:
         return (*self.known, *self.prior.values)
 
     def check(self, model: RegressorModel) -> None:
-        """Check that all names are those of a model.
-
-        Args:
-            model: Torque model that the names must belong to.
-
-        Raises:
-            ExoidError: Names what is not a parameter, is one twice, or was regrouped into others.
-        """
+        """Check that all names are those of a model."""
         self.check_regrouped(model.regrouped)
         for name in self.names:
             if name not in model.names:
                 raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
 
     def check_regrouped(self, parameters: Sequence[Regrouping]) -> None:
-        """Check that no name is that of a parameter that is part of others.
-
-        Args:
-            parameters: Regrouped parameters of the model.
-        """
+        """Check that no name is that of a parameter that is part of others."""
         for regrouped in parameters:
             if regrouped.name in self.names:
                 into = " and ".join(regrouped.into)
                 raise ExoidError(f"{regrouped}", remedy=f"say what is known of {into} instead")
 
     def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
-        """Which of the parameters are not known, (P,).
-
-        Args:
-            names: Names of the parameters, (P,).
-
-        Returns:
-            Mask, (P,).
-        """
+        """Which of the parameters are not known, (P,)."""
         return np.array([name not in self.known for name in names], dtype=np.bool_)
 
     def fixed_values(self, names: Sequence[str]) -> FloatArray:
-        """Known values, zero elsewhere, (P,).
-
-        Args:
-            names: Names of the parameters, (P,).
-
-        Returns:
-            Values, (P,).
-        """
+        """Known values, zero elsewhere, (P,)."""
         return np.array([self.known.get(name, 0.0) for name in names])
 
     def pseudo_rows(self, names: Sequence[str]) -> FloatArray:
-        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1).
-
-        Args:
-            names: Names of the parameters, (P,).
-
-        Returns:
-            One row for each of K priors, (K, P + 1).
-        """
+        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1)."""
         rows = np.zeros((len(self.prior.values), len(names) + 1))
         for row, (name, (value, std)) in zip(rows, self.prior.values.items(), strict=True):
             row[list(names).index(name)], row[-1] = 1.0 / std, value / std
@@ -219,39 +169,20 @@ NO_PRIOR_KNOWLEDGE = PriorKnowledge()
 
 
 class ParameterLayout(NamedTuple):
-    """β = (shared, own of the first group, own of the second, …); one group without own parameters is the usual case.
+    """β = (shared, own of the first group, own of the second, …); usually one group without own parameters."""
 
-    Attributes:
-        groups: Names of the groups.
-        names: Names of all parameters, (P,); own ones say whose they are, as in ``c0_hip[left]``.
-        units: Units of all parameters.
-        shared: Number of shared parameters; they are the first.
-        own: Names of parameters that every group has of its own, without the group.
-        places: Indices of the parameters of each group's model, in the model's order.
-    """
-
-    groups: tuple[str, ...]
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    shared: int
-    own: tuple[str, ...]
-    places: tuple[NDArray[np.intp], ...]
+    groups: tuple[str, ...]  # names of the groups
+    names: tuple[str, ...]  # names of all parameters, (P,); own ones say whose they are, as in `c0_hip[left]`
+    units: tuple[str, ...]  # units of all parameters
+    shared: int  # number of shared parameters; they are the first
+    own: tuple[str, ...]  # names of parameters that every group has of its own, without the group
+    places: tuple[NDArray[np.intp], ...]  # indices of the parameters of each group's model, in the model's order
 
     @classmethod
     def of(
         cls, groups: Sequence[str], names: Sequence[str], units: Sequence[str], own: Sequence[str] = ()
     ) -> ParameterLayout:
-        """Lay out the parameters of groups whose models have parameters of the same names.
-
-        Args:
-            groups: Names of the groups.
-            names: Names of one model's parameters.
-            units: Units of one model's parameters.
-            own: Names of those that each group has of its own.
-
-        Returns:
-            The layout.
-        """
+        """Lay out the parameters of groups whose models have parameters of the same names."""
         named = dict(zip(names, units, strict=True))
         places = {name: k for k, name in enumerate(name for name in names if name not in own)}
         shared, own_names = len(places), tuple(name for name in names if name in own)
@@ -269,29 +200,11 @@ class ParameterLayout(NamedTuple):
         return len(self.places) == 1 and np.array_equal(self.places[0], np.arange(len(self.names)))
 
     def place(self, name: str, group: int) -> int:
-        """Index of one of the own parameters of a group.
-
-        Args:
-            name: Name of an own parameter, without the group.
-            group: Index of the group.
-
-        Returns:
-            Index in β.
-        """
+        """Index of one of the own parameters of a group."""
         return self.names.index(own_name(name, self.groups[group]))
 
     def spread(self, knowledge: PriorKnowledge) -> PriorKnowledge:
-        """Apply to every group what is known of a parameter without saying whose.
-
-        Args:
-            knowledge: Prior knowledge by names of parameters, with or without a group.
-
-        Returns:
-            Prior knowledge by the names of the layout.
-
-        Raises:
-            ExoidError: There is no such parameter, or two things are known of it.
-        """
+        """Apply to every group what is known of a parameter without saying whose."""
         known = [(name, value) for given, value in knowledge.known.items() for name in self._meant(given)]
         prior = [(name, pair) for given, pair in knowledge.prior.values.items() for name in self._meant(given)]
         names = [name for name, _ in (*known, *prior)]
@@ -301,29 +214,14 @@ class ParameterLayout(NamedTuple):
         return PriorKnowledge(dict(known), Prior(dict(prior)), knowledge.nonnegative)
 
     def known_by(self, group: int, spread: PriorKnowledge) -> PriorKnowledge:
-        """Select what is known of the parameters of one group, by the names that they have there.
-
-        Args:
-            group: Index of the group.
-            spread: Prior knowledge by the names of the layout.
-
-        Returns:
-            Prior knowledge by the names of the group's model.
-        """
+        """Select what is known of the parameters of one group, by the names that they have there."""
         names = self.names_of(group)
         known = {names[name]: value for name, value in spread.known.items() if name in names}
         prior = {names[name]: pair for name, pair in spread.prior.values.items() if name in names}
         return PriorKnowledge(known, Prior(prior), spread.nonnegative)
 
     def names_of(self, group: int) -> dict[str, str]:
-        """Names in the model of one group, by those here.
-
-        Args:
-            group: Index of the group.
-
-        Returns:
-            Name in the model, by the name in the layout.
-        """
+        """Names in the model of one group, by those here."""
         own = {own_name(name, self.groups[group]): name for name in self.own}
         return {**{name: name for name in self.names[: self.shared]}, **own}
 

@@ -48,26 +48,11 @@ class RowSource(Protocol):
         ...
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
-        """Index among the R factors of the one that holds the rows of a kind and joint.
-
-        Args:
-            kind: Kind of the rows.
-            joint: Index of the joint.
-
-        Returns:
-            The index.
-        """
+        """Index among the R factors of the one that holds the rows of a kind and joint."""
         ...
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results.
-
-        Args:
-            work: Function of the blocks of one recording.
-
-        Returns:
-            Result of the function for each recording.
-        """
+        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
         ...
 
 

@@ -28,46 +28,27 @@ TINY = 1e-300
 
 
 class Series(NamedTuple):
-    """Weighted rows of one recording and joint in time order, or a stretch of them.
+    """Weighted rows of one recording and joint in time order, or a stretch of them."""
 
-    Attributes:
-        kind: Kind of the noise.
-        joint: Index.
-        columns: Parameters that act on the joint, (p,).
-        X: Their columns of the regressor, zero at samples left out, (p, N).
-        residual: τ − W β, zero there too, (N,).
-        usable: Samples not left out, (N,).
-        q: Angle [rad], (N,).
-        v: Velocity [rad/s], (N,).
-        stands_for: Number of rows that each of these stands for.
-        begins: Whether these are the first of the recording.
-        ends: Whether these are the last of it.
-    """
-
-    kind: NoiseKind
-    joint: int
-    columns: NDArray[np.intp]
-    X: FloatArray
-    residual: FloatArray
-    usable: FloatArray
-    q: FloatArray
-    v: FloatArray
-    stands_for: float
-    begins: bool = True
-    ends: bool = True
+    kind: NoiseKind  # kind of the noise
+    joint: int  # index
+    columns: NDArray[np.intp]  # parameters that act on the joint, (p,)
+    X: FloatArray  # their columns of the regressor, zero at samples left out, (p, N)
+    residual: FloatArray  # τ − W β, zero there too, (N,)
+    usable: FloatArray  # samples not left out, (N,)
+    q: FloatArray  # angle [rad], (N,)
+    v: FloatArray  # velocity [rad/s], (N,)
+    stands_for: float  # number of rows that each of these stands for
+    begins: bool = True  # whether these are the first of the recording
+    ends: bool = True  # whether these are the last of it
 
 
 class Point(NamedTuple):
-    """Parameters and how the rows that gave them were weighted.
+    """Parameters and how the rows that gave them were weighted."""
 
-    Attributes:
-        values: β, (P,).
-        weights: Weight of the rows of each R factor; weighted residuals are of size 1.
-        clip: Limit of weighted residuals, beyond which they count as the limit; infinite for least squares.
-    """
-
-    values: FloatArray
-    weights: Sequence[float]
+    values: FloatArray  # β, (P,)
+    weights: Sequence[float]  # weight of the rows of each R factor; weighted residuals are of size 1
+    # limit of weighted residuals, beyond which they count as the limit; infinite for least squares
     clip: float = np.inf
 
 
@@ -76,15 +57,10 @@ Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
 
 
 class ColumnLayout(NamedTuple):
-    """Where the rows of joints belong in a problem, without the rows.
+    """Where the rows of joints belong in a problem, without the rows."""
 
-    Attributes:
-        columns: Parameters that can act on each joint.
-        weights: Place of the weight of a joint's rows in motion, and at rest, (joints, 2).
-    """
-
-    columns: Sequence[NDArray[np.intp]]
-    weights: NDArray[np.intp]
+    columns: Sequence[NDArray[np.intp]]  # parameters that can act on each joint
+    weights: NDArray[np.intp]  # place of the weight of a joint's rows in motion, and at rest, (joints, 2)
 
     @staticmethod
     def of(problem: RowSource) -> ColumnLayout:
@@ -98,18 +74,8 @@ T = TypeVar("T")
 
 
 def over_recordings(problem: RowSource, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
-    """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
-
-    The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        work: Function of the rows of one recording.
-
-    Yields:
-        Result of the function for each recording.
-    """
+    """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
+    # The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
     yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
 
 
@@ -120,15 +86,7 @@ def _on_series(
 
 
 def series(problem: RowProblem, point: Point) -> Iterator[Series]:
-    """Go over all recordings and joints, in rows decimated to the pace of independent noise.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-
-    Returns:
-        Decimated rows of all recordings, joint by joint.
-    """
+    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
     return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
 
 
@@ -164,20 +122,10 @@ def _series(blocks: Iterable[RowBlock], layout: ColumnLayout, point: Point) -> I
 def fit_noise(
     problem: RowSource, point: Point, covariance: FloatArray
 ) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
-    """Fit an autoregressive model to the residuals of each kind and joint.
-
-    Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
-    γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as restricted
-    maximum likelihood does). Samples left out do not count.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        covariance: Covariance of the solution, (P, P).
-
-    Returns:
-        Noise model of each kind and joint.
-    """
+    """Fit an autoregressive model to the residuals of each kind and joint."""
+    # Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
+    # γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as
+    # restricted maximum likelihood does). Samples left out do not count.
     roots = [matrix_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
     for found in over_recordings(problem, point, partial(_lag_sums, roots)):
@@ -205,30 +153,15 @@ def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tupl
 
 
 class Sandwich(NamedTuple):
-    """Covariance of a weighted least-squares estimate under correlated noise.
+    """Covariance of a weighted least-squares estimate under correlated noise."""
 
-    Attributes:
-        covariance: (P, P).
-        noises: The noise it is for.
-    """
-
-    covariance: FloatArray
-    noises: Noises
+    covariance: FloatArray  # (P, P)
+    noises: Noises  # the noise it is for
 
 
 def sandwich(problem: RowSource, point: Point, solution: Solution) -> Sandwich:
-    """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
-
-    Rows of priors are among those of W, with the noise that the priors say.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
-
-    Returns:
-        The covariance, and the noise that it is for.
-    """
+    """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals."""
+    # Rows of priors are among those of W, with the noise that the priors say.
     inverse, covariance = solution.inverse, solution.covariance
     for _ in range(PASSES):
         noises = fit_noise(problem, point, covariance)
@@ -262,10 +195,8 @@ def settled(before: FloatArray, covariance: FloatArray) -> bool:
 
 
 def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
-    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out.
-
-    Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
-    """
+    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out."""
+    # Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
     if pairs[0] <= 0.0:
         return AutoregressiveNoise.none()
     samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))

@@ -11,15 +11,10 @@ from exoid._typing import FloatArray
 
 
 class TakenOut(NamedTuple):
-    """Part of the rows of a joint that was projected out, as the friction in it is not known.
+    """Part of the rows of a joint that was projected out, as the friction in it is not known."""
 
-    Attributes:
-        table: That part of [W τ], in an orthonormal basis, (M, P + 1).
-        noise_left: Share of the noise that is left in the rows.
-    """
-
-    table: FloatArray
-    noise_left: float
+    table: FloatArray  # that part of [W τ], in an orthonormal basis, (M, P + 1)
+    noise_left: float  # share of the noise that is left in the rows
 
 
 class Rows(NamedTuple):
@@ -53,15 +48,10 @@ class Rows(NamedTuple):
 
 
 class NoiseKind(NamedTuple):
-    """Rows whose torque noise is of one kind.
+    """Rows whose torque noise is of one kind."""
 
-    Attributes:
-        at_rest: Poses, whose noise is independent from one to the next.
-        rate_class: Logarithm of the sampling interval, in steps of a tenth: recordings of one class share a noise
-            model.
-    """
-
-    at_rest: bool
+    at_rest: bool  # poses, whose noise is independent from one to the next
+    # logarithm of the sampling interval, in steps of a tenth: recordings of one class share a noise model
     rate_class: int
 
 

@@ -33,31 +33,23 @@ def rate_class(time: FloatArray) -> int:
 
 
 class Prepared(NamedTuple):
-    """A recording, or poses, ready to become rows: arrays of all samples, from which columns follow stretch by stretch.
+    """A recording, or poses, ready to become rows: arrays of all samples."""
 
-    Attributes:
-        time: [s], (N,).
-        motion: Motion from which the columns are formed.
-        tau: Measured torque less that of payloads [N·m], (N, n), filtered unless by ``parallel``; zero at joints
-            without torque or payload.
-        usable: Mask of samples of each joint that may be fitted, (N, n).
-        rows: Samples that become rows, evenly spaced, from the first to the last that counts.
-        inside: Mask of samples that count: not affected by the ends of the record, and in its segments, (N,).
-        independent_fraction: Share of the rows that carry independent noise.
-        parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
-            on both sides of the equation before they pass it.
-        reversals: Samples of pulses of unknown friction at the reversals of each joint, see
-            :func:`exoid.signals.filters.reversal_pulses`; None to take reversals as they are.
-    """
-
-    time: FloatArray
-    motion: MotionSamples
+    time: FloatArray  # [s], (N,)
+    motion: MotionSamples  # motion from which the columns are formed
+    # measured torque less that of payloads [N·m], (N, n), filtered unless by `parallel`; zero at joints without
+    # torque or payload
     tau: FloatArray
-    usable: NDArray[np.bool_]
-    rows: range
+    usable: NDArray[np.bool_]  # mask of samples of each joint that may be fitted, (N, n)
+    rows: range  # samples that become rows, evenly spaced, from the first to the last that counts
+    # mask of samples that count: not affected by the ends of the record, and in its segments, (N,)
     inside: NDArray[np.bool_]
-    independent_fraction: float = 1.0
+    independent_fraction: float = 1.0  # share of the rows that carry independent noise
+    # filter that columns and torque still have to pass; None for none. Samples that do not count are zero on
+    # both sides of the equation before they pass it
     parallel: ParallelFilter | None = None
+    # samples of pulses of unknown friction at the reversals of each joint, see
+    # `exoid.signals.filters.reversal_pulses`; None to take reversals as they are
     reversals: tuple[NDArray[np.intp], ...] | None = None
 
     @property
@@ -79,21 +71,7 @@ class Prepared(NamedTuple):
 def prepare(
     model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False
 ) -> Prepared:
-    """Derive the kinematics of a recording; poses have no velocity and need no filter.
-
-    Args:
-        model: Torque model.
-        data: The recording.
-        preparation: Filter and differentiation.
-        every: Whether each sample is to be a row, as for a prediction. A fit needs only as many as are not redundant
-            behind the filter, and takes out of them what terms do not say about reversals.
-
-    Returns:
-        Arrays of all samples, from which columns follow block by block.
-
-    Raises:
-        ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
-    """
+    """Derive the kinematics of a recording; poses have no velocity and need no filter."""
     data = for_leg(model, data)
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
@@ -184,21 +162,11 @@ def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
 
 
 def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
-    """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter.
-
-    Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
-    of the whole recording had been filtered. Samples that do not count are zero on both sides of τ = W β when they pass
-    it, which keeps the equation whatever the torque is there. Columns beyond those of the parameters are torque that
-    is known, and is taken to the other side.
-
-    Args:
-        model: Torque model.
-        prepared: The prepared recording.
-        stretch: Samples that become rows.
-
-    Returns:
-        The rows.
-    """
+    """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter."""
+    # Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as
+    # if those of the whole recording had been filtered. Samples that do not count are zero on both sides of τ =
+    # W β when they pass it, which keeps the equation whatever the torque is there. Columns beyond those of the
+    # parameters are torque that is known, and is taken to the other side.
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     motion = prepared.motion.rows(around)
     columns, joints = model.columns(motion), prepared.tau.shape[1]
@@ -292,19 +260,9 @@ def decimation(independent_fraction: float) -> int:
 
 
 def decimate(rows: Rows, before: int, count: int) -> Rows:
-    """Keep every m-th row, see :func:`decimation`.
-
-    Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
-    simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
-
-    Args:
-        rows: All rows of a recording, or a stretch of them.
-        before: Number of rows of the recording before these.
-        count: Number of rows of the recording.
-
-    Returns:
-        The rows that are kept.
-    """
+    """Keep every m-th row, see :func:`decimation`."""
+    # Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
+    # simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
     step = decimation(rows.independent_fraction)
     if step == 1:
         return rows
@@ -325,14 +283,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
 
 def decimated(prepared: Prepared) -> Prepared:
-    """Ask only for every m-th row of a recording, see :func:`decimate`, before any is formed.
-
-    Args:
-        prepared: The prepared recording.
-
-    Returns:
-        The same with fewer rows.
-    """
+    """Ask only for every m-th row of a recording, see :func:`decimate`, before any is formed."""
     count, step = len(prepared.rows), decimation(prepared.independent_fraction)
     if step == 1:
         return prepared
@@ -348,14 +299,7 @@ def _first_kept(count: int, step: int) -> int:
 
 
 def chain(stretches: Sequence[Rows]) -> Rows:
-    """Put stretches of one recording together.
-
-    Args:
-        stretches: Rows of one recording, in order of time.
-
-    Returns:
-        All rows.
-    """
+    """Put stretches of one recording together."""
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
@@ -383,18 +327,7 @@ Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
 def for_leg(model: RegressorModel, recording: Measured) -> Measured:
-    """Pick the leg's joints from a recording or poses, by name.
-
-    Args:
-        model: Torque model, for its joints.
-        recording: Recording or poses, with these joints and perhaps others.
-
-    Returns:
-        Recording or poses of these joints only.
-
-    Raises:
-        ExoidError: A joint is missing.
-    """
+    """Pick the leg's joints from a recording or poses, by name."""
     names = model.joint_names
     if recording.joint_names == names:
         return recording

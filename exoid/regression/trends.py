@@ -75,23 +75,10 @@ class Trend:
 def residual_trends(
     problem: RowProblem, point: Point, noises: Noises, solution: Solution, covariance: FloatArray, *, whitened: bool
 ) -> dict[int, tuple[Trend, ...]]:
-    """Average residuals in motion against velocity and angle, joint by joint.
-
-    With e the noise, X the weighted rows and δ the error of the estimate, the residual is e − X δ. Of its sums D over
-    intervals, cov = D Γ Dᵀ − D Γ Xᵀ A X Dᵀ − (…)ᵀ + D Xᵀ C X Dᵀ with A = (XᵀX)⁻¹ and C the covariance of the estimate;
-    for rows that were whitened D Γ Dᵀ − D X C Xᵀ Dᵀ. The sums over cov follow χ².
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        noises: Noise of the residuals.
-        solution: For (XᵀX)⁻¹.
-        covariance: Covariance of the estimate, (P, P).
-        whitened: Whether rows were whitened.
-
-    Returns:
-        Trends of each joint that has enough rows in motion, by its index.
-    """
+    """Average residuals in motion against velocity and angle, joint by joint."""
+    # With e the noise, X the weighted rows and δ the error of the estimate, the residual is e − X δ. Of its
+    # sums D over intervals, cov = D Γ Dᵀ − D Γ Xᵀ A X Dᵀ − (…)ᵀ + D Xᵀ C X Dᵀ with A = (XᵀX)⁻¹ and C the
+    # covariance of the estimate; for rows that were whitened D Γ Dᵀ − D X C Xᵀ Dᵀ. The sums over cov follow χ².
     edges = _edges(problem, point)
     sums: dict[int, _Sums] = {}
     for of_recording in over_recordings(problem, point, partial(_sum_up, edges, noises)):
@@ -109,14 +96,7 @@ def residual_trends(
 
 
 def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
-    """Name the joints whose residuals depend on velocity or angle.
-
-    Args:
-        trends: Trends of all joints.
-
-    Returns:
-        One sentence for each trend that matters.
-    """
+    """Name the joints whose residuals depend on velocity or angle."""
     return tuple(
         f"the residual of {trend.joint} depends on its {trend.against} by more than noise explains (p = "
         f"{trend.p_value:.1g}, {trend.share:.1%} of its torque): {_HINT[trend.against]}"
@@ -126,14 +106,7 @@ def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
 
 
 def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
-    """Turn trends into what JSON can hold.
-
-    Args:
-        trends: The trends.
-
-    Returns:
-        One object for each trend.
-    """
+    """Turn trends into what JSON can hold."""
     return [
         {
             "joint": t.joint,
@@ -149,14 +122,7 @@ def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
 
 
 def trends_from_json(data: Sequence[dict[str, Any]]) -> tuple[Trend, ...]:
-    """Read what :func:`trends_to_json` wrote.
-
-    Args:
-        data: What :func:`trends_to_json` wrote.
-
-    Returns:
-        The trends.
-    """
+    """Read what :func:`trends_to_json` wrote."""
     return tuple(
         Trend(
             joint=str(one["joint"]),

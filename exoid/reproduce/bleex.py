@@ -119,16 +119,7 @@ def reproduce_bleex(
 def identify_bleex(
     seed: int = 0, progress: Callable[[float], None] | None = None, extent: Extent | None = None
 ) -> Estimate:
-    """Identify the left leg from all its rows at once, without the other methods and the other leg.
-
-    Args:
-        seed: Seed of random poses and sensor noise.
-        progress: Function that receives the completed share, 0 to 1.
-        extent: Duration of the motions and number of poses; None for those of the document.
-
-    Returns:
-        The joint estimate of the left leg, equal to that of :func:`reproduce_bleex`.
-    """
+    """Identify the left leg from all its rows at once, without the other methods and the other leg."""
     report, rng = progress or (lambda _: None), np.random.default_rng(seed)
     data = measure_bleex("left", rng, 1, extent or Extent(), report)[0]
     return _joint_estimate(load_leg("bleex", side="left"), data)
@@ -173,17 +164,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
 def sequential_bleex(
     model: TorqueModel, sets: bleex.StaticSets, poses: Poses, swings: tuple[tuple[Recording, ...], ...]
 ) -> SequentialEstimate:
-    """Identify by all steps of document 1: statics of ankle, knee and hip, then inertias, then kinetic friction.
-
-    Args:
-        model: Model of :func:`exoid.reproduce.sequential.bleex.document_model`.
-        sets: Commanded poses.
-        poses: Measured poses in the order of ``sets.all``.
-        swings: Recordings of the swinging hip, knee and ankle.
-
-    Returns:
-        Estimate of all parameters of the document.
-    """
+    """Identify by all steps of document 1: statics of ankle, knee and hip, then inertias, then kinetic friction."""
     ankle, knee, pairs, random = sets.split(poses)
     known = steps.stiffness_coefficients(model, SequentialEstimate(), ankle, sets.ankle_set, steps.ANKLE)
     known = steps.ankle_offset(model, known, pairs)

@@ -64,23 +64,14 @@ class Extent:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurements:
-    """Measurements of one leg.
+    """Measurements of one leg."""
 
-    Attributes:
-        sets: Commanded poses.
-        upright: Poses approached from both sides with the torso upright, in the order of ``sets.all``.
-        tilted: Averaged poses at each torso tilt.
-        swings: Recordings of the swinging hip, knee and ankle at five frequencies each.
-        validation: Recording with all joints in motion.
-        coarse: Swings as logged by an encoder of 2^12 counts.
-    """
-
-    sets: bleex.StaticSets
-    upright: Approaches
-    tilted: tuple[Poses, ...]
-    swings: tuple[tuple[Recording, ...], ...]
-    validation: Recording
-    coarse: tuple[tuple[Recording, ...], ...]
+    sets: bleex.StaticSets  # commanded poses
+    upright: Approaches  # poses approached from both sides with the torso upright, in the order of `sets.all`
+    tilted: tuple[Poses, ...]  # averaged poses at each torso tilt
+    swings: tuple[tuple[Recording, ...], ...]  # recordings of the swinging hip, knee and ankle at five frequencies each
+    validation: Recording  # recording with all joints in motion
+    coarse: tuple[tuple[Recording, ...], ...]  # swings as logged by an encoder of 2^12 counts
 
     def __repr__(self) -> str:
         """Count poses and recordings."""
@@ -96,18 +87,7 @@ def truth_values(side: str) -> dict[str, float]:
 def measure_bleex(
     side: str, rng: np.random.Generator, replicates: int, extent: Extent, report: Callable[[float], None]
 ) -> list[Measurements]:
-    """Run the experiments of one leg.
-
-    Args:
-        side: "left" or "right".
-        rng: Generator of random poses and sensor noise.
-        replicates: Number of rigs with independent noise.
-        extent: Duration of the motions and number of poses.
-        report: Function that receives the completed share, 0 to 1.
-
-    Returns:
-        Measurements of each replicate.
-    """
+    """Run the experiments of one leg."""
     leg, truth = load_leg("bleex", side=side), truth_values(side)
     plant = Plant.build(leg, truth).repeat(replicates)
     sets = bleex.static_sets(rng, extent.poses)

@@ -161,16 +161,7 @@ def reproduce_cuhk(
 def identify_cuhk(
     seed: int = 0, progress: Callable[[float], None] | None = None, duration: float = DURATION
 ) -> Estimate:
-    """Identify the leg from a multisine, without the experiments of Table II.
-
-    Args:
-        seed: Seed of motion and noise.
-        progress: Function that receives the completed share, 0 to 1.
-        duration: Duration of the motion [s].
-
-    Returns:
-        An estimate like the one from the multisine of :func:`reproduce_cuhk`, with other noise.
-    """
+    """Identify the leg from a multisine, without the experiments of Table II."""
     rng, leg = np.random.default_rng(seed), load_leg("cuhk")
     motions = {"rich": ("smooth", cuhk.multisine(leg, rng))}
     plant = Plant.build(leg, truth_values())

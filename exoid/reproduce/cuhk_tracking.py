@@ -126,17 +126,7 @@ def reproduce_cuhk_tracking(
 
 
 def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
-    """Build the CUHK-EXO with the payload of a wearer, friction and rotors.
-
-    Args:
-        rotor: Reflected inertia of each rotor [kg·m²].
-
-    Returns:
-        One rig.
-
-    Raises:
-        ExoidError: The rotor inertia is negative or not finite.
-    """
+    """Build the CUHK-EXO with the payload of a wearer, friction and rotors."""
     if not 0.0 <= rotor < np.inf:
         raise ExoidError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
     values = {**cuhk_parameters(), **cuhk_resistances()}
@@ -185,13 +175,8 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
 
 
 def table_iii_model() -> ControlModel:
-    """Make the model of document 2's Table III as printed, with negative inertias and friction that adds energy.
-
-    θ is taken in radians, and b_k0, which has no number, as zero.
-
-    Returns:
-        Model that is not physical; compensating its friction raises a warning.
-    """
+    """Make the model of document 2's Table III as printed, with negative inertias and friction that adds energy."""
+    # θ is taken in radians, and b_k0, which has no number, as zero.
     table = document().table("III")
     hip, knee = table.column("hip"), table.column("knee")
     leg = load_leg("cuhk")

@@ -38,67 +38,39 @@ SHARES = (0.3, 0.7)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ForceError:
-    """Ground force on one foot, predicted from joint torques on a motion that the estimate has not seen.
+    """Ground force on one foot, predicted from joint torques on a motion that the estimate has not seen."""
 
-    Attributes:
-        motion: Name of the motion.
-        link: Foot.
-        time: Samples [s], (N,).
-        measured: Vertical force of the force plate [N], (N,).
-        predicted: Predicted vertical force [N], (N,).
-        half: Half the width of its 95 % band [N], (N,).
-        force: RMS error of the vertical force against the truth [N].
-        relative: The same over the weight of the machine.
-        pressure: RMS error of the centre of pressure forward [m].
-        inside: Share of the samples whose true vertical force is within the band.
-    """
-
-    motion: str
-    link: str
-    time: FloatArray
-    measured: FloatArray
-    predicted: FloatArray
-    half: FloatArray
-    force: float
-    relative: float
-    pressure: float
-    inside: float
+    motion: str  # name of the motion
+    link: str  # foot
+    time: FloatArray  # samples [s], (N,)
+    measured: FloatArray  # vertical force of the force plate [N], (N,)
+    predicted: FloatArray  # predicted vertical force [N], (N,)
+    half: FloatArray  # half the width of its 95 % band [N], (N,)
+    force: float  # RMS error of the vertical force against the truth [N]
+    relative: float  # the same over the weight of the machine
+    pressure: float  # RMS error of the centre of pressure forward [m]
+    inside: float  # share of the samples whose true vertical force is within the band
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WalkReplay:
-    """What the rows of a walking leg tell while it swings, with an IMU whose bias a stance log of the session told.
+    """What the rows of a walking leg tell while it swings, with an IMU whose bias a stance log of the session told."""
 
-    Attributes:
-        estimates: Estimate of each leg by side, on a base that moves.
-        seconds: Time of swing that was used, by side [s].
-        alone: Estimate of both legs and the torso from the walking log alone; friction and rotors are unknown.
-        fixed: Findings about the left leg if its torso is taken for fixed.
-        bias_error: Error of the bias of the specific force that was taken out [m/s²].
-    """
-
-    estimates: Mapping[str, Estimate]
-    seconds: Mapping[str, float]
-    alone: Estimate
-    fixed: tuple[Finding, ...]
-    bias_error: float
+    estimates: Mapping[str, Estimate]  # estimate of each leg by side, on a base that moves
+    seconds: Mapping[str, float]  # time of swing that was used, by side [s]
+    alone: Estimate  # estimate of both legs and the torso from the walking log alone; friction and rotors are unknown
+    fixed: tuple[Finding, ...]  # findings about the left leg if its torso is taken for fixed
+    bias_error: float  # error of the bias of the specific force that was taken out [m/s²]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Disturbed:
-    """Estimate from stance of which a share is labelled wrongly or slips.
+    """Estimate from stance of which a share is labelled wrongly or slips."""
 
-    Attributes:
-        moved: Largest change of a parameter over its standard deviation.
-        parameter: That parameter.
-        share: Share of the samples that findings name.
-        findings: What was found.
-    """
-
-    moved: float
-    parameter: str
-    share: float
-    findings: tuple[Finding, ...]
+    moved: float  # largest change of a parameter over its standard deviation
+    parameter: str  # that parameter
+    share: float  # share of the samples that findings name
+    findings: tuple[Finding, ...]  # what was found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -321,16 +293,7 @@ def _walk(machine: Leg, known: Estimate, walk: Recording, bias_error: float) -> 
 
 
 def swinging_leg(walk: Recording, leg: Leg, side: str) -> Recording:
-    """Take one leg out of a walking log, at samples at which its foot is further than the edge from the ground.
-
-    Args:
-        walk: Log of both legs.
-        leg: One leg, whose joints have the names of those of the log.
-        side: "left" or "right".
-
-    Returns:
-        Recording of the joints of the leg, with a mask of the samples.
-    """
+    """Take one leg out of a walking log, at samples at which its foot is further than the edge from the ground."""
     assert walk.tau is not None
     joints = [walk.joint_names.index(name) for name in leg.joint_names]
     away = max(1, round(EDGE * walk.sample_rate))

@@ -70,33 +70,17 @@ SHORTEST = 3.0
 
 @dataclass(frozen=True, eq=False)
 class StanceRuns:
-    """Runs of the virtual BLEEX.
+    """Runs of the virtual BLEEX."""
 
-    Attributes:
-        plant: The machine.
-        runs: Runs by the name of the motion: "squats", "left", "right", "swing", "walking", "unseen squats", "unseen
-            left" and "slipping squats".
-        bias: Bias of the IMU in all logs, of angular velocity [rad/s] and specific force [m/s²], (6,).
-        seed: Seed of phases, bias and noise.
-    """
-
-    plant: GroundPlant
+    plant: GroundPlant  # the machine
+    # runs by the name of the motion: "squats", "left", "right", "swing", "walking", "unseen squats", "unseen
+    # left" and "slipping squats"
     runs: Mapping[str, GroundRun]
-    bias: FloatArray
-    seed: int
+    bias: FloatArray  # bias of the IMU in all logs, of angular velocity [rad/s] and specific force [m/s²], (6,)
+    seed: int  # seed of phases, bias and noise
 
     def log(self, motion: str, *, plates: bool = False, wrong: float = 0.0, held: bool = True) -> Recording:
-        """Read the sensors.
-
-        Args:
-            motion: Name of the run.
-            plates: Whether the wrenches on the feet are logged.
-            wrong: Share of the samples of stance with a wrong label.
-            held: Whether the wrench on the torso is logged, where one acts.
-
-        Returns:
-            The log.
-        """
+        """Read the sensors."""
         run, number = self.runs[motion], list(self.runs).index(TWINS.get(motion, motion))
         logged = [link for link in run.wrenches if (held if link == HELD else plates)]
         recording = run.recording(SENSORS, np.random.default_rng([self.seed, number]), wrenches=logged)

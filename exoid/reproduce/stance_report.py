@@ -39,14 +39,7 @@ def stance_text(replay: StanceReplay) -> str:
 
 
 def stance_parameters(replay: StanceReplay) -> DataTable:
-    """Make a table of the parameters of the rigid bodies: truth and three estimates.
-
-    Args:
-        replay: Replay of the study.
-
-    Returns:
-        The table.
-    """
+    """Make a table of the parameters of the rigid bodies: truth and three estimates."""
     rows = [
         (name, f"{replay.truth[name]:.4g}", *(cell for way in replay.estimates for cell in _cells(replay, way, name)))
         for name in replay.leg.parameter_names
@@ -62,14 +55,7 @@ def stance_parameters(replay: StanceReplay) -> DataTable:
 
 
 def stance_summary(replay: StanceReplay) -> DataTable:
-    """Make a table of the largest errors and the coverage of each way.
-
-    Args:
-        replay: Replay of the study.
-
-    Returns:
-        The table.
-    """
+    """Make a table of the largest errors and the coverage of each way."""
     rows = [
         (
             way,
@@ -84,14 +70,7 @@ def stance_summary(replay: StanceReplay) -> DataTable:
 
 
 def stance_forces(replay: StanceReplay) -> DataTable:
-    """Make a table of predicted ground forces.
-
-    Args:
-        replay: Replay of the study.
-
-    Returns:
-        The table.
-    """
+    """Make a table of predicted ground forces."""
     rows = [
         (
             f"{each.motion}, {each.link}",
@@ -107,14 +86,7 @@ def stance_forces(replay: StanceReplay) -> DataTable:
 
 
 def stance_walk(replay: StanceReplay) -> DataTable:
-    """Make a table of X, Y and J of the legs from a walk.
-
-    Args:
-        replay: Replay of the study.
-
-    Returns:
-        The table.
-    """
+    """Make a table of X, Y and J of the legs from a walk."""
     walk, rows = replay.walk, []
     for name in next(iter(walk.estimates.values())).names:
         if name[0] in "XYJ":
@@ -132,14 +104,7 @@ def stance_walk(replay: StanceReplay) -> DataTable:
 
 
 def stance_notes(replay: StanceReplay) -> list[str]:
-    """Say what each way cannot know, and what wrong logs do.
-
-    Args:
-        replay: Replay of the study.
-
-    Returns:
-        Sentences.
-    """
+    """Say what each way cannot know, and what wrong logs do."""
     walk = replay.walk
     kinds = ", ".join(dict.fromkeys(finding.kind for finding in walk.fixed)) or "no finding"
     return [
@@ -204,15 +169,7 @@ def stance_figures(replay: StanceReplay) -> dict[str, Figure]:
 
 
 def plot_ground_force(ax: Axes, each: ForceError) -> Axes:
-    """Plot the vertical ground force on a foot: measured, predicted from joint torques, and the 95 % band.
-
-    Args:
-        ax: Axes to draw on.
-        each: Prediction.
-
-    Returns:
-        The axes.
-    """
+    """Plot the vertical ground force on a foot: measured, predicted from joint torques, and the 95 % band."""
     shown = each.time - each.time[0] < SHOWN
     time, low, high = each.time[shown], each.predicted - each.half, each.predicted + each.half
     ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")

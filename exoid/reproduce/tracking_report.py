@@ -181,14 +181,7 @@ def _figure(
 
 
 def law_replay_figure(replay: LawReplay) -> Figure:
-    """Draw the torque that a law would have commanded during a log.
-
-    Args:
-        replay: Replay of a law.
-
-    Returns:
-        The figure.
-    """
+    """Draw the torque that a law would have commanded during a log."""
     count = len(replay.joint_names)
     with paper():
         figure = Figure(figsize=(WIDTH, 0.55 * COLUMN * (count + 0.3)))

@@ -20,39 +20,20 @@ from .cuhk import identify_cuhk, truth_with_rotor
 
 
 class WornModels(NamedTuple):
-    """Three models of one leg.
+    """Three models of one leg."""
 
-    Attributes:
-        cad: CAD model, without friction, springs and rotors.
-        identified: Identified model.
-        truth: The true leg, without end stops.
-    """
-
-    cad: Leg
-    identified: Estimate
-    truth: Plant
+    cad: Leg  # CAD model, without friction, springs and rotors
+    identified: Estimate  # identified model
+    truth: Plant  # the true leg, without end stops
 
 
 def worn_models(source: str | Estimate | WornModels, seed: int, progress: Callable[[float], None]) -> WornModels:
-    """Provide CAD, identified model and true leg.
-
-    * "bleex": the rig and the joint estimate of the document's replay; CAD is Table V.
-    * "cuhk": the rig of the document's replay and the estimate from a multisine; CAD is
-      :func:`exoid.published.cuhk_cad_parameters`.
-    * An estimate: the rig is drawn from its distribution, CAD is its URDF.
-    * Models: they are taken as they are.
-
-    Args:
-        source: "bleex", "cuhk", an estimate, or models.
-        seed: Seed of noise and draws.
-        progress: Function that receives the completed share, 0 to 1.
-
-    Returns:
-        The models.
-
-    Raises:
-        ExoidError: There is no such leg.
-    """
+    """Provide CAD, identified model and true leg."""
+    # * "bleex": the rig and the joint estimate of the document's replay; CAD is Table V.
+    # * "cuhk": the rig of the document's replay and the estimate from a multisine; CAD is
+    #   `exoid.published.cuhk_cad_parameters`.
+    # * An estimate: the rig is drawn from its distribution, CAD is its URDF.
+    # * Models: they are taken as they are.
     if isinstance(source, WornModels):
         return source
     if isinstance(source, Estimate):

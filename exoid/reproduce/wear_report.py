@@ -37,14 +37,7 @@ def wear_text(study: WearStudy) -> str:
 
 
 def wear_table(study: WearStudy) -> DataTable:
-    """Make a table of the felt torque, one line a model.
-
-    Args:
-        study: The study.
-
-    Returns:
-        The table.
-    """
+    """Make a table of the felt torque, one line a model."""
     rows = []
     for name, felt in study.felt.items():
         largest = study.largest.get(name)
@@ -57,14 +50,7 @@ def wear_table(study: WearStudy) -> DataTable:
 
 
 def wear_notes(study: WearStudy) -> list[str]:
-    """Say what the table means.
-
-    Args:
-        study: The study.
-
-    Returns:
-        One sentence a line.
-    """
+    """Say what the table means."""
     felt = {name: each.rms_of_all for name, each in study.felt.items()}
     notes = [
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "

@@ -16,41 +16,18 @@ from .stepper import Stepper
 
 
 class ContinuousRun(NamedTuple):
-    """True motion and torque of B rigs at K samples, (K, n, B) each.
+    """True motion and torque of B rigs at K samples, (K, n, B) each."""
 
-    Attributes:
-        q: Angles [rad].
-        v: Velocities [rad/s].
-        tau: Actuator torques [N·m].
-    """
-
-    q: FloatArray
-    v: FloatArray
-    tau: FloatArray
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]
+    tau: FloatArray  # actuator torques [N·m]
 
 
 def follow(
     rig: Stepper, reference: Reference, controller: Controller, actuator: Actuator, start: float, every: int, count: int
 ) -> ContinuousRun:
-    """Let B rigs follow a motion under a continuous controller.
-
-    The command of each step is evaluated at the middle of the step, which makes the scheme of second order.
-
-    Args:
-        rig: State of the rigs at the start.
-        reference: Motion to follow.
-        controller: Controller, which receives the true angles and velocities.
-        actuator: Actuator of each joint.
-        start: Time of the first sample [s].
-        every: Number of steps from one sample to the next.
-        count: Number of samples K.
-
-    Returns:
-        True motion and torque at the samples.
-
-    Raises:
-        ExoidError: The run diverges.
-    """
+    """Let B rigs follow a motion under a continuous controller."""
+    # The command of each step is evaluated at the middle of the step, which makes the scheme of second order.
     dt, shape = rig.dt, (rig.plant.n, rig.plant.count)
     state, before, samples = np.zeros(shape), rig.v, []
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below

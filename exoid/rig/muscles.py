@@ -18,28 +18,14 @@ CHUNK = 250
 
 
 class Muscles:
-    """Torque u = RNEA_limb(q_i, v_i, a_i) + k_m q_i + d_m v_i of the muscles, at the middle of each of N steps.
-
-    Args:
-        wearer: The wearer.
-        limb: Limbs of B rigs.
-        dt: Step [s].
-        count: Number of steps N.
-    """
+    """Torque u = RNEA_limb(q_i, v_i, a_i) + k_m q_i + d_m v_i of the muscles, at the middle of each of N steps."""
 
     def __init__(self, wearer: Wearer, limb: Plant, dt: float, count: int) -> None:
         self._wearer, self._limb, self._dt, self._count = wearer, limb, dt, count
         self._next, self._chunk = 0, np.zeros((0, limb.n, limb.count))
 
     def next(self) -> FloatArray:
-        """Return the torque of the next step.
-
-        Returns:
-            Torque u [N·m], (n, B).
-
-        Raises:
-            ExoidError: The intention has no accelerations, which the feedforward needs.
-        """
+        """Return the torque of the next step."""
         k = self._next % CHUNK
         if k == 0:
             self._chunk = self._compute(self._next)
@@ -60,20 +46,7 @@ class Muscles:
 def intended(
     intention: Reference, times: list[float], shape: tuple[int, int], with_acceleration: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Evaluate the intended motion.
-
-    Args:
-        intention: The motion.
-        times: K times [s].
-        shape: Number of joints and of rigs.
-        with_acceleration: Whether accelerations are needed; else they are zero.
-
-    Returns:
-        Angles, velocities and accelerations, (K, n, B) each.
-
-    Raises:
-        ExoidError: The motion has other joints or rigs, no accelerations, or is not finite.
-    """
+    """Evaluate the intended motion."""
     targets = [intention.at(time) for time in times]
     if with_acceleration and any(target.a is None for target in targets):
         raise ExoidError(
@@ -95,17 +68,7 @@ def intended(
 
 
 def feedforward(limb: Plant, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Compute the torque that the limb alone needs for a motion.
-
-    Args:
-        limb: Limbs of B rigs.
-        q: Angles [rad], (K, n, B).
-        v: Velocities [rad/s], likewise.
-        a: Accelerations [rad/s²], likewise.
-
-    Returns:
-        Torques [N·m], (K, n, B).
-    """
+    """Compute the torque that the limb alone needs for a motion."""
     if limb.leg.chain is None:
         leg = limb.leg.with_parameters(limb.parameters[:, 0])
         model = leg.model.copy()

@@ -245,19 +245,7 @@ def _joints(plant: Plant) -> list[_Joint]:
 def solve_scalar(
     M: Matrix, b: list[float], kinetic: list[float], low: list[float], high: list[float], last: list[float]
 ) -> list[float]:
-    """Solve the stick-slip problem of :mod:`exoid.rig.stick_slip` for one rig, in plain floats.
-
-    Args:
-        M: Mass matrix, n lists of n.
-        b: Momenta after the step without friction [N·m·s].
-        kinetic: Impulse of friction at a moving joint [N·m·s].
-        low: Smallest impulse at a resting joint [N·m·s].
-        high: Largest impulse at a resting joint [N·m·s].
-        last: Velocities before the step [rad/s].
-
-    Returns:
-        Velocities after the step [rad/s], zero where a joint rests.
-    """
+    """Solve the stick-slip problem of :mod:`exoid.rig.stick_slip` for one rig, in plain floats."""
     pattern = [
         0 if (x > 0.0 and most == INFINITE) or (x < 0.0 and least == -INFINITE) else (x > 0.0) - (x < 0.0)
         for x, least, most in zip(last, low, high, strict=True)

@@ -24,39 +24,18 @@ from exoid.reduction.planar import GRAVITY
 
 
 class PlanarBodies(NamedTuple):
-    """Geometry and parameters of B planar legs of n joints, with the K = n + n(n−1)/2 phasors g H_j and C_ij.
+    """Geometry and parameters of B planar legs of n joints, with the K = n + n(n−1)/2 phasors g H_j and C_ij."""
 
-    Attributes:
-        halves: Matrix from joint angles to half the phases, (K, n).
-        half_phases: Half phases at the zero pose, torso pitch included [rad], (K, B).
-        lengths: Magnitudes |g H_j| [N·m] and |C_ij| [kg·m²], (K, B).
-        rates: Matrix from joint velocities to φ̇_j, then φ̇_i, of each pair, (n(n−1), n).
-        sums: Matrix from Re H, Re C, Im C φ̇_j², Im C φ̇_i² to mass matrix and bias, (n² + n, n + 3 n(n−1)/2).
-        inertia: Part of the mass matrix that does not depend on the pose [kg·m²], (n², B).
-    """
-
-    halves: FloatArray
-    half_phases: FloatArray
-    lengths: FloatArray
-    rates: FloatArray
-    sums: FloatArray
-    inertia: FloatArray
+    halves: FloatArray  # matrix from joint angles to half the phases, (K, n)
+    half_phases: FloatArray  # half phases at the zero pose, torso pitch included [rad], (K, B)
+    lengths: FloatArray  # magnitudes |g H_j| [N·m] and |C_ij| [kg·m²], (K, B)
+    rates: FloatArray  # matrix from joint velocities to φ̇_j, then φ̇_i, of each pair, (n(n−1), n)
+    sums: FloatArray  # matrix from Re H, Re C, Im C φ̇_j², Im C φ̇_i² to mass matrix and bias, (n² + n, n + 3 n(n−1)/2)
+    inertia: FloatArray  # part of the mass matrix that does not depend on the pose [kg·m²], (n², B)
 
     @classmethod
     def from_parameters(cls, leg: Leg, parameters: FloatArray, pitch: FloatArray) -> PlanarBodies:
-        """Compute the phasors of B legs.
-
-        Args:
-            leg: Planar leg.
-            parameters: Parameters (X1, Y1, J1, …), (3 n, B).
-            pitch: Tilt of the torso [rad], (B,).
-
-        Returns:
-            Geometry and parameters.
-
-        Raises:
-            ExoidError: The leg is not a planar chain.
-        """
+        """Compute the phasors of B legs."""
         chain = leg.chain
         if chain is None:
             raise ExoidError(
@@ -84,15 +63,7 @@ class PlanarBodies(NamedTuple):
         )
 
     def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Compute mass matrix and bias torque.
-
-        Args:
-            q: Angles [rad], (n, B).
-            v: Velocities [rad/s], (n, B).
-
-        Returns:
-            Mass matrix M(q) [kg·m²], (n, n, B), and bias C v + G [N·m], (n, B).
-        """
+        """Compute mass matrix and bias torque."""
         n, kinds = len(q), len(self.lengths)
         half = self.halves @ q
         half += self.half_phases
@@ -114,15 +85,7 @@ class PlanarBodies(NamedTuple):
         return M.reshape(n, n, -1), result[n * n :]
 
     def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute kinetic plus potential energy.
-
-        Args:
-            q: Angles [rad], (n, B).
-            v: Velocities [rad/s], (n, B).
-
-        Returns:
-            Energy [J], (B,).
-        """
+        """Compute kinetic plus potential energy."""
         n = len(q)
         M, _ = self.dynamics(q, v)
         height = self.lengths[:n] * np.sin(2.0 * (self.halves[:n] @ q + self.half_phases[:n]))

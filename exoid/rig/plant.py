@@ -269,13 +269,7 @@ def _array_names() -> list[str]:
 
 
 def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
-    """Refuse parameters of terms that a rig does not have; their symbols may mean another thing there.
-
-    Args:
-        leg: The leg.
-        terms: Name of the term of each parameter.
-        where: File that they are from.
-    """
+    """Refuse parameters of terms that a rig does not have; their symbols may mean another thing there."""
     has = {
         (term, f"{s}_{label}")
         for term, symbols in SYMBOLS_OF_TERMS.items()

@@ -77,55 +77,27 @@ class Stepper(Protocol):
 
 
 class Equations(NamedTuple):
-    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops.
+    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops."""
 
-    Attributes:
-        M: Mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B).
-        impulse: Impulse of all other torques [N·m·s], (n, B).
-    """
-
-    M: FloatArray
-    impulse: FloatArray
+    M: FloatArray  # mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B)
+    impulse: FloatArray  # impulse of all other torques [N·m·s], (n, B)
 
 
 class CoupledMotion(Stepper, Protocol):
-    """Integrator whose step has two parts, so that another body may be coupled to the leg in between.
+    """Integrator whose step has two parts, so that another body may be coupled to the leg in between."""
 
-    The equations of a step come first, then :meth:`solve` or :meth:`move`, once.
-    """
+    # The equations of a step come first, then `solve` or `move`, once.
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mass matrices and impulses.
-        """
+        """Compute the equations of the next step."""
         ...
 
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with friction and end stops.
-
-        Args:
-            equations: Equations, those of :meth:`equations` or with another body in them.
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
+        """Advance by dt: solve the equations with friction and end stops."""
         ...
 
     def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities, without friction.
-
-        Args:
-            v: Velocities after the step [rad/s], (n, B).
-
-        Returns:
-            Mean velocity of the step [rad/s], (n, B).
-        """
+        """Advance by dt to known velocities, without friction."""
         ...
 
 
@@ -240,14 +212,6 @@ class PlanarStepper:
 
 
 def spring_energy(plant: Plant, q: FloatArray) -> FloatArray:
-    """Compute the energy of the springs, b2 q³/3 + b1 q²/2 + b0 q summed over joints.
-
-    Args:
-        plant: B rigs.
-        q: Angles [rad], (n, B).
-
-    Returns:
-        Energy [J], (B,).
-    """
+    """Compute the energy of the springs, b2 q³/3 + b1 q²/2 + b0 q summed over joints."""
     b2, b1, b0 = plant.stiffness
     return np.asarray((((b2 / 3.0 * q + b1 / 2.0) * q + b0) * q).sum(axis=0))

@@ -33,19 +33,12 @@ REVERSALS = 2
 
 
 class Friction(NamedTuple):
-    """Admissible impulses of friction and end stops in one step [N·m·s], (n, B) each.
+    """Admissible impulses of friction and end stops in one step [N·m·s], (n, B) each."""
 
-    Attributes:
-        kinetic: Impulse c at a moving joint.
-        low: Smallest r at a resting joint: minus the static impulse, or −inf at a lower end stop.
-        high: Largest r at a resting joint: the static impulse, or inf at an upper end stop.
-        stops: Whether any joint may be at an end stop; False saves time.
-    """
-
-    kinetic: FloatArray
-    low: FloatArray
-    high: FloatArray
-    stops: bool = True
+    kinetic: FloatArray  # impulse c at a moving joint
+    low: FloatArray  # smallest r at a resting joint: minus the static impulse, or −inf at a lower end stop
+    high: FloatArray  # largest r at a resting joint: the static impulse, or inf at an upper end stop
+    stops: bool = True  # whether any joint may be at an end stop; False saves time
 
     def of(self, rigs: NDArray[np.intp]) -> Friction:
         """Select the impulses of some rigs."""
@@ -53,29 +46,14 @@ class Friction(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """Solution of the stick-slip problem, (n, B) each.
+    """Solution of the stick-slip problem, (n, B) each."""
 
-    Attributes:
-        v: Velocities after the step [rad/s], exactly zero where a joint rests.
-        impulse: Impulses r = b − M v of friction and end stops [N·m·s].
-    """
-
-    v: FloatArray
-    impulse: FloatArray
+    v: FloatArray  # velocities after the step [rad/s], exactly zero where a joint rests
+    impulse: FloatArray  # impulses r = b − M v of friction and end stops [N·m·s]
 
 
 def solve_stick_slip(M: FloatArray, impulse: FloatArray, friction: Friction, last: FloatArray) -> Slip:
-    """Find the velocities of B rigs after a step.
-
-    Args:
-        M: Mass matrices with the implicit damping on their diagonals [kg·m²], (n, n, B).
-        impulse: Impulse of all other torques, so that b = M v + impulse [N·m·s], (n, B).
-        friction: Admissible impulses of friction and end stops.
-        last: Velocities v before the step [rad/s], (n, B); a joint at zero is first assumed to rest.
-
-    Returns:
-        Velocities after the step, and impulses of friction and end stops.
-    """
+    """Find the velocities of B rigs after a step."""
     pattern = np.sign(last)
     if friction.stops:
         pattern[((pattern > 0.0) & (friction.high == np.inf)) | ((pattern < 0.0) & (friction.low == -np.inf))] = 0.0
@@ -97,16 +75,7 @@ def solve_stick_slip(M: FloatArray, impulse: FloatArray, friction: Friction, las
 
 
 def descend(M: FloatArray, b: FloatArray, friction: Friction) -> FloatArray:
-    """Minimise by coordinate descent from rest, one joint at a time.
-
-    Args:
-        M: Mass matrices [kg·m²], (n, n, B).
-        b: Momenta after the step without friction [N·m·s], (n, B).
-        friction: Admissible impulses of friction and end stops.
-
-    Returns:
-        Velocities after the step [rad/s], (n, B).
-    """
+    """Minimise by coordinate descent from rest, one joint at a time."""
     v = np.zeros_like(b)
     for _ in range(SWEEPS):
         before = v.copy()

@@ -41,30 +41,15 @@ LARGEST_ANGLE = 2.0 * np.pi
 
 
 class Exchange(NamedTuple):
-    """Energy that muscles and cuffs exchanged so far [J], (B,) each.
+    """Energy that muscles and cuffs exchanged so far [J], (B,) each."""
 
-    Attributes:
-        work: Work of the muscles on the limb.
-        dissipated: Energy that the cuffs dissipated.
-        turnover: ∫ |power| dt of the muscles.
-    """
-
-    work: FloatArray
-    dissipated: FloatArray
-    turnover: FloatArray
+    work: FloatArray  # work of the muscles on the limb
+    dissipated: FloatArray  # energy that the cuffs dissipated
+    turnover: FloatArray  # ∫ |power| dt of the muscles
 
 
 class WornStepper:
-    """B rigs with their wearers. Angles, velocities and friction are those of the legs.
-
-    Args:
-        leg: Integrator of the legs, at the start.
-        wearer: The wearer; the limb starts with the motion of the leg.
-        count: Number of steps of the run.
-
-    Raises:
-        ExoidError: The limb is not that of the leg, or the intention does not fit.
-    """
+    """B rigs with their wearers. Angles, velocities and friction are those of the legs."""
 
     def __init__(self, leg: Stepper, wearer: Wearer, count: int) -> None:
         self.plant, self.dt, self._wearer = leg.plant, leg.dt, wearer
@@ -105,17 +90,7 @@ class WornStepper:
         return self._limb.v
 
     def interaction(self, q: FloatArray, v: FloatArray, limb_q: FloatArray, limb_v: FloatArray) -> FloatArray:
-        """Compute the torque of the wearers on the legs, k (q_l − q) + d (v_l − v).
-
-        Args:
-            q: Angles of the legs [rad], (n, B).
-            v: Velocities of the legs [rad/s], (n, B).
-            limb_q: Angles of the limbs [rad], (n, B).
-            limb_v: Velocities of the limbs [rad/s], (n, B).
-
-        Returns:
-            Torque [N·m], (n, B).
-        """
+        """Compute the torque of the wearers on the legs, k (q_l − q) + d (v_l − v)."""
         return np.asarray(self._k * (limb_q - q) + self._d * (limb_v - v))
 
     @property
@@ -124,15 +99,7 @@ class WornStepper:
         return Exchange(*(x.sum(axis=0) for x in (self._work, self._dissipated, self._turnover)))
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mean velocity of the legs, and impulse of their friction and end stops.
-        """
+        """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄."""
         leg, limb, c = self._leg, self._limb, self._c
         q, v, limb_v = leg.q, leg.v, limb.v
         spring = self._k * (limb.q - q)
@@ -148,11 +115,7 @@ class WornStepper:
         return step
 
     def energy(self) -> FloatArray:
-        """Compute the mechanical energy of legs and limbs, springs of the cuffs included.
-
-        Returns:
-            Energy [J], (B,).
-        """
+        """Compute the mechanical energy of legs and limbs, springs of the cuffs included."""
         cuffs = 0.5 * (self._k * (self._limb.q - self._leg.q) ** 2).sum(axis=0)
         return np.asarray(self._leg.energy() + self._limb.energy() + cuffs)
 
@@ -165,19 +128,7 @@ class WornStepper:
 
 
 def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
-    """Build the limbs of the rigs of a plant: bodies without friction, on the same torso.
-
-    Args:
-        plant: B rigs.
-        wearer: The wearer.
-
-    Returns:
-        B limbs.
-
-    Raises:
-        ExoidError: The limb has other joints or another geometry than the leg, impedances are for another number of
-            rigs, or no bodies have the parameters of the limb.
-    """
+    """Build the limbs of the rigs of a plant: bodies without friction, on the same torso."""
     leg, limb = plant.leg, wearer.limb
     if limb.joint_names != leg.joint_names or not _same_geometry(leg, limb):
         raise ExoidError(
@@ -192,16 +143,7 @@ def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
 
 
 def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
-    """Refuse an intended motion that the rigs cannot follow.
-
-    Args:
-        plant: B rigs.
-        wearer: The wearer.
-        duration: Duration of the run [s].
-
-    Raises:
-        ExoidError: The intention goes beyond an end stop, is in degrees, or has another shape.
-    """
+    """Refuse an intended motion that the rigs cannot follow."""
     if wearer.intention is None:
         return
     times = np.linspace(0.0, duration, max(2, round(duration * CHECK_RATE) + 1)).tolist()

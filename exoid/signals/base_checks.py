@@ -60,30 +60,14 @@ Over :data:`SHORTEST` the mean is gravity and the change of velocity: 2 m/s with
 
 
 class AxisAgreement(NamedTuple):
-    """Fit of the rate of the vertical's direction by the gyroscope, d f̂/dt = −c ω × f̂.
+    """Fit of the rate of the vertical's direction by the gyroscope, d f̂/dt = −c ω × f̂."""
 
-    Attributes:
-        coefficient: c; 1 if both sensors agree.
-        explained: Share of the power of d f̂/dt that it explains.
-    """
-
-    coefficient: float
-    explained: float
+    coefficient: float  # c; 1 if both sensors agree
+    explained: float  # share of the power of d f̂/dt that it explains
 
 
 def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, where: str) -> None:
-    """Refuse a base motion that does not belong to a recording, or is wrong.
-
-    Args:
-        time: Time stamps [s], (N,).
-        base: The motion.
-        torso: Tilt of the torso; None if it is upright.
-        where: Name of the file.
-
-    Raises:
-        ExoidError: It is of another type, has another length, stands beside a torso tilt, jumps, or its units or axes
-            are wrong.
-    """
+    """Refuse a base motion that does not belong to a recording, or is wrong."""
     if not isinstance(base, BaseMotion):
         raise ExoidError(f"base is of type {type(base).__name__}", where=where, remedy="pass BaseMotion.from_imu(...)")
     if torso is not None:
@@ -104,20 +88,10 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
 
 
 def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
-    """Refuse a base motion whose units or axes are wrong.
-
-    The mean specific force of a base that neither falls nor flies is gravity. Averaged over seconds, its direction f̂ is
-    that of the vertical, which turns by d f̂/dt = −ω × f̂. A regression of both, filtered alike, gives 1/57 for a
-    gyroscope in deg/s, and −1 if the axes of one sensor have the opposite sign.
-
-    Args:
-        time: Time stamps [s], (N,).
-        base: The motion.
-        where: Name of the file.
-
-    Raises:
-        ExoidError: A unit or an axis is wrong.
-    """
+    """Refuse a base motion whose units or axes are wrong."""
+    # The mean specific force of a base that neither falls nor flies is gravity. Averaged over seconds, its
+    # direction f̂ is that of the vertical, which turns by d f̂/dt = −ω × f̂. A regression of both, filtered
+    # alike, gives 1/57 for a gyroscope in deg/s, and −1 if the axes of one sensor have the opposite sign.
     size = float(np.median(np.linalg.norm(base.specific_force, axis=1)))
     low, high = (share * STANDARD_GRAVITY for share in LIKELY)
     if not low <= size <= high:
@@ -168,15 +142,7 @@ def _refuse_other_vertical(base: BaseMotion, pose: BasePose, where: str) -> None
 
 
 def agreements(time: FloatArray, base: BaseMotion) -> tuple[AxisAgreement, ...]:
-    """Compare gyroscope and accelerometer in slow motion.
-
-    Args:
-        time: Time stamps [s], (N,).
-        base: The motion.
-
-    Returns:
-        Agreement about the axes x and y, and of both together; empty where the motion says nothing about it.
-    """
+    """Compare gyroscope and accelerometer in slow motion."""
     interval = float(np.median(np.diff(time)))
     size = max(1, round(1.0 / (RATE * interval)))
     if len(base) * interval < SHORTEST:

@@ -18,20 +18,8 @@ ORIGIN = (0.0, 0.0, 0.0)
 
 
 def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
-    """Find the columns of the base: those of an IMU, of a pose, or of both.
-
-    Matrices of three columns, ``base_gyro`` and ``base_acc``, count as well.
-
-    Args:
-        table: Columns of the file.
-        headers: Header of each exoid column.
-
-    Returns:
-        Names of the exoid columns; empty for a base that was not recorded.
-
-    Raises:
-        ExoidError: Some columns of a sensor are there, and others are not.
-    """
+    """Find the columns of the base: those of an IMU, of a pose, or of both."""
+    # Matrices of three columns, `base_gyro` and `base_acc`, count as well.
     whole = tuple(name for name in (*BASE_COLUMNS, *POSE_COLUMNS) if name in headers)
     if whole == (*BASE_COLUMNS, *POSE_COLUMNS):
         return whole
@@ -50,14 +38,7 @@ def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def matrix_headers(header: Sequence[str]) -> dict[str, str]:
-    """Name the columns of matrices ``base_gyro`` and ``base_acc`` of (samples, 3).
-
-    Args:
-        header: Column names of the file.
-
-    Returns:
-        Header of each exoid column.
-    """
+    """Name the columns of matrices ``base_gyro`` and ``base_acc`` of (samples, 3)."""
     names = {f"base_{kind}_{axis}": f"base_{kind}[{k}]" for kind in ("gyro", "acc") for k, axis in enumerate("xyz")}
     return {name: column for name, column in names.items() if column in header}
 
@@ -65,22 +46,8 @@ def matrix_headers(header: Sequence[str]) -> dict[str, str]:
 def read_base(
     table: Table, time: FloatArray, columns: Mapping[str, FloatArray], position: Sequence[float] | None
 ) -> BaseMotion | None:
-    """Make the base motion of a log.
-
-    With the columns of an IMU, those of a pose say only how the root link stands in the laboratory.
-
-    Args:
-        table: Table of the file, a line of which may give the position of the sensor.
-        time: Time stamps [s], (N,).
-        columns: Columns of the base in SI units, (N,) each; empty for none.
-        position: Position of the sensor [m], (3,); None for that of the file, or else the origin of the root link.
-
-    Returns:
-        The motion; None for a base that was not recorded.
-
-    Raises:
-        ExoidError: The file gives another position than the caller, there is no base, or the motion is refused.
-    """
+    """Make the base motion of a log."""
+    # With the columns of an IMU, those of a pose say only how the root link stands in the laboratory.
     said = _said_position(table)
     if not columns:
         if position is not None:
@@ -112,14 +79,7 @@ def read_base(
 
 
 def log_of_base(base: BaseMotion) -> LogPart:
-    """Name the columns of a base motion, and write the position of its sensor as a line above the header.
-
-    Args:
-        base: The motion.
-
-    Returns:
-        What :func:`read_base` reads back exactly.
-    """
+    """Name the columns of a base motion, and write the position of its sensor as a line above the header."""
     comment = f"{BASE_POSITION} {','.join(map(repr, base.position.tolist()))}"
     if base.pose is None:
         return LogPart(BASE_COLUMNS, [base.columns], [comment])

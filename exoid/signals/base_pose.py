@@ -124,17 +124,7 @@ class BasePose:
 
 
 def continuous(quaternion: FloatArray) -> FloatArray:
-    """Normalise quaternions, and choose signs such that they do not jump.
-
-    Args:
-        quaternion: Quaternions (x, y, z, w), (N, 4).
-
-    Returns:
-        Unit quaternions of the same orientations, (N, 4).
-
-    Raises:
-        ExoidError: The norm of one is not 1; names its row.
-    """
+    """Normalise quaternions, and choose signs such that they do not jump."""
     if not len(quaternion):
         return quaternion
     norm = np.linalg.norm(quaternion, axis=1)
@@ -151,16 +141,7 @@ def continuous(quaternion: FloatArray) -> FloatArray:
 
 
 def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray) -> None:
-    """Refuse poses that move faster than a base can.
-
-    Args:
-        time: Time stamps [s], (N,).
-        position: Positions [m], (N, 3).
-        quaternion: Unit quaternions without changes of sign, (N, 4).
-
-    Raises:
-        ExoidError: Names the row before which the pose jumps.
-    """
+    """Refuse poses that move faster than a base can."""
     interval = np.diff(time)
     overlap = np.clip(np.sum(quaternion[1:] * quaternion[:-1], axis=1), -1.0, 1.0)
     turning = 2.0 * np.arccos(overlap) / interval

@@ -32,18 +32,7 @@ SMALLEST_MOTION = 1e-3
 
 
 def as_numbers(values: ArrayLike, name: str) -> FloatArray:
-    """Copy values to a C-contiguous, read-only float64 array.
-
-    Args:
-        values: Numbers in a rectangular array; masked entries become NaN, which a later check refuses.
-        name: Name of the array, for errors.
-
-    Returns:
-        The copy.
-
-    Raises:
-        ExoidError: The values are not real numbers in a rectangular array.
-    """
+    """Copy values to a C-contiguous, read-only float64 array."""
     try:
         masked = isinstance(values, np.ma.MaskedArray)
         raw = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan) if masked else np.asarray(values)
@@ -60,17 +49,7 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
 
 
 def as_mask(values: ArrayLike) -> BoolArray:
-    """Copy a mask to a read-only array of bools; numbers must be 0 or 1.
-
-    Args:
-        values: Samples that count.
-
-    Returns:
-        The copy.
-
-    Raises:
-        ExoidError: A value is neither true nor false.
-    """
+    """Copy a mask to a read-only array of bools; numbers must be 0 or 1."""
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
         raise ExoidError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
@@ -80,19 +59,7 @@ def as_mask(values: ArrayLike) -> BoolArray:
 
 
 def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> tuple[str, ...]:
-    """Check that names are names of joints.
-
-    Args:
-        names: The names.
-        joints: Joints of the recording.
-        argument: Name of the argument, for messages.
-
-    Returns:
-        The names.
-
-    Raises:
-        ExoidError: It is a string, or a name is not among the joints.
-    """
+    """Check that names are names of joints."""
     if isinstance(names, str):
         raise ExoidError(f"{argument} is the string {names!r}", remedy=f"pass {argument}=({names!r},)")
     for name in names:
@@ -107,20 +74,7 @@ def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> t
 def with_zero_torque(
     tau: FloatArray | None, passive: Sequence[str], joints: tuple[str, ...], shape: tuple[int, int]
 ) -> FloatArray:
-    """Set the torque of passive joints to zero.
-
-    Args:
-        tau: Torques [N·m], (N, n); None without torques.
-        passive: Joints without an actuator.
-        joints: Names of the n columns.
-        shape: (N, n).
-
-    Returns:
-        Torques [N·m], (N, n), NaN where they were not measured.
-
-    Raises:
-        ExoidError: A passive joint has a torque that varies.
-    """
+    """Set the torque of passive joints to zero."""
     out = np.full(shape, np.nan) if tau is None else tau.copy()
     for joint in passive:
         if out.shape != shape:
@@ -140,16 +94,7 @@ def with_zero_torque(
 
 
 def refuse_milliamperes(current: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse currents that are so large that they must be in another unit.
-
-    Args:
-        current: Currents [A], (N, k).
-        columns: Names of the k columns.
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names row and column of the largest current.
-    """
+    """Refuse currents that are so large that they must be in another unit."""
     if current.size and np.abs(current).max() > LARGEST_CURRENT:
         row, column = np.unravel_index(int(np.abs(current).argmax()), current.shape)
         name = columns[column]
@@ -163,16 +108,7 @@ def refuse_milliamperes(current: FloatArray, columns: tuple[str, ...], where: So
 
 
 def refuse_no_celsius(temperature: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse temperatures that no drive has: kelvins, tenths of degrees, or the reading of a broken sensor.
-
-    Args:
-        temperature: Temperatures [°C], (N, k).
-        columns: Names of the k columns.
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names row and column of the first such temperature.
-    """
+    """Refuse temperatures that no drive has: kelvins, tenths of degrees, or the reading of a broken sensor."""
     lowest, highest = TEMPERATURES
     wrong = (temperature < lowest) | (temperature > highest)
     if wrong.any():
@@ -189,17 +125,7 @@ def refuse_no_celsius(temperature: FloatArray, columns: tuple[str, ...], where: 
 
 
 def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
-    """Check segments of a recording.
-
-    Args:
-        segments: Start and stop of each [s].
-
-    Returns:
-        Start and stop of each [s], (K, 2).
-
-    Raises:
-        ExoidError: They are not pairs of finite numbers, there is none, or one ends before it starts.
-    """
+    """Check segments of a recording."""
     pairs = list(segments)
     times = as_numbers(pairs, "segments") if pairs else np.zeros((0, 2))
     if times.ndim != 2 or times.shape[1] != 2 or not len(times):
@@ -212,15 +138,7 @@ def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
 
 
 def refuse_names(names: tuple[object, ...], kind: str = "joint") -> None:
-    """Refuse names of joints or links that are not unique, printable strings that can head a column.
-
-    Args:
-        names: The names.
-        kind: What they name, for messages.
-
-    Raises:
-        ExoidError: A name is unfit.
-    """
+    """Refuse names of joints or links that are not unique, printable strings that can head a column."""
     for name in names:
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
             raise ExoidError(
@@ -236,16 +154,7 @@ def refuse_names(names: tuple[object, ...], kind: str = "joint") -> None:
 
 
 def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: str) -> None:
-    """Refuse an array that does not have the expected shape.
-
-    Args:
-        values: The array.
-        shape: Expected shape.
-        name: Name of the array, for errors.
-
-    Raises:
-        ExoidError: Names the array, its shape and the expected shape.
-    """
+    """Refuse an array that does not have the expected shape."""
     if values.shape == shape:
         return
     remedy = "give every array one row per time stamp and one column per joint name"
@@ -257,15 +166,7 @@ def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: s
 
 
 def refuse_too_few(samples: int, where: SourceLocation) -> None:
-    """Refuse a recording of fewer than `FEWEST_SAMPLES` samples.
-
-    Args:
-        samples: Number of samples.
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: There are too few.
-    """
+    """Refuse a recording of fewer than `FEWEST_SAMPLES` samples."""
     if samples < FEWEST_SAMPLES:
         raise ExoidError(
             f"too few samples: {samples}, at least {FEWEST_SAMPLES} are needed",
@@ -276,16 +177,7 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
 
 
 def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse NaN and infinity.
-
-    Args:
-        values: Numbers, (N, k).
-        columns: Names of the k columns.
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names row (or line) and column of the first such value.
-    """
+    """Refuse NaN and infinity."""
     bad = ~np.isfinite(values)
     if bad.any():
         row, column = np.unravel_index(int(bad.argmax()), values.shape)
@@ -297,16 +189,7 @@ def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: Sourc
 
 
 def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse values beyond `LARGEST_VALUE`, with which arithmetic would overflow.
-
-    Args:
-        values: Numbers, (N, k).
-        columns: Names of the k columns.
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names row (or line) and column of the largest value.
-    """
+    """Refuse values beyond `LARGEST_VALUE`, with which arithmetic would overflow."""
     if values.size and np.abs(values).max() > LARGEST_VALUE:
         row, column = np.unravel_index(int(np.abs(values).argmax()), values.shape)
         raise ExoidError(
@@ -317,15 +200,7 @@ def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: SourceLoc
 
 
 def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
-    """Refuse time stamps that do not strictly increase, or cannot be seconds.
-
-    Args:
-        time: Time stamps [s], (N,).
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names the row and both stamps, and whether time is repeated or runs backwards.
-    """
+    """Refuse time stamps that do not strictly increase, or cannot be seconds."""
     if np.abs(time).max() > LARGEST_TIME:
         raise ExoidError(
             f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
@@ -352,17 +227,7 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
 
 
 def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: SourceLocation) -> None:
-    """Refuse angles that look like degrees.
-
-    Args:
-        q: Angles [rad], (N, n).
-        columns: Names of the n columns.
-        largest: Largest angle that is accepted [rad].
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names row (or line) and column of the largest angle.
-    """
+    """Refuse angles that look like degrees."""
     if not largest > 0.0:
         raise ExoidError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
     size = np.abs(q)
@@ -380,21 +245,9 @@ def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, wher
 def refuse_velocity_in_other_unit(
     time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation
 ) -> None:
-    """Refuse velocities that are 180/π or π/180 times the rate of change of their angles.
-
-    The check compares q with ∫v dt, because differences of a quantised angle are mostly noise. It skips joints that do
-    not move, and joints whose two signals are not correlated.
-
-    Args:
-        time: Time stamps [s], (N,).
-        q: Angles [rad], (N, n).
-        v: Velocities [rad/s], (N, n).
-        joints: Joint names, (n,).
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names the joint and the ratio.
-    """
+    """Refuse velocities that are 180/π or π/180 times the rate of change of their angles."""
+    # The check compares q with ∫v dt, because differences of a quantised angle are mostly noise. It skips
+    # joints that do not move, and joints whose two signals are not correlated.
     for joint, angle, velocity in zip(joints, q.T, v.T, strict=True):
         travelled = scipy.integrate.cumulative_trapezoid(velocity, time)
         angle_size, travelled_size = float(np.std(angle[1:])), float(np.std(travelled))
@@ -414,14 +267,7 @@ def refuse_velocity_in_other_unit(
 
 
 def refuse_moving_torso(torso: TorsoMotion | None) -> None:
-    """Refuse a torso that moves during a recording, as slices and filters do not apply to its motion.
-
-    Args:
-        torso: Motion of the torso; None if it is upright and still.
-
-    Raises:
-        ExoidError: An entry has one value per sample.
-    """
+    """Refuse a torso that moves during a recording, as slices and filters do not apply to its motion."""
     if torso is not None and any(
         np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)
     ):

@@ -160,17 +160,7 @@ def _packed(work: Callable[[Any], Any], item: Any) -> bytes:  # noqa: ANN401
 
 
 def connect(client: Any) -> Any:  # noqa: ANN401
-    """Connect to the scheduler of a Dask cluster.
-
-    Args:
-        client: The address of a scheduler, or a ``distributed.Client``, which is returned.
-
-    Returns:
-        The client.
-
-    Raises:
-        ExoidError: Dask is not installed, or no scheduler answers at the address.
-    """
+    """Connect to the scheduler of a Dask cluster."""
     if not isinstance(client, str):
         return client
     try:

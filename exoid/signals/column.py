@@ -121,14 +121,7 @@ class Column:
 
 
 def as_text(column: str | Column) -> str:
-    """Write the header, followed by what the command line wrote behind it.
-
-    Args:
-        column: Header, or column.
-
-    Returns:
-        The text, of which :func:`exoid.signals.formats.table.header_in` finds the header.
-    """
+    """Write the header, followed by what the command line wrote behind it."""
     return column if isinstance(column, str) else (column._text or column.header)
 
 

@@ -198,19 +198,12 @@ class ZeroPhase:
 
 
 class AccelerationPower(NamedTuple):
-    """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit.
+    """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
 
-    Attributes:
-        noise: Power due to the noise of the angles, (71, n); one or two columns more for some bases.
-        total: Power of the recorded angles, as many columns.
-        samples: Number of samples.
-        rate: Sampling rate [Hz].
-    """
-
-    noise: FloatArray
-    total: FloatArray
-    samples: int
-    rate: float
+    noise: FloatArray  # power due to the noise of the angles, (71, n); one or two columns more for some bases
+    total: FloatArray  # power of the recorded angles, as many columns
+    samples: int  # number of samples
+    rate: float  # sampling rate [Hz]
 
 
 def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = False) -> float:
@@ -248,18 +241,7 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
 
 
 def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False) -> AccelerationPower | None:
-    """Compute noise and signal power of the acceleration of a recording.
-
-    Args:
-        recording: The recording.
-        base_rows: Whether the angular acceleration of a base with an IMU counts by itself too.
-
-    Returns:
-        Powers below each cut-off, zero for a recording that contains accelerations; None for poses.
-
-    Raises:
-        ExoidError: Time has a gap.
-    """
+    """Compute noise and signal power of the acceleration of a recording."""
     if isinstance(recording, Poses):
         return None
     even = recording.resampled()
@@ -304,14 +286,7 @@ def _base_power(omega: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]
 
 
 def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
-    """Choose the cut-off frequency by the powers of each recording, see :func:`choose_cutoff`.
-
-    Args:
-        powers: Result of :func:`acceleration_power` for each recording; none gives the highest cut-off.
-
-    Returns:
-        Cut-off frequency [Hz].
-    """
+    """Choose the cut-off frequency by the powers of each recording, see :func:`choose_cutoff`."""
     if not powers:
         return float(CUTOFFS[-1])
     noise, total = np.sum([each.noise for each in powers], axis=0), np.sum([each.total for each in powers], axis=0)
@@ -324,14 +299,7 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
 
 
 def highest_cutoff(rate: float) -> float:
-    """Choose the highest cut-off: 8 Hz; below 20 samples a second, that at which both filters have their usual ratio.
-
-    Args:
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Cut-off frequency [Hz].
-    """
+    """Highest cut-off: 8 Hz; below 20 samples a second, that at which both filters have their usual ratio."""
     if CUTOFFS[-1] < LARGEST_RATIO * rate:
         return float(CUTOFFS[-1])
     return LARGEST_RATIO / KINEMATICS_MULTIPLE * rate

@@ -36,15 +36,10 @@ END_LOSS = 1.0
 
 
 class Stencil(NamedTuple):
-    """Weights of a finite difference.
+    """Weights of a finite difference."""
 
-    Attributes:
-        centre: Weights of a sample and its m neighbours on each side, (2 m + 1,).
-        ends: One-sided weights of the first w samples for the derivative at the first m samples, (m, w).
-    """
-
-    centre: FloatArray
-    ends: FloatArray
+    centre: FloatArray  # weights of a sample and its m neighbours on each side, (2 m + 1,)
+    ends: FloatArray  # one-sided weights of the first w samples for the derivative at the first m samples, (m, w)
 
 
 FIRST: dict[Accuracy, Stencil] = {
@@ -216,11 +211,9 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
 def derive(
     recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
 ) -> Kinematics:
-    """Smooth the recorded quantities and derive the others from q.
-
-    The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
-    DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
-    """
+    """Smooth the recorded quantities and derive the others from q."""
+    # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
+    # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
     rate, q = recording.sample_rate, smooth(recording.q)
     v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
     a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)

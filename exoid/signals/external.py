@@ -33,32 +33,14 @@ class ByLink(dict[str, V]):
 
 
 class External(TypedDict):
-    """Fields of a recording for what acts on its links.
+    """Fields of a recording for what acts on its links."""
 
-    Attributes:
-        wrenches: Measured wrenches by link.
-        contacts: Samples at which a link is fixed to the ground, by link.
-    """
-
-    wrenches: Mapping[str, Wrench]
-    contacts: Mapping[str, BoolArray]
+    wrenches: Mapping[str, Wrench]  # measured wrenches by link
+    contacts: Mapping[str, BoolArray]  # samples at which a link is fixed to the ground, by link
 
 
 def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> External:  # noqa: ANN401 - not yet checked
-    """Check and freeze wrenches and contacts.
-
-    Args:
-        wrenches: Measured wrenches by link.
-        contacts: Bools or 0 and 1 by link, (N,) each.
-        samples: Number of samples, N.
-        where: Name of the file.
-
-    Returns:
-        Both, read-only.
-
-    Raises:
-        ExoidError: A type, a name, a length or a value is wrong.
-    """
+    """Check and freeze wrenches and contacts."""
     measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}', where)
     for link, wrench in measured.items():
         if not isinstance(wrench, Wrench):
@@ -76,16 +58,7 @@ def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> Exter
 
 
 def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: bool, where: str) -> None:
-    """Refuse wrenches in axes of the laboratory where nothing says how the base stands in it.
-
-    Args:
-        wrenches: Measured wrenches by link.
-        has_pose: Whether the pose of the base is known, or it stands still.
-        where: Name of the file.
-
-    Raises:
-        ExoidError: There is such a wrench.
-    """
+    """Refuse wrenches in axes of the laboratory where nothing says how the base stands in it."""
     for link, wrench in wrenches.items():
         if wrench.axes == "world" and not has_pose:
             raise ExoidError(
@@ -98,15 +71,7 @@ def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: boo
 
 
 def select_rows(external: External, rows: slice | BoolArray) -> External:
-    """Select samples.
-
-    Args:
-        external: Wrenches and contacts.
-        rows: The samples.
-
-    Returns:
-        Those of the samples.
-    """
+    """Select samples."""
     return {
         "wrenches": {link: wrench.rows(rows) for link, wrench in external["wrenches"].items()},
         "contacts": {link: contact[rows] for link, contact in external["contacts"].items()},
@@ -116,17 +81,7 @@ def select_rows(external: External, rows: slice | BoolArray) -> External:
 def interpolate(
     external: External, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)
 ) -> External:
-    """Interpolate at other time stamps; a new sample is in contact if both of its neighbours are.
-
-    Args:
-        external: Wrenches and contacts.
-        time: Time stamps [s], (N,).
-        grid: New time stamps [s], (M,).
-        rows: Samples that wrenches are interpolated from.
-
-    Returns:
-        Those at the new time stamps.
-    """
+    """Interpolate at other time stamps; a new sample is in contact if both of its neighbours are."""
     return {
         "wrenches": {link: one.interpolated(time[rows], grid, rows) for link, one in external["wrenches"].items()},
         "contacts": {link: timebase.interpolate_mask(time, one, grid) for link, one in external["contacts"].items()},
@@ -134,15 +89,7 @@ def interpolate(
 
 
 def average(external: External, size: int) -> External:
-    """Average neighbouring samples; a group is in contact if all of its samples are.
-
-    Args:
-        external: Wrenches and contacts.
-        size: Number of samples that become one.
-
-    Returns:
-        The shorter ones; samples that do not fill a group are left out.
-    """
+    """Average neighbouring samples; a group is in contact if all of its samples are."""
     return {
         "wrenches": {link: one.averaged(size) for link, one in external["wrenches"].items()},
         "contacts": {

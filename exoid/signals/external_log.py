@@ -30,30 +30,12 @@ CONTACT = "contact_"
 
 
 def is_external(name: str) -> bool:
-    """Tell whether a name is that of a column of a wrench or a contact.
-
-    Args:
-        name: Name of an exoid column.
-
-    Returns:
-        Whether it is.
-    """
+    """Tell whether a name is that of a column of a wrench or a contact."""
     return WRENCH_COLUMN.fullmatch(name) is not None or (name.startswith(CONTACT) and name != CONTACT)
 
 
 def external_columns(headers: Iterable[str], file: str) -> tuple[str, ...]:
-    """Find the columns of wrenches and contacts.
-
-    Args:
-        headers: Names of exoid columns that the file has.
-        file: Path of the file, for messages.
-
-    Returns:
-        Their names, in the order of the file; empty if nothing was recorded.
-
-    Raises:
-        ExoidError: A wrench lacks a component, or its point a coordinate.
-    """
+    """Find the columns of wrenches and contacts."""
     found = [name for name in headers if is_external(name)]
     for link in _links(found):
         of_link = {name for name in found if _link(name) == link}
@@ -71,14 +53,7 @@ def external_columns(headers: Iterable[str], file: str) -> tuple[str, ...]:
 
 
 def wrench_headers(header: Sequence[str]) -> dict[str, str]:
-    """Name the columns of matrices ``wrench_<link>`` of (samples, 6).
-
-    Args:
-        header: Column names of the file.
-
-    Returns:
-        Header of each exoid column.
-    """
+    """Name the columns of matrices ``wrench_<link>`` of (samples, 6)."""
     matches = [(name, match) for name in header if (match := WRENCH_MATRIX.fullmatch(name))]
     return {f"wrench_{match['link']}_{WRENCH_PARTS[int(match['place'])]}": name for name, match in matches}
 
@@ -86,19 +61,7 @@ def wrench_headers(header: Sequence[str]) -> dict[str, str]:
 def read_external(
     table: Table, columns: Mapping[str, FloatArray], frames: Mapping[str, WrenchFrame | str] | None
 ) -> External:
-    """Make the wrenches and contacts of a log.
-
-    Args:
-        table: Table of the file, lines of which may give axes and points of wrenches.
-        columns: Columns of wrenches and contacts in SI units, (N,) each.
-        frames: Axes and points by link; None for those of the file.
-
-    Returns:
-        Wrenches and contacts by link.
-
-    Raises:
-        ExoidError: The file says other axes or points than the caller, there is no such wrench, or one is refused.
-    """
+    """Make the wrenches and contacts of a log."""
     said = _said_frames(table)
     try:
         given = as_frames(frames or {})
@@ -125,21 +88,9 @@ def read_external(
 
 
 def external_of(columns: Mapping[str, FloatArray], frames: Mapping[str, WrenchFrame], file: str = "") -> External:
-    """Make wrenches and contacts of columns.
-
-    Without a frame, a wrench is in the axes of its link, about its origin; one whose point moves is in the laboratory.
-
-    Args:
-        columns: Columns of wrenches and contacts in SI units, (N,) each.
-        frames: Axes and points by link.
-        file: Path of the file, for messages.
-
-    Returns:
-        Wrenches and contacts by link.
-
-    Raises:
-        ExoidError: A wrench or a contact is refused; names the file and the link.
-    """
+    """Make wrenches and contacts of columns."""
+    # Without a frame, a wrench is in the axes of its link, about its origin; one whose point moves is in the
+    # laboratory.
     wrenches: dict[str, Wrench] = {}
     for link in _links(columns):
         try:
@@ -155,15 +106,7 @@ def external_of(columns: Mapping[str, FloatArray], frames: Mapping[str, WrenchFr
 
 
 def log_of_external(wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> LogPart:
-    """Name the columns of wrenches and contacts, and write axes and points as lines above the header.
-
-    Args:
-        wrenches: Wrenches by link.
-        contacts: Contacts by link, (N,) each.
-
-    Returns:
-        What :func:`read_external` reads back exactly.
-    """
+    """Name the columns of wrenches and contacts, and write axes and points as lines above the header."""
     names: list[str] = []
     columns: list[FloatArray] = []
     comments = []

@@ -19,48 +19,24 @@ from .wrench_frame import WrenchFrame
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a caller says about a log; see :meth:`exoid.Recording.from_file`.
+    """What a caller says about a log; see :meth:`exoid.Recording.from_file`."""
 
-    Attributes:
-        joint_names: Joints to read; None for all.
-        columns: Header in the file of each exoid column whose name differs.
-        angle_unit: Unit of angles in the file.
-        largest_angle: Limit of the angles [rad].
-        resample: Whether uneven time stamps are resampled.
-        mask: Header of the column of samples that count.
-        passive: Joints without an actuator.
-        unmeasured: Joints whose torque column is not read.
-        payloads: Payloads on the leg; None for those of the file.
-        base_position: Position of the sensor on the base [m], (3,); None for that of the file.
-        wrench_frames: Axes and points of wrenches by link; None for those of the file.
-    """
-
-    joint_names: Sequence[str] | None
-    columns: Mapping[str, str | Column] | None
-    angle_unit: Literal["rad", "deg"]
-    largest_angle: float
-    resample: bool
-    mask: str | None
-    passive: Sequence[str]
-    unmeasured: Sequence[str]
-    payloads: Sequence[Payload] | None
-    base_position: Sequence[float] | None
+    joint_names: Sequence[str] | None  # joints to read; None for all
+    columns: Mapping[str, str | Column] | None  # header in the file of each exoid column whose name differs
+    angle_unit: Literal["rad", "deg"]  # unit of angles in the file
+    largest_angle: float  # limit of the angles [rad]
+    resample: bool  # whether uneven time stamps are resampled
+    mask: str | None  # header of the column of samples that count
+    passive: Sequence[str]  # joints without an actuator
+    unmeasured: Sequence[str]  # joints whose torque column is not read
+    payloads: Sequence[Payload] | None  # payloads on the leg; None for those of the file
+    base_position: Sequence[float] | None  # position of the sensor on the base [m], (3,); None for that of the file
+    # axes and points of wrenches by link; None for those of the file
     wrench_frames: Mapping[str, WrenchFrame | str] | None
 
 
 def fields_of(table: Table, said: LogOptions) -> dict[str, Any]:
-    """Read a table.
-
-    Args:
-        table: Columns of the file.
-        said: What the caller says about it.
-
-    Returns:
-        Arguments of :class:`exoid.Recording`.
-
-    Raises:
-        ExoidError: The data fail a check. The error names file, row and column.
-    """
+    """Read a table."""
     log = read_log(table, said.joint_names, said.columns, said.angle_unit, said.largest_angle, said.unmeasured)
     loads = payloads_of(table, said.payloads)
     if said.resample and not timebase.is_uniform(log.time):

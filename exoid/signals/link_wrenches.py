@@ -45,14 +45,7 @@ class LinkPlacement(NamedTuple):
 
 
 def links_of(leg: Leg) -> tuple[str, ...]:
-    """List the links of a leg's URDF.
-
-    Args:
-        leg: The leg.
-
-    Returns:
-        Names of all links, those on fixed joints and the root link included.
-    """
+    """List the links of a leg's URDF."""
     return tuple(link.get("name", "") for link in leg.description.parse().findall("link"))
 
 

@@ -39,25 +39,17 @@ KINEMATIC = ("q", "v", "a", "qm")
 
 
 class Log(NamedTuple):
-    """Checked content of a log file in SI units.
+    """Checked content of a log file in SI units."""
 
-    Attributes:
-        time: Time stamps [s], (N,), strictly increasing.
-        arrays: Arrays by field of a recording, (N, n) each: "q", and those of "v", "a", "tau" and of the drives that
-            the file has. Columns of torque and drives are NaN throughout where the file has none for a joint.
-        joint_names: Names of the n columns.
-        source: File name and SHA-256.
-        where: Location of the rows in the file.
-        base: Columns of the base in SI units, (N,) each; empty for a base that was not recorded.
-        external: Columns of wrenches and contacts in SI units, (N,) each; empty if none was recorded.
-    """
-
-    time: FloatArray
+    time: FloatArray  # time stamps [s], (N,), strictly increasing
+    # arrays by field of a recording, (N, n) each: "q", and those of "v", "a", "tau" and of the drives that the
+    # file has. Columns of torque and drives are NaN throughout where the file has none for a joint
     arrays: Mapping[str, FloatArray]
-    joint_names: tuple[str, ...]
-    source: Source
-    where: SourceLocation
-    base: Mapping[str, FloatArray]
+    joint_names: tuple[str, ...]  # names of the n columns
+    source: Source  # file name and SHA-256
+    where: SourceLocation  # location of the rows in the file
+    base: Mapping[str, FloatArray]  # columns of the base in SI units, (N,) each; empty for a base that was not recorded
+    # columns of wrenches and contacts in SI units, (N,) each; empty if none was recorded
     external: Mapping[str, FloatArray]
 
 
@@ -69,22 +61,7 @@ def read_log(
     largest_angle: float = checks.LARGEST_ANGLE,
     unmeasured: Sequence[str] = (),
 ) -> Log:
-    """Take ``time, q_<joint>, v_, a_, tau_, i_, f_, tm_, qm_, temp_<joint>`` from a table; see `Recording.from_file`.
-
-    Args:
-        table: Columns of the file.
-        joint_names: Joints to read; None for those of the ``q_`` columns.
-        columns: Header in the file of each exoid column whose name differs.
-        angle_unit: Unit of angles in the file, for q, v and a.
-        largest_angle: Limit of the angles [rad].
-        unmeasured: Joints whose torque column is not read.
-
-    Returns:
-        The checked log.
-
-    Raises:
-        ExoidError: A check fails; names file, row and column.
-    """
+    """Take ``time``, ``q_<joint>`` and further channels from a table; see `Recording.from_file`."""
     if angle_unit not in ("rad", "deg"):
         raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
     given = {name: _column(name, column, table) for name, column in (columns or {}).items()}
@@ -118,18 +95,7 @@ def read_log(
 
 
 def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
-    """Find the payloads that were on the leg: those that were given, or those that the file names.
-
-    Args:
-        table: Table of the file.
-        given: Payloads; None for those of the file.
-
-    Returns:
-        The payloads.
-
-    Raises:
-        ExoidError: The file names others than were given, or a line of it is no payload.
-    """
+    """Find the payloads that were on the leg: those that were given, or those that the file names."""
     named = table.payloads if isinstance(table, TextTable) else ()
     try:
         found = tuple(Payload.from_text(text) for text in named)
@@ -153,18 +119,7 @@ def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload,
 
 
 def read_mask(table: Table, column: str) -> BoolArray:
-    """Read which samples count from a column of 0 and 1.
-
-    Args:
-        table: Columns of the file.
-        column: Its header.
-
-    Returns:
-        The mask, (N,).
-
-    Raises:
-        ExoidError: There is no such column, or it has other values.
-    """
+    """Read which samples count from a column of 0 and 1."""
     if column not in table.header:
         missing = _missing(column, "it is to be the mask", table)
         raise ExoidError(missing.what, where=missing.where, remedy="name a column of 0 and 1 as mask")

@@ -17,24 +17,10 @@ GAIN = 70.0
 
 
 def robust_std(x: FloatArray) -> FloatArray:
-    """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|.
-
-    Args:
-        x: Residuals, (N,) or (N, K).
-
-    Returns:
-        Standard deviation in their unit, () or (K,).
-    """
+    """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|."""
     return np.asarray(MAD_TO_STD * np.median(np.abs(x), axis=0))
 
 
 def white_noise(signals: FloatArray) -> FloatArray:
-    """Standard deviation of white noise in smooth signals, by their fourth differences.
-
-    Args:
-        signals: Signals at even time stamps, (N, K).
-
-    Returns:
-        Standard deviation of each in its unit, (K,).
-    """
+    """Standard deviation of white noise in smooth signals, by their fourth differences."""
     return np.asarray(robust_std(np.diff(signals, ORDER, axis=0)) / np.sqrt(GAIN))

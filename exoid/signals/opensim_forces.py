@@ -149,17 +149,7 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
 
 
 def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
-    """Find the columns of force plates.
-
-    Args:
-        table: Columns of a file.
-
-    Returns:
-        For each plate the columns x, y and z of "force", "point" and, if there are any, "moment".
-
-    Raises:
-        ExoidError: There are none, or some of a plate are missing.
-    """
+    """Find the columns of force plates."""
     found: dict[str, dict[str, dict[str, str]]] = {}
     for name in table.header:
         meant = _meaning(name)

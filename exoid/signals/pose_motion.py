@@ -28,41 +28,19 @@ STRONGEST = 100.0
 
 
 class PoseMotion(NamedTuple):
-    """Motion of a body that follows from its poses.
+    """Motion of a body that follows from its poses."""
 
-    Attributes:
-        angular_velocity: Angular velocity in the axes of the body [rad/s], (N, 3).
-        specific_force: Specific force in the axes of the body [m/s²], (N, 3).
-        position: Smoothed positions in the laboratory [m], (N, 3).
-        quaternion: Smoothed orientations (x, y, z, w), laboratory from body, (N, 4).
-    """
-
-    angular_velocity: FloatArray
-    specific_force: FloatArray
-    position: FloatArray
-    quaternion: FloatArray
+    angular_velocity: FloatArray  # angular velocity in the axes of the body [rad/s], (N, 3)
+    specific_force: FloatArray  # specific force in the axes of the body [m/s²], (N, 3)
+    position: FloatArray  # smoothed positions in the laboratory [m], (N, 3)
+    quaternion: FloatArray  # smoothed orientations (x, y, z, w), laboratory from body, (N, 4)
 
 
 def motion_of_pose(
     time: FloatArray, position: FloatArray, quaternion: FloatArray, cutoff: float, up: FloatArray
 ) -> PoseMotion:
-    """Differentiate poses by polynomials of degree 5 over a window (Savitzky and Golay 1964).
-
-    The window has 2 m + 1 samples with m = (6 · rate / (2 cutoff) + 4.6) / 3.2 (Schafer 2011).
-
-    Args:
-        time: Time stamps [s], (N,).
-        position: Positions in the laboratory [m], (N, 3).
-        quaternion: Orientations (x, y, z, w), laboratory from body, (N, 4).
-        cutoff: −3 dB frequency [Hz].
-        up: Direction against gravity in the laboratory, (3,), of any length but zero.
-
-    Returns:
-        The motion, and the smoothed poses.
-
-    Raises:
-        ExoidError: As for :meth:`exoid.BaseMotion.from_pose`.
-    """
+    """Differentiate poses by polynomials of degree 5 over a window (Savitzky and Golay 1964)."""
+    # The window has 2 m + 1 samples with m = (6 · rate / (2 cutoff) + 4.6) / 3.2 (Schafer 2011).
     where, samples = SourceLocation(), time.size
     checks.refuse_shape(time, (samples,), "time")
     checks.refuse_shape(position, (samples, 3), "position of the base")

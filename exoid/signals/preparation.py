@@ -95,62 +95,27 @@ class Preparation(Protocol):
 
 @dataclass(frozen=True)
 class _Unfiltered:
-    """Base class of the preparations without a parallel filter.
+    """Base class of the preparations without a parallel filter."""
 
-    Attributes:
-        name: Short name.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # short name
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the torques unchanged.
-
-        Args:
-            x: Measured torques [N·m], (N, ...).
-            rate: Sampling rate [Hz].
-
-        Returns:
-            The torques.
-        """
+        """Return the torques unchanged."""
         return x
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns unchanged.
-
-        Args:
-            x: Columns, (N, ...).
-            rate: Sampling rate [Hz].
-
-        Returns:
-            The columns.
-        """
+        """Return the columns unchanged."""
         return x
 
     def parallel(self, rate: float) -> None:
-        """Return None, as there is no parallel filter.
-
-        Args:
-            rate: Sampling rate [Hz].
-        """
+        """Return None, as there is no parallel filter."""
 
     def independent_fraction(self, rate: float) -> float:
-        """Return 1, as torques are not filtered.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Fraction of the samples that carries independent noise.
-        """
+        """Return 1, as torques are not filtered."""
         return 1.0
 
     def describe(self) -> dict[str, float | str]:
-        """Describe the preparation in a file.
-
-        Returns:
-            The settings, and ``"name"``.
-        """
+        """Describe the preparation in a file."""
         return {"name": self.name, **asdict(self)}
 
 

@@ -106,30 +106,10 @@ def preparation_by_name(name: str) -> Preparation:
 
 
 def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
-    """Describe a preparation by its name and settings, and by its module if that is not of exoid.
-
-    Args:
-        preparation: The preparation.
-
-    Returns:
-        The description, as JSON can hold it.
-
-    Raises:
-        ExoidError: The type of the preparation has no name, or a setting cannot be written.
-    """
+    """Describe a preparation by its name and settings, and by its module if that is not of exoid."""
     return named_to_json(PREPARATIONS, KEY, preparation)
 
 
 def preparation_from_json(data: Mapping[str, Any]) -> Preparation:
-    """Make a preparation from its description.
-
-    Args:
-        data: Description that :func:`preparation_to_json` made.
-
-    Returns:
-        The preparation.
-
-    Raises:
-        ExoidError: There is no preparation of this name, or it does not take these settings.
-    """
+    """Make a preparation from its description."""
     return named_from_json(PREPARATIONS, KEY, data)

@@ -24,11 +24,7 @@ from .wrench import Wrench
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordingData:
-    """Fields of a recording; :class:`exoid.Recording` says what they are.
-
-    Raises:
-        ExoidError: See :class:`exoid.Recording`.
-    """
+    """Fields of a recording; :class:`exoid.Recording` says what they are."""
 
     time: FloatArray
     q: FloatArray
@@ -129,14 +125,7 @@ class RecordingData:
 
 
 def absent_columns(values: FloatArray) -> BoolArray:
-    """Find the columns that are NaN throughout.
-
-    Args:
-        values: Columns of the joints, (N, n).
-
-    Returns:
-        Mask of the joints, (n,).
-    """
+    """Find the columns that are NaN throughout."""
     if not np.isnan(values[:1]).any():
         return np.zeros(values.shape[1], dtype=np.bool_)
     return np.asarray(np.isnan(values).all(axis=0))

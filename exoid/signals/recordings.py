@@ -22,25 +22,13 @@ from .wrench_frame import WrenchFrame
 
 
 class RecordingFile(NamedTuple):
-    """A recording on disk.
+    """A recording on disk."""
 
-    Attributes:
-        path: The file.
-        read: Function that reads the file.
-    """
-
-    path: Path
-    read: Callable[[Path], Recording]
+    path: Path  # the file
+    read: Callable[[Path], Recording]  # function that reads the file
 
     def load(self) -> Recording:
-        """Read the file.
-
-        Returns:
-            The recording.
-
-        Raises:
-            ExoidError: The file cannot be read, or its data fail a check.
-        """
+        """Read the file."""
         return self.read(self.path)
 
 
@@ -243,15 +231,7 @@ class Recordings(Sequence[Recording | Poses]):
 def changed_item(
     change: Callable[[Recording], Recording], item: RecordingFile | Recording | Poses
 ) -> RecordingFile | Recording | Poses:
-    """Change one recording, or let it be changed when its file is read.
-
-    Args:
-        change: Function of a recording.
-        item: File, recording or poses.
-
-    Returns:
-        The same kind of item; poses stay as they are.
-    """
+    """Change one recording, or let it be changed when its file is read."""
     if isinstance(item, RecordingFile):
         return RecordingFile(item.path, partial(_read_and_change, item.read, change))
     return change(item) if isinstance(item, Recording) else item
@@ -264,17 +244,7 @@ def _read_and_change(
 
 
 def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """List the logs in a folder; numbers in their names are sorted by value.
-
-    Args:
-        folder: The folder.
-
-    Returns:
-        Paths of the files that end in one of :data:`ENDINGS`.
-
-    Raises:
-        ExoidError: There is no such folder, or no log in it.
-    """
+    """List the logs in a folder; numbers in their names are sorted by value."""
     path = Path(folder)
     try:
         files = sorted(filter(_is_log, path.iterdir()), key=_natural)

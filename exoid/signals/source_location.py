@@ -11,25 +11,14 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class SourceLocation:
-    """Names rows and columns of an array by their place in the file.
+    """Names rows and columns of an array by their place in the file."""
 
-    Attributes:
-        file: Path of the file; empty for arrays made in memory.
-        lines: Number of each row in the file, (N,); None if rows count from 0, as in arrays.
-        headers: Header in the file of each exoid column whose name differs.
-        row_name: Word for a row of the file: "line", "row" or "message".
-
-    Example:
-        >>> SourceLocation().cell(17, "q_knee")
-        'row 17, column q_knee'
-        >>> SourceLocation("log.csv", np.array([2, 3]), {"q_knee": "pos2"}).cell(1, "q_knee")
-        'log.csv, line 3, column pos2 (q_knee)'
-    """
-
-    file: str = ""
+    file: str = ""  # path of the file; empty for arrays made in memory
+    # number of each row in the file, (N,); None if rows count from 0, as in arrays
     lines: NDArray[np.int64] | None = None
+    # header in the file of each exoid column whose name differs
     headers: Mapping[str, str] = field(default_factory=dict)
-    row_name: str = "line"
+    row_name: str = "line"  # word for a row of the file: "line", "row" or "message"
 
     def row(self, row: int) -> str:
         """Name a row: "row 17" (from 0) of an array, or "log.csv, line 19" of a file."""

@@ -25,47 +25,24 @@ CROWDED = 0.25
 
 
 def is_uniform(time: FloatArray) -> bool:
-    """Tell whether every interval is within `EVENNESS` of the median interval.
-
-    Args:
-        time: Time stamps [s], (N,).
-
-    Returns:
-        Whether the stamps are uniform.
-    """
+    """Tell whether every interval is within `EVENNESS` of the median interval."""
     intervals = np.diff(time)
     median = np.median(intervals)
     return bool(np.abs(intervals - median).max() <= EVENNESS * median)
 
 
 def sampling_rate(time: FloatArray) -> float:
-    """Compute the sampling rate.
-
-    For uniform stamps it is the mean rate, which is exact even if they are printed with few digits. It has twelve
-    digits: more would be rounding, by which parts of a recording differ. For uneven stamps it is the median rate, which
-    lost samples do not change.
-
-    Args:
-        time: Time stamps [s], (N,).
-
-    Returns:
-        Sampling rate [Hz].
-    """
+    """Compute the sampling rate."""
+    # For uniform stamps it is the mean rate, which is exact even if they are printed with few digits. It has
+    # twelve digits: more would be rounding, by which parts of a recording differ. For uneven stamps it is the
+    # median rate, which lost samples do not change.
     if is_uniform(time):
         return float(f"{(len(time) - 1) / (time[-1] - time[0]):.12g}")
     return float(1.0 / np.median(np.diff(time)))
 
 
 def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
-    """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals.
-
-    Args:
-        time: Time stamps [s], (N,).
-        where: Location of the rows.
-
-    Raises:
-        ExoidError: Names the row after the first gap, the length of the gap and the number of gaps.
-    """
+    """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals."""
     intervals = np.diff(time)
     shortest, longest = (count * np.median(intervals) for count in GAP_INTERVALS)
     limit = float(np.clip(LONGEST_INTERVAL, shortest, longest))
@@ -80,67 +57,29 @@ def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
 
 
 def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
-    """Select the rows to interpolate from: all but those that follow another within `CROWDED` median intervals.
-
-    Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
-
-    Args:
-        time: Time stamps [s], (N,).
-
-    Returns:
-        Index for rows: ``slice(None)`` for all, or a mask (N,).
-    """
+    """Select the rows to interpolate from: all but those that follow another within `CROWDED` median intervals."""
+    # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
     intervals = np.diff(time, prepend=-np.inf)
     crowded = intervals < CROWDED * np.median(intervals)
     return ~crowded if crowded.any() else slice(None)
 
 
 def even_grid(time: FloatArray, rate: float) -> FloatArray:
-    """Make uniform time stamps within the range of others.
-
-    Args:
-        time: Time stamps [s], (N,).
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Stamps from ``time[0]`` to at most ``time[-1]`` [s], (M,).
-    """
+    """Make uniform time stamps within the range of others."""
     steps = int(np.floor((time[-1] - time[0]) * rate * (1.0 + 1e-12)))
     grid: FloatArray = np.minimum(time[0] + np.arange(steps + 1) / rate, time[-1])
     return grid
 
 
 def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate columns at other time stamps.
-
-    Args:
-        time: Time stamps [s], (N,), strictly increasing.
-        values: Columns in any unit, (N, n).
-        grid: New time stamps [s], (M,), within ``time``.
-        smooth: True for a cubic spline, error O(dt⁴), for angles and velocities, which inertia keeps smooth. False for
-            a monotone cubic (PCHIP) for accelerations and torques, which friction makes jump. It stays within the range
-            of its neighbours, with an error O(dt²) at turning points.
-
-    Returns:
-        Columns at ``grid``, (M, n).
-    """
+    """Interpolate columns at other time stamps."""
     curve = scipy.interpolate.CubicSpline(time, values) if smooth else scipy.interpolate.PchipInterpolator(time, values)
     columns: FloatArray = np.ascontiguousarray(curve(grid))
     return columns
 
 
 def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate the columns that were measured; the others stay NaN.
-
-    Args:
-        time: Time stamps [s], (N,).
-        values: Columns, some of them NaN throughout, (N, n).
-        grid: New time stamps [s], (M,).
-        smooth: See :func:`interpolate`.
-
-    Returns:
-        Interpolated columns, (M, n).
-    """
+    """Interpolate the columns that were measured; the others stay NaN."""
     there = np.asarray(~np.isnan(values).all(axis=0))
     if there.all():
         return interpolate(time, values, grid, smooth=smooth)
@@ -150,14 +89,5 @@ def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray,
 
 
 def interpolate_mask(time: FloatArray, mask: BoolArray, grid: FloatArray) -> BoolArray:
-    """Carry a mask over to other time stamps: a sample counts if both of its neighbours do.
-
-    Args:
-        time: Time stamps [s], (N,), strictly increasing.
-        mask: Samples that count, (N,).
-        grid: New time stamps [s], (M,), within ``time``.
-
-    Returns:
-        Samples at ``grid`` that count, (M,).
-    """
+    """Carry a mask over to other time stamps: a sample counts if both of its neighbours do."""
     return np.asarray(np.interp(grid, time, mask.astype(np.float64)) > 1.0 - EVENNESS)

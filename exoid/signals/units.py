@@ -72,65 +72,29 @@ CURRENT = re.compile(r"(?<![a-z])(current|curr|cur|amps?|amperes?)(?![a-z])", re
 
 
 def spelled(unit: str) -> str:
-    """Write a unit without the signs that people write differently: ``N.m``, ``Nm`` and ``N·m`` are one.
-
-    Args:
-        unit: Unit.
-
-    Returns:
-        Its letters, ``/`` and exponent.
-    """
+    """Write a unit without the signs that people write differently: ``N.m``, ``Nm`` and ``N·m`` are one."""
     plain = unit.replace("²", "2").replace("μ", "µ").replace("µ", "u").replace("°", "deg")
     return re.sub(r"[\s·⋅.*^]", "", plain).replace("Ampere", "A")
 
 
 def factor_of(unit: str, quantity: str) -> float | None:
-    """Find the factor of a unit to SI.
-
-    Args:
-        unit: Unit, in any usual spelling.
-        quantity: Key of :data:`UNITS`.
-
-    Returns:
-        The factor; None if it is no unit of the quantity.
-    """
+    """Find the factor of a unit to SI."""
     known = {spelled(name): size for name, size in UNITS[quantity].items()}
     return known.get(spelled(unit))
 
 
 def zero_of(unit: str) -> float:
-    """Find the reading that stands for zero SI (0 °C of a temperature): 273.15 of kelvins.
-
-    Args:
-        unit: Unit, in any usual spelling.
-
-    Returns:
-        The reading, in the unit.
-    """
+    """Find the reading that stands for zero SI (0 °C of a temperature): 273.15 of kelvins."""
     return ZEROS.get(spelled(unit), 0.0)
 
 
 def is_unit(text: str) -> bool:
-    """Tell whether a text is a unit of any quantity.
-
-    Args:
-        text: The text.
-
-    Returns:
-        Whether it is.
-    """
+    """Tell whether a text is a unit of any quantity."""
     return any(factor_of(text, quantity) is not None for quantity in UNITS)
 
 
 def quantity_of(name: str) -> str:
-    """Find the quantity of an exoid column.
-
-    Args:
-        name: Name of the column, such as ``tau_hip``.
-
-    Returns:
-        Key of :data:`UNITS`.
-    """
+    """Find the quantity of an exoid column."""
     if name.startswith("base_"):
         return next(quantity for quantity in OF_BASE if name.startswith(quantity))
     if name.startswith("wrench_"):
@@ -139,19 +103,7 @@ def quantity_of(name: str) -> str:
 
 
 def refuse_other_unit(unit: str, name: str, where: str) -> float:
-    """Find the factor of a column's unit, or refuse a unit that does not belong to its quantity.
-
-    Args:
-        unit: Unit.
-        name: Name of the exoid column, such as ``tau_hip``.
-        where: Place, for messages.
-
-    Returns:
-        The factor to SI.
-
-    Raises:
-        ExoidError: It is a unit of something else, or none.
-    """
+    """Find the factor of a column's unit, or refuse a unit that does not belong to its quantity."""
     quantity = quantity_of(name)
     factor = factor_of(unit, quantity)
     if factor is not None:
@@ -169,17 +121,7 @@ def refuse_other_unit(unit: str, name: str, where: str) -> float:
 
 
 def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> None:
-    """Refuse a header that names a unit which the column is not read in, or a current that is read as torque.
-
-    Args:
-        header: Header in the file.
-        name: Name of the exoid column it is read as, without scale or unit.
-        where: Place, for messages.
-        degrees: Whether angles in the file are degrees.
-
-    Raises:
-        ExoidError: The header says otherwise.
-    """
+    """Refuse a header that names a unit which the column is not read in, or a current that is read as torque."""
     quantity = quantity_of(name)
     written = BRACKETED.search(header)
     unit = written.group(1).strip() if written is not None else ""

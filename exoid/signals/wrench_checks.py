@@ -24,20 +24,9 @@ SMALLEST_FORCE = 0.2
 
 
 def refuse_wrong_units(force: FloatArray, moment: FloatArray, point: FloatArray, axes: str) -> None:
-    """Refuse forces, moments and points of a size that only another unit explains.
-
-    The line of a force f with moment m is |f × m| / |f|² from the point. Its median, over the samples with at least
-    half of the largest force, is centimetres on a foot: 1000 times as much in N·mm, or with a force in kN.
-
-    Args:
-        force: Force [N], (N, 3).
-        moment: Moment [N·m], (N, 3).
-        point: Point [m], (3,) or (N, 3).
-        axes: Name of the axes.
-
-    Raises:
-        ExoidError: A value is not plausible.
-    """
+    """Refuse forces, moments and points of a size that only another unit explains."""
+    # The line of a force f with moment m is |f × m| / |f|² from the point. Its median, over the samples with at least
+    # half of the largest force, is centimetres on a foot: 1000 times as much in N·mm, or with a force in kN.
     size = np.linalg.norm(force, axis=1)
     largest = float(size.max(initial=0.0))
     if largest > LARGEST_FORCE:

@@ -58,17 +58,7 @@ class WrenchFrame(NamedTuple):
 
 
 def as_frames(frames: Mapping[str, WrenchFrame | str]) -> dict[str, WrenchFrame]:
-    """Read the frames that are given as text.
-
-    Args:
-        frames: Frames by link.
-
-    Returns:
-        The frames.
-
-    Raises:
-        ExoidError: A text has another form.
-    """
+    """Read the frames that are given as text."""
     return {
         link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
         for link, frame in frames.items()
@@ -76,17 +66,7 @@ def as_frames(frames: Mapping[str, WrenchFrame | str]) -> dict[str, WrenchFrame]
 
 
 def frame_of_link(text: str) -> tuple[str, WrenchFrame]:
-    """Read ``LINK:AXES`` or ``LINK:AXES@X,Y,Z``.
-
-    Args:
-        text: The text.
-
-    Returns:
-        The link and the frame.
-
-    Raises:
-        ExoidError: The text has another form.
-    """
+    """Read ``LINK:AXES`` or ``LINK:AXES@X,Y,Z``."""
     link, colon, frame = text.rpartition(":")
     if not colon or not link.strip():
         raise ExoidError(f"{text!r} does not say the axes of a wrench", remedy=f"write {FORM}")

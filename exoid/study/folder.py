@@ -25,15 +25,7 @@ class Folder:
     """A folder with ``study.json`` and a file for each finished chunk; each is written whole or not at all."""
 
     def __init__(self, path: Path, study: Study) -> None:
-        """Open or make the folder.
-
-        Args:
-            path: The folder.
-            study: Study of the results.
-
-        Raises:
-            ExoidError: The folder holds another study, or cannot be made.
-        """
+        """Open or make the folder."""
         self.path, self._study = path, study
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -52,14 +44,7 @@ class Folder:
             write_whole(about, [json.dumps(described, indent=1, ensure_ascii=False), "\n"])
 
     def read(self, number: int) -> Outcomes | None:
-        """Read a chunk.
-
-        Args:
-            number: Number of the chunk.
-
-        Returns:
-            Its outcomes; None if the chunk is missing or damaged.
-        """
+        """Read a chunk."""
         study, replicates = self._study, self._study.chunks[number].replicates
         shape = (len(study.estimators), replicates, len(study.truth))
         tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
@@ -73,15 +58,7 @@ class Folder:
             return None
 
     def write(self, number: int, outcomes: Outcomes) -> None:
-        """Write a chunk.
-
-        Args:
-            number: Number of the chunk.
-            outcomes: Its outcomes.
-
-        Raises:
-            ExoidError: The file cannot be written.
-        """
+        """Write a chunk."""
         content = io.BytesIO()
         arrays = outcomes._asdict()
         np.savez(content, **{TRACKING: arrays.pop("tracking"), **arrays})

@@ -64,14 +64,7 @@ class Protocol:
 
 
 def motion_to_json(motion: Harmonics) -> dict[str, Any]:
-    """Describe a motion of one leg completely.
-
-    Args:
-        motion: The motion.
-
-    Returns:
-        Description in JSON types.
-    """
+    """Describe a motion of one leg completely."""
     shape = motion.amplitude.shape
     return {
         "centre": motion.centre[:, 0].tolist(),

@@ -27,19 +27,9 @@ Laws = Sequence[AnyLaw | None]
 
 
 def track_cases(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Estimate]]) -> FloatArray:
-    """Run the tracking task for each case and replicate: D cases, R replicates, n joints.
-
-    The virtual leg is the true one. An offset is torque that the joint needs, on the scale of the sensor of the
-    identification. All cases of a replicate have the same sensor noise.
-
-    Args:
-        study: Study with a tracking task.
-        chunk: Chunk of the replicates.
-        estimates: Estimates by estimator, one for each replicate.
-
-    Returns:
-        MEASURES of each run, (D, R, 3, n); NaN for runs that diverged.
-    """
+    """Run the tracking task for each case and replicate: D cases, R replicates, n joints."""
+    # The virtual leg is the true one. An offset is torque that the joint needs, on the scale of the sensor of the
+    # identification. All cases of a replicate have the same sensor noise.
     course = study.course
     assert course is not None
     truth = ControlModel.of_parameters(study.model, np.array(study.truth))
@@ -65,10 +55,8 @@ def _laws(course: TrackingTask, case: TrackingCase, known: Sequence[ModelSource]
 
 
 def _runs(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
-    """Run all cases in parallel; if one diverges, run each case separately, and its replicates one by one.
-
-    Cases that run separately have the same noise; replicates that run one by one have different noise.
-    """
+    """Run all cases in parallel; if one diverges, run each case separately, and its replicates one by one."""
+    # Cases that run separately have the same noise; replicates that run one by one have different noise.
     if plant.leg.chain is not None and all(law is not None for each in laws for law in each):
         try:
             return _side_by_side(plant, course, laws, seed)

@@ -97,15 +97,7 @@ class TrackingStatistics:
 
 
 def statistics_table(caption: str, figures: Iterable[TrackingStatistics]) -> DataTable:
-    """Make a table of several controllers.
-
-    Args:
-        caption: Caption.
-        figures: Statistics, in the order of the table.
-
-    Returns:
-        Table with one line for each joint and source of parameters.
-    """
+    """Make a table of several controllers."""
     rows: list[tuple[str, ...]] = []
     for law, each in itertools.groupby(figures, lambda one: one.law):
         rows.append((law, *("",) * 9))

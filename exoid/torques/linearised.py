@@ -25,40 +25,27 @@ LOAD_STEP = 1e-6
 
 
 class Slope(NamedTuple):
-    """Derivative of the torque by a setting, as a central difference.
+    """Derivative of the torque by a setting, as a central difference."""
 
-    Attributes:
-        value: Value of the setting.
-        step: Half the difference.
-        above: Terms with the setting raised.
-        below: The same terms with the setting lowered.
-        values: Parameters of each of these terms.
-    """
-
-    value: float
-    step: float
-    above: tuple[TermBlock, ...]
-    below: tuple[TermBlock, ...]
-    values: tuple[FloatArray, ...]
+    value: float  # value of the setting
+    step: float  # half the difference
+    above: tuple[TermBlock, ...]  # terms with the setting raised
+    below: tuple[TermBlock, ...]  # the same terms with the setting lowered
+    values: tuple[FloatArray, ...]  # parameters of each of these terms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearised(TorqueModel):
-    """τ ≈ J x + rest, with x = (β, θ) the parameters and the nonlinear settings θ of terms.
+    """τ ≈ J x + rest, with x = (β, θ) the parameters and the nonlinear settings θ of terms."""
 
-    J holds ∂τ/∂β and ∂τ/∂θ. Rigid bodies contribute to ∂τ/∂β a second time where friction depends on their torque. The
-    regressor has one column more than there are names: the rest, which is known. Where the least-squares solution for
-    J is the point itself, it solves the nonlinear problem with the covariance of the Gauss-Newton method.
+    # J holds ∂τ/∂β and ∂τ/∂θ. Rigid bodies contribute to ∂τ/∂β a second time where friction depends on their
+    # torque. The regressor has one column more than there are names: the rest, which is known. Where the
+    # least-squares solution for J is the point itself, it solves the nonlinear problem with the covariance of
+    # the Gauss-Newton method.
 
-    Attributes:
-        point: β at which the model is linearised, (P,).
-        slopes: Derivatives by the settings, by name.
-        nonlinear: Nonlinear settings that are fitted.
-    """
-
-    point: FloatArray = field(kw_only=True)
-    slopes: Mapping[str, Slope] = field(kw_only=True)
-    nonlinear: tuple[NonlinearSetting, ...] = field(kw_only=True)
+    point: FloatArray = field(kw_only=True)  # β at which the model is linearised, (P,)
+    slopes: Mapping[str, Slope] = field(kw_only=True)  # derivatives by the settings, by name
+    nonlinear: tuple[NonlinearSetting, ...] = field(kw_only=True)  # nonlinear settings that are fitted
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -128,19 +115,7 @@ def linearise(
     held: Sequence[str] = (),
     regrouped: tuple[Regrouped, ...] | None = None,
 ) -> Linearised:
-    """Linearise a model about a point.
-
-    Args:
-        leg: The leg.
-        terms: Terms, some settings of which are :class:`exoid.torques.NonlinearParameter`.
-        values: β, (P,).
-        settings: θ by name.
-        held: Names of the settings that stay at their values.
-        regrouped: Regrouped parameters of the same leg and terms; None to find them.
-
-    Returns:
-        The linearised model.
-    """
+    """Linearise a model about a point."""
     names, labels = leg.joint_names, leg.joint_labels
 
     def blocks_at(settings: Mapping[str, float]) -> tuple[TermBlock, ...]:

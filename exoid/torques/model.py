@@ -463,21 +463,9 @@ def regroup(
     separate: Sequence[str] = (),
     moving_base: bool = False,
 ) -> tuple[Regrouped, ...]:
-    """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1.
-
-    Each column over random motion is compared with those before it. Terms that depend on the load are left to the fit:
-    their columns depend on the parameters.
-
-    Args:
-        leg: The leg.
-        blocks: Terms at joints, in the order of their columns.
-        rigid: Rigid-body parameters whose torque loads the joints, (p,); None for the leg's own.
-        separate: Names of parameters that are not regrouped, as their values are known.
-        moving_base: Whether the base moves, as it does for a leg that was made for that.
-
-    Returns:
-        Parameters that are regrouped, in the order of their columns.
-    """
+    """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1."""
+    # Each column over random motion is compared with those before it. Terms that depend on the load are left to
+    # the fit: their columns depend on the parameters.
     count = len(leg.parameter_names)
     names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
     loaded = {name for block in blocks if block.term.loaded for name in block.names}

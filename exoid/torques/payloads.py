@@ -21,37 +21,13 @@ BLOCK = 32768
 
 
 def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
-    """Compute what payloads add to the parameters of a leg, which are linear in the inertias.
-
-    Args:
-        leg: The leg.
-        payloads: Bodies that are fixed to it.
-
-    Returns:
-        Δβ, (p,).
-
-    Raises:
-        ExoidError: The leg does not have a joint that a payload names.
-    """
+    """Compute what payloads add to the parameters of a leg, which are linear in the inertias."""
     return leg.reduction.parameters(_link_parameters(leg, payloads))
 
 
 def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> FloatArray:
-    """Compute the joint torques that payloads take, RNEA with them less RNEA without.
-
-    RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar leg.
-
-    Args:
-        leg: The leg.
-        payloads: Bodies that are fixed to it.
-        motion: Motion of N samples.
-
-    Returns:
-        Torques [N·m], (N, n); of a floating base (N, base_rows + n).
-
-    Raises:
-        ExoidError: The leg does not have a joint that a payload names.
-    """
+    """Compute the joint torques that payloads take, RNEA with them less RNEA without."""
+    # RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar leg.
     links = _link_parameters(leg, payloads)
     if not leg.limbs:
         loaded = replace(leg, model=with_dynamic_parameters(leg.model, leg.link_parameters + links))

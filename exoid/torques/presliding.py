@@ -54,16 +54,7 @@ class Presliding(InternalState):
 
 
 def hysteresis(step: FloatArray, length: float, start: float) -> FloatArray:
-    """Compute the state of :class:`Presliding` after each step.
-
-    Args:
-        step: Displacement from one sample to the next [rad], (N,).
-        length: Presliding length δ [rad].
-        start: State before the first step.
-
-    Returns:
-        State after each step, (N,).
-    """
+    """Compute the state of :class:`Presliding` after each step."""
     sign = np.sign(step)
     moving = np.flatnonzero(sign)
     if len(moving) == 0:

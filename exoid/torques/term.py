@@ -116,17 +116,7 @@ class NonlinearParameter:
 
 
 def number(value: float | NonlinearParameter) -> float:
-    """Return the value of a setting.
-
-    Args:
-        value: Value, or start and bounds.
-
-    Returns:
-        The value.
-
-    Raises:
-        ExoidError: It has no value yet.
-    """
+    """Return the value of a setting."""
     if isinstance(value, NonlinearParameter):
         raise ExoidError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
     return value
@@ -306,52 +296,29 @@ class Term(ABC):
 
 
 class TermBlock(NamedTuple):
-    """One term at one joint, or at the joints that it couples.
+    """One term at one joint, or at the joints that it couples."""
 
-    Attributes:
-        term: The term.
-        joints: Indices of the joints.
-        names: Names of its parameters, ``symbol_joint`` or ``symbol_joint1_joint2``.
-    """
-
-    term: Term
-    joints: tuple[int, ...]
-    names: tuple[str, ...]
+    term: Term  # the term
+    joints: tuple[int, ...]  # indices of the joints
+    names: tuple[str, ...]  # names of its parameters, `symbol_joint` or `symbol_joint1_joint2`
 
     def columns(self, motion: LoadedMotion) -> FloatArray:
-        """Form the columns of all its parameters.
-
-        Args:
-            motion: Motion of all joints of the leg, N samples.
-
-        Returns:
-            Torque per unit parameter at each of its m joints, (number of parameters, m, N).
-        """
+        """Form the columns of all its parameters."""
         out = np.zeros((len(self.names), len(self.joints), motion.q.shape[1]))
         self.term.fill_block(motion, self.joints, out)
         return out
 
 
 class LoadedMotion(NamedTuple):
-    """Motion of all joints over some samples, with the rigid-body torques that load them, (n, N) each.
+    """Motion of all joints over some samples, with the rigid-body torques that load them, (n, N) each."""
 
-    Attributes:
-        q: Angles [rad].
-        v: Velocities [rad/s].
-        a: Accelerations [rad/s²].
-        load: Rigid-body torques, those of payloads included [N·m].
-        payload: Torques of payloads [N·m], part of ``load``.
-        states: Internal states, (N,) each.
-        temperature: Temperatures [°C]; None without.
-    """
-
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
-    load: FloatArray
-    payload: FloatArray
-    states: Mapping[tuple[int, InternalState], FloatArray]
-    temperature: FloatArray | None = None
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]
+    a: FloatArray  # accelerations [rad/s²]
+    load: FloatArray  # rigid-body torques, those of payloads included [N·m]
+    payload: FloatArray  # torques of payloads [N·m], part of `load`
+    states: Mapping[tuple[int, InternalState], FloatArray]  # internal states, (N,) each
+    temperature: FloatArray | None = None  # temperatures [°C]; None without
 
     def at(self, joint: int, state: InternalState | None) -> JointMotion:
         """Motion of one joint, with the internal state of a term."""
@@ -361,18 +328,7 @@ class LoadedMotion(NamedTuple):
 
 
 def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
-    """Put terms at the joints of a leg, in the order of their columns.
-
-    Args:
-        leg: The leg.
-        terms: The terms.
-
-    Returns:
-        Each term at each of its joints, or at the joints that it couples.
-
-    Raises:
-        ExoidError: A term acts on a joint that the leg does not have.
-    """
+    """Put terms at the joints of a leg, in the order of their columns."""
     names, labels = leg.joint_names, leg.joint_labels
     return tuple(
         TermBlock(term, joints, tuple(f"{symbol}_{term.label(joints, labels)}" for symbol in term.symbols))
@@ -384,16 +340,7 @@ def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
 def internal_states(
     blocks: Iterable[TermBlock], q: FloatArray, v: FloatArray
 ) -> dict[tuple[int, InternalState], FloatArray]:
-    """Compute the internal states of terms over a whole recording.
-
-    Args:
-        blocks: Terms at joints; equal states of one joint are computed once.
-        q: Joint angles [rad], (N, n), in time order.
-        v: Joint velocities [rad/s], (N, n).
-
-    Returns:
-        Internal state of each joint that has one, (N,) each.
-    """
+    """Compute the internal states of terms over a whole recording."""
     needed = {(block.joints[0], block.term.internal_state) for block in blocks}
     return {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
 
@@ -401,22 +348,8 @@ def internal_states(
 def needed_temperature(
     blocks: Iterable[TermBlock], v: FloatArray, temperature: ArrayLike | None, joint_names: Sequence[str]
 ) -> FloatArray | None:
-    """Check that the temperatures that terms depend on are there.
-
-    Friction at rest is zero whatever the temperature, so that poses need none.
-
-    Args:
-        blocks: Terms at joints.
-        v: Joint velocities [rad/s], (N, n).
-        temperature: Temperatures [°C], (N, n); NaN at joints without one. None without temperatures.
-        joint_names: Joints of the leg, (n,).
-
-    Returns:
-        Temperatures [°C], (N, n); None if no term depends on them.
-
-    Raises:
-        ExoidError: The temperature of a joint is missing or has another shape.
-    """
+    """Check that the temperatures that terms depend on are there."""
+    # Friction at rest is zero whatever the temperature, so that poses need none.
     needing = [block for block in blocks if block.term.needs_temperature]
     if not needing:
         return None
@@ -442,17 +375,7 @@ def needed_temperature(
 
 
 def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray, rigid: FloatArray) -> LoadedMotion:
-    """Add rigid-body torques to a motion, if a term depends on them; they are zero otherwise.
-
-    Args:
-        blocks: Terms at joints.
-        motion: Motion of N samples.
-        columns: Columns of the rigid-body parameters, followed by any others, (p or more, n, N).
-        rigid: Values of the rigid-body parameters, (p,).
-
-    Returns:
-        The motion with its loads.
-    """
+    """Add rigid-body torques to a motion, if a term depends on them; they are zero otherwise."""
     load = np.broadcast_to(0.0, motion.q.shape[::-1])
     payload = load if motion.payload is None else motion.payload.T
     if any(block.term.loaded for block in blocks):
@@ -462,14 +385,7 @@ def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray
 
 
 def fill_terms(blocks: Iterable[TermBlock], motion: LoadedMotion, out: FloatArray, names: Sequence[str]) -> None:
-    """Write the columns of terms one below the other.
-
-    Args:
-        blocks: Terms at joints.
-        motion: Motion of N samples.
-        out: Receives the columns of the requested parameters, zeroed, (number of them or more, n, N).
-        names: Names of the requested parameters; others are left out.
-    """
+    """Write the columns of terms one below the other."""
     row = 0
     for block in blocks:
         kept = [k for k, name in enumerate(block.names) if name in names]
@@ -483,41 +399,18 @@ def fill_terms(blocks: Iterable[TermBlock], motion: LoadedMotion, out: FloatArra
 
 
 def random_motion(samples: int, joints: int) -> FloatArray:
-    """Draw independent normal angles, velocities and accelerations, always the same.
-
-    Args:
-        samples: Number of samples, N.
-        joints: Number of joints, n.
-
-    Returns:
-        q [rad], v [rad/s] and a [rad/s²], (3, N, n).
-    """
+    """Draw independent normal angles, velocities and accelerations, always the same."""
     motion = np.random.default_rng(0).standard_normal((3, samples, joints))
     return motion * [[[1.0]], [[2.0]], [[5.0]]]
 
 
 def random_temperature(samples: int, joints: int) -> FloatArray:
-    """Draw independent temperatures about 25 °C, always the same.
-
-    Args:
-        samples: Number of samples, N.
-        joints: Number of joints, n.
-
-    Returns:
-        Temperatures [°C], (N, n).
-    """
+    """Draw independent temperatures about 25 °C, always the same."""
     return 25.0 + 20.0 * np.random.default_rng(2).standard_normal((samples, joints))
 
 
 def random_base(samples: int) -> BaseKinematics:
-    """Draw a motion of the base, always the same.
-
-    Args:
-        samples: Number of samples, N.
-
-    Returns:
-        Angular velocity, angular acceleration and specific force, independent and normal.
-    """
+    """Draw a motion of the base, always the same."""
     motion = np.random.default_rng(1).standard_normal((3, samples, 3))
     return BaseKinematics(2.0 * motion[0], 5.0 * motion[1], 10.0 * motion[2])
 

@@ -20,15 +20,7 @@ SLOW = 0.05
 
 
 def reversals(v: FloatArray, speed: float) -> NDArray[np.bool_] | None:
-    """Select samples slower than a speed, or at a change of sign.
-
-    Args:
-        v: Velocity over a recording [rad/s], (N,).
-        speed: The speed [rad/s], at most :data:`SLOW` of the RMS velocity; 0 for none.
-
-    Returns:
-        Whether each sample belongs to a reversal, (N,); None without a speed.
-    """
+    """Select samples slower than a speed, or at a change of sign."""
     if speed == 0.0 or not v.any():
         return None
     slow = np.abs(v) <= min(speed, SLOW * float(np.sqrt(np.mean(v**2))))

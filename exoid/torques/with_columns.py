@@ -29,36 +29,18 @@ class ExtraColumns(Protocol):
         """Columns that can act on each joint, (n, K)."""
 
     def motion(self, motion: Motion) -> Motion:
-        """Add what the columns depend on besides angles, velocities and accelerations.
-
-        Args:
-            motion: Motion of a whole recording.
-
-        Returns:
-            The motion, perhaps with more internal states.
-        """
+        """Add what the columns depend on besides angles, velocities and accelerations."""
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
-        """Write the columns.
-
-        Args:
-            motion: Motion of N samples, of :meth:`motion`, or some rows of one.
-            columns: Columns of the parameters, (P, n, N).
-            out: Receives the columns, zeroed, (K, n, N).
-        """
+        """Write the columns."""
 
 
 @dataclass(frozen=True, eq=False)
 class WithColumns:
-    """Torque model with more columns behind those of its parameters.
+    """Torque model with more columns behind those of its parameters."""
 
-    Attributes:
-        model: The torque model, with P parameters.
-        extras: The other columns, K in all.
-    """
-
-    model: TorqueModel
-    extras: tuple[ExtraColumns, ...]
+    model: TorqueModel  # the torque model, with P parameters
+    extras: tuple[ExtraColumns, ...]  # the other columns, K in all
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -105,34 +87,14 @@ class WithColumns:
         computed: NDArray[np.bool_] | None = None,
         temperature: Any = None,  # noqa: ANN401
     ) -> Motion:
-        """Gather what the columns of a whole recording depend on.
-
-        Args:
-            q: Angles [rad], (N, n), in time order.
-            v: Velocities [rad/s], (N, n).
-            a: Accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-            payloads: Payloads on the leg.
-            computed: Joints whose torque follows from the reading of their drive, (n,).
-            temperature: Temperatures [°C], (N, n), for terms that depend on them.
-
-        Returns:
-            The motion.
-        """
+        """Gather what the columns of a whole recording depend on."""
         motion = self.model.motion(q, v, a, torso, payloads, computed, temperature)
         for extra in self.extras:
             motion = extra.motion(motion)
         return motion
 
     def columns(self, motion: Motion) -> FloatArray:
-        """Form the columns.
-
-        Args:
-            motion: Motion of N samples, of :meth:`motion`, or some rows of one.
-
-        Returns:
-            Columns, (P + K, n, N).
-        """
+        """Form the columns."""
         columns = self.model.columns(motion)
         out = np.zeros((len(self.names), *columns.shape[1:]))
         start = len(columns)
@@ -144,58 +106,20 @@ class WithColumns:
         return out
 
     def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
-        """Form the columns, samples first.
-
-        Args:
-            q: Angles [rad], (N, n), in time order.
-            v: Velocities [rad/s], (N, n).
-            a: Accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-            temperature: Temperatures [°C], (N, n), for terms that depend on them.
-
-        Returns:
-            Columns, (N, n, P + K).
-        """
+        """Form the columns, samples first."""
         return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
-        """Form the measured side of the equation.
-
-        Args:
-            tau: Torques of the joints [N·m], (N, n).
-            motion: Motion of the N samples.
-            wrenches: Measured wrenches on links.
-
-        Returns:
-            Torque of each row, (N, n).
-        """
+        """Form the measured side of the equation."""
         return self.model.row_torque(tau, motion, wrenches)
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Tell which rows have a measured side.
-
-        Args:
-            measured: Joints whose torque was measured, (n,).
-
-        Returns:
-            Rows with a measured side, (n,).
-        """
+        """Tell which rows have a measured side."""
         return self.model.measured_rows(measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Say which samples of which joint may be fitted.
-
-        Args:
-            v: Velocities [rad/s], (N, n).
-
-        Returns:
-            Mask, (N, n).
-        """
+        """Say which samples of which joint may be fitted."""
         return self.model.usable(v)
 
     def reversing(self, v: FloatArray) -> None:
-        """Take no reversal out: other friction, and many faults, differ most where joints turn round.
-
-        Args:
-            v: Velocities [rad/s], (N, n).
-        """
+        """Take no reversal out: other friction, and many faults, differ most where joints turn round."""

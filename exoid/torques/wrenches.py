@@ -13,19 +13,7 @@ from exoid.signals import Wrench
 
 
 def wrench_torque(leg: Leg, q: FloatArray, wrenches: Mapping[str, Wrench]) -> FloatArray:
-    """Compute Σ J_cᵀ w_c, what wrenches on links do to the rows of a leg.
-
-    Args:
-        leg: The leg.
-        q: Joint angles [rad], (N, n).
-        wrenches: Wrenches by the name of the link.
-
-    Returns:
-        Forces and moments on a floating base, and torques of the joints [N, N·m], (N, b + n).
-
-    Raises:
-        ExoidError: The leg has no such link, or a wrench is in axes of the laboratory.
-    """
+    """Compute Σ J_cᵀ w_c, what wrenches on links do to the rows of a leg."""
     total = np.zeros((len(q), len(leg.row_names)))
     for link, wrench in wrenches.items():
         if wrench.axes != "link":

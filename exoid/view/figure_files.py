@@ -14,19 +14,7 @@ from .style import paper
 
 
 def write_figures(folder: str | Path, figures: Mapping[str, Figure], file_format: str = "png") -> list[Path]:
-    """Write figures; all are rendered before the first is written.
-
-    Args:
-        folder: Path of the folder; made if it does not exist.
-        figures: Figures by file name without ending.
-        file_format: "png" or "pdf".
-
-    Returns:
-        Paths of the files.
-
-    Raises:
-        ExoidError: The folder cannot be made, or a file cannot be written.
-    """
+    """Write figures; all are rendered before the first is written."""
     path, images = make_folder(folder), {}
     for name, figure in figures.items():
         image = io.BytesIO()

@@ -13,22 +13,9 @@ from .style import draw_samples, legend_above
 def plot_friction_fit(
     ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
 ) -> Axes:
-    """Plot measured and modelled friction torque of one joint over its velocity.
-
-    Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
-    velocity.
-
-    Args:
-        ax: Axes to draw on.
-        velocity: Joint velocity [rad/s], (N,).
-        measured: Measured torque less all modelled torque except friction [N·m], (N,).
-        fitted: Friction terms of the model, through the same filter [N·m], (N,).
-        joint: Index of the joint; selects the colour.
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot measured and modelled friction torque of one joint over its velocity."""
+    # Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
+    # velocity.
     draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
     draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)

@@ -22,19 +22,7 @@ def plot_ground_force(
     measured: FloatArray | None = None,
     label: str = "vertical force [N]",
 ) -> Axes:
-    """Plot one quantity of the ground on a foot: predicted from joint torques, its 95 % band, and measured.
-
-    Args:
-        ax: Axes to draw on.
-        time: Samples at which the foot rests [s], (N,).
-        predicted: Predicted values, (N,).
-        half_width: Half the width of the 95 % band, (N,).
-        measured: Values of a force plate, (N,); None for none.
-        label: Label of the vertical axis, with the unit.
-
-    Returns:
-        The axes.
-    """
+    """Plot one quantity of the ground on a foot: predicted from joint torques, its 95 % band, and measured."""
     broken = np.flatnonzero(np.diff(time) > BREAK) + 1
     at, middle, half = (np.insert(x, broken, np.nan) for x in (time, predicted, half_width))
     if measured is not None:

@@ -51,17 +51,7 @@ def plot_prediction(
 
 
 def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray) -> Axes:
-    """Plot the residual torque of one joint over time on its own scale, within the prediction band.
-
-    Args:
-        ax: Axes to draw on.
-        time: Time [s], (N,).
-        residual: Measured less predicted torque [N·m], (N,).
-        half_width: Half the width of the prediction band [N·m], (N,).
-
-    Returns:
-        The axes.
-    """
+    """Plot the residual torque of one joint over time on its own scale, within the prediction band."""
     ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.25, lw=0)
     ax.plot(time, residual, color=RESIDUAL, lw=0.6)
     ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)

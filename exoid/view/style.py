@@ -46,12 +46,7 @@ def paper() -> AbstractContextManager[None]:
 
 
 def legend_above(ax: Axes, columns: int = 3) -> None:
-    """Put the legend above the axes, where it hides no data.
-
-    Args:
-        ax: Axes with labelled artists.
-        columns: Number of columns of the legend.
-    """
+    """Put the legend above the axes, where it hides no data."""
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.1, columnspacing=1.2)
 
 
@@ -63,16 +58,6 @@ def decimation(count: int, most: int = MAX_POINTS) -> slice:
 def draw_samples(
     ax: Axes, x: FloatArray, y: FloatArray, colour: str, *, size: float, alpha: float = 0.5, label: str | None = None
 ) -> None:
-    """Draw samples as dots, decimated to :data:`MAX_POINTS`.
-
-    Args:
-        ax: Axes to draw on.
-        x: Horizontal coordinates, (N,).
-        y: Vertical coordinates, (N,).
-        colour: Colour of the dots.
-        size: Diameter of the dots [points].
-        alpha: Opacity of the dots.
-        label: Name in the legend.
-    """
+    """Draw samples as dots, decimated to :data:`MAX_POINTS`."""
     shown = decimation(len(x))
     ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True, label=label)

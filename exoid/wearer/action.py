@@ -20,23 +20,15 @@ training, ``scripts/study_interaction.py --unworn``)."""
 
 
 class Evidence(NamedTuple):
-    """What the residuals of one recording say of each joint, (n,) each.
+    """What the residuals of one recording say of each joint, (n,) each."""
 
-    Attributes:
-        power: Mean square of the torque about its mean [N²·m²]; not a number where the torque was not measured.
-        mean: Mean of the torque [N·m].
-        noise: Variance that the noise of the training gives it [N²·m²].
-        systematic: Mean variance by errors of the parameters and of the form of friction [N²·m²].
-        effective: Independent samples that say as much on the power of the noise.
-        trained: Independent samples behind the variance of the noise.
-    """
-
+    # mean square of the torque about its mean [N²·m²]; not a number where the torque was not measured
     power: FloatArray
-    mean: FloatArray
-    noise: FloatArray
-    systematic: FloatArray
-    effective: FloatArray
-    trained: FloatArray
+    mean: FloatArray  # mean of the torque [N·m]
+    noise: FloatArray  # variance that the noise of the training gives it [N²·m²]
+    systematic: FloatArray  # mean variance by errors of the parameters and of the form of friction [N²·m²]
+    effective: FloatArray  # independent samples that say as much on the power of the noise
+    trained: FloatArray  # independent samples behind the variance of the noise
 
 
 class JointAction(NamedTuple):
@@ -56,23 +48,14 @@ class JointAction(NamedTuple):
 
 
 def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
-    """Test each joint of a recording.
-
-    Where nothing acts, the torque about its mean has the power E = σ² + s², noise and systematic error. The noise is
-    that of the training, with N independent samples here and M there. The systematic error has few degrees of
-    freedom: it counts as one. By Satterthwaite the power over A² E then follows F with
-    ν = E² / (σ⁴/N + s⁴) and M degrees of freedom, or less: A is :data:`ALLOWANCE`. All joints together are wrong with
-    the probability ``level`` at most (Bonferroni).
-
-    The mean is left out, as a sensor's zero that moved looks like a wearer who pushes evenly.
-
-    Args:
-        evidence: What the residuals say.
-        level: Probability of a false alarm of a recording.
-
-    Returns:
-        Result of each joint.
-    """
+    """Test each joint of a recording."""
+    # Where nothing acts, the torque about its mean has the power E = σ² + s², noise and systematic error. The noise is
+    # that of the training, with N independent samples here and M there. The systematic error has few degrees of
+    # freedom: it counts as one. By Satterthwaite the power over A² E then follows F with
+    # ν = E² / (σ⁴/N + s⁴) and M degrees of freedom, or less: A is `ALLOWANCE`. All joints together are wrong with
+    # the probability `level` at most (Bonferroni).
+    #
+    # The mean is left out, as a sensor's zero that moved looks like a wearer who pushes evenly.
     tested = ~np.isnan(evidence.power) & (evidence.noise > 0.0)
     E = np.where(tested, evidence.noise + evidence.systematic, 1.0)
     count, behind = np.maximum(evidence.effective, 1.0), np.maximum(evidence.trained, 1.0)
@@ -93,14 +76,7 @@ def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
 
 
 def together(parts: tuple[tuple[JointAction, ...], ...]) -> tuple[JointAction, ...]:
-    """Join the tests of several recordings: something acts on a joint if it does in one of them.
-
-    Args:
-        parts: Result of each joint, recording by recording.
-
-    Returns:
-        Result of each joint; p-values count the number of recordings (Bonferroni).
-    """
+    """Join the tests of several recordings: something acts on a joint if it does in one of them."""
     joined = []
     for of_joint in zip(*parts, strict=True):
         p_values = [each.p_value for each in of_joint if not np.isnan(each.p_value)]

@@ -100,57 +100,36 @@ class Cuffs:
 
 
 class FoundCuffs(NamedTuple):
-    """Estimated cuffs, and how the limb's parameters depend on them.
+    """Estimated cuffs, and how the limb's parameters depend on them."""
 
-    Attributes:
-        cuffs: The cuffs.
-        limb_covariance: Covariance of the limb's parameters due to the errors of the cuffs, (P, P).
-        far: Joints whose cuffs differ from what was stated by more than :data:`FAR` standard deviations.
-    """
-
-    cuffs: Cuffs
-    limb_covariance: FloatArray
-    far: tuple[str, ...]
+    cuffs: Cuffs  # the cuffs
+    limb_covariance: FloatArray  # covariance of the limb's parameters due to the errors of the cuffs, (P, P)
+    far: tuple[str, ...]  # joints whose cuffs differ from what was stated by more than `FAR` standard deviations
 
 
 class LimbLogs(NamedTuple):
-    """Logs of the limb for given cuffs, on one grid of times.
+    """Logs of the limb for given cuffs, on one grid of times."""
 
-    Attributes:
-        measured: Function that bends the cuffs by the torque of the log.
-        predicted: Function that bends them by the torque that the limb needs, with parameters β, if it moves as the leg
-            does. Noise of the torque is not part of it.
-    """
-
-    measured: Callable[[Cuffs], Recording]
+    measured: Callable[[Cuffs], Recording]  # function that bends the cuffs by the torque of the log
+    # function that bends them by the torque that the limb needs, with parameters β, if it moves as the leg
+    # does. Noise of the torque is not part of it
     predicted: Callable[[Cuffs, FloatArray], Recording]
 
 
 def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs: LimbLogs) -> FoundCuffs:
-    """Estimate cuffs and limb together, with the stated cuffs as prior.
-
-    The limb obeys −τ_w = W(q_l(θ)) β, with θ the logarithms of stiffness and damping. About θ,
-
-        −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
-
-    Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
-    hide it. W and D of a predicted torque are therefore the instruments Z (Söderström and Stoica 1989):
-
-        Zᵀ Ω (−τ_w − W β − D δθ) = 0.
-
-    Rows are weighted by residuals and count by their independent samples. The prior of θ is normal about the stated
-    values. Errors δ of the leg's own parameters add W_leg δ to −τ_w; they are not fitted, but their effect is part of
-    the covariance of θ.
-
-    Args:
-        stated: Cuffs as stated, with relative standard deviations.
-        limb: Estimate of the limb with these cuffs.
-        alone: Estimate of the leg alone.
-        logs: Logs of the limb as functions of the cuffs.
-
-    Returns:
-        The cuffs, and the covariance that their errors add to the limb's parameters.
-    """
+    """Estimate cuffs and limb together, with the stated cuffs as prior."""
+    # The limb obeys −τ_w = W(q_l(θ)) β, with θ the logarithms of stiffness and damping. About θ,
+    #
+    #     −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
+    #
+    # Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
+    # hide it. W and D of a predicted torque are therefore the instruments Z (Söderström and Stoica 1989):
+    #
+    #     Zᵀ Ω (−τ_w − W β − D δθ) = 0.
+    #
+    # Rows are weighted by residuals and count by their independent samples. The prior of θ is normal about the stated
+    # values. Errors δ of the leg's own parameters add W_leg δ to −τ_w; they are not fitted, but their effect is part of
+    # the covariance of θ.
     spread = np.concatenate([stated.stiffness_std, stated.damping_std])
     free = np.flatnonzero(spread)
     values = np.concatenate([stated.stiffness, stated.damping])
@@ -210,21 +189,13 @@ def _stacked(columns: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 class _Step(NamedTuple):
-    """Solution of the linearised problem.
+    """Solution of the linearised problem."""
 
-    Attributes:
-        theta: θ, (p,).
-        beta: β, (P,).
-        covariance: Covariance of θ by noise and prior, (p, p).
-        gain: θ by weighted torques, (p, N n).
-        slope: ∂β/∂θ, (P, p).
-    """
-
-    theta: FloatArray
-    beta: FloatArray
-    covariance: FloatArray
-    gain: FloatArray
-    slope: FloatArray
+    theta: FloatArray  # θ, (p,)
+    beta: FloatArray  # β, (P,)
+    covariance: FloatArray  # covariance of θ by noise and prior, (p, p)
+    gain: FloatArray  # θ by weighted torques, (p, N n)
+    slope: FloatArray  # ∂β/∂θ, (P, p)
 
 
 def _step(

@@ -31,29 +31,14 @@ NEGLIGIBLE = 1e-6
 
 
 class ChosenCutoffs(NamedTuple):
-    """Cut-offs of a recording, (n,) each.
+    """Cut-offs of a recording, (n,) each."""
 
-    Attributes:
-        cutoff: −3 dB frequency [Hz].
-        lost: Expected RMS of the torque between this cut-off and that of the estimate [N·m].
-    """
-
-    cutoff: FloatArray
-    lost: FloatArray
+    cutoff: FloatArray  # −3 dB frequency [Hz]
+    lost: FloatArray  # expected RMS of the torque between this cut-off and that of the estimate [N·m]
 
 
 def automatic_filter(filter_: TorqueFilter) -> ZeroPhase:
-    """Check that cut-offs can be chosen below that of the estimate.
-
-    Args:
-        filter_: Filter of the estimate.
-
-    Returns:
-        The estimate's preparation.
-
-    Raises:
-        ExoidError: The estimate's preparation has no cut-off.
-    """
+    """Check that cut-offs can be chosen below that of the estimate."""
     if not isinstance(filter_.preparation, ZeroPhase):
         raise ExoidError(
             f"the preparation of the estimate, {filter_.preparation.name}, has no cut-off to choose",
@@ -65,20 +50,7 @@ def automatic_filter(filter_: TorqueFilter) -> ZeroPhase:
 def evaluate_at_best(
     estimate: EstimateData, recording: Recording, own: ZeroPhase, rate: float
 ) -> tuple[Evaluation, ChosenCutoffs]:
-    """Compute τ_w = W β − τ, both sides of each joint behind the cut-off that is best for it.
-
-    Args:
-        estimate: The estimate.
-        recording: Motion and torque.
-        own: The estimate's preparation.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Torque and variance, and the cut-offs.
-
-    Raises:
-        ExoidError: As :func:`.evaluate`.
-    """
+    """Compute τ_w = W β − τ, both sides of each joint behind the cut-off that is best for it."""
     whole = evaluate(estimate, recording, own, 1.0)
     chosen = choose_cutoffs(whole, own, rate)
     found = {own.cutoff: whole}
@@ -91,24 +63,14 @@ def evaluate_at_best(
 
 
 def choose_cutoffs(found: Evaluation, own: ZeroPhase, rate: float) -> ChosenCutoffs:
-    """Choose the cut-off of each joint that has the least expected error.
-
-    The torque behind the estimate's filter H is y = H (τ_w + e), with white noise e. Behind a lower cut-off it is G y.
-    The expected mean square of G y − H τ_w is, up to a constant,
-
-        R = Σ (1 − G)² (P_y − P_e) + G² P_e,
-
-    with the spectra P_y of y and P_e of the noise H e, which is known from the training. The error counts against the
-    torque behind the estimate's own filter: what a lower cut-off takes of the wearer's torque is an error too.
-
-    Args:
-        found: Torque behind the estimate's own filter.
-        own: The estimate's preparation.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Cut-offs, at most that of the estimate.
-    """
+    """Choose the cut-off of each joint that has the least expected error."""
+    # The torque behind the estimate's filter H is y = H (τ_w + e), with white noise e. Behind a lower cut-off
+    # it is G y. The expected mean square of G y − H τ_w is, up to a constant,
+    #
+    #     R = Σ (1 − G)² (P_y − P_e) + G² P_e,
+    #
+    # with the spectra P_y of y and P_e of the noise H e, which is known from the training. The error counts against the
+    # torque behind the estimate's own filter: what a lower cut-off takes of the wearer's torque is an error too.
     joints = found.torque.shape[1]
     risk, lost, weight = np.zeros((len(SHARES), joints)), np.zeros((len(SHARES), joints)), 0
     longest = 0
@@ -135,32 +97,12 @@ def choose_cutoffs(found: Evaluation, own: ZeroPhase, rate: float) -> ChosenCuto
 
 
 def with_cutoff(own: ZeroPhase, cutoff: float, rate: float) -> ZeroPhase:
-    """Lower the cut-off of columns and torques only: angles, inside sines and products, pass what they passed before.
-
-    Args:
-        own: The estimate's preparation.
-        cutoff: The cut-off [Hz].
-        rate: Sampling rate [Hz].
-
-    Returns:
-        The preparation.
-    """
+    """Lower the cut-off of columns and torques only; angles stay as they are inside sines and products."""
     return replace(own, cutoff=cutoff, kinematics_cutoff=own.kinematics_cutoff_at(rate))
 
 
 def joined(parts: list[Evaluation], rate: float) -> Evaluation:
-    """Take each joint from an evaluation of its own, at the samples that all of them have.
-
-    Args:
-        parts: One evaluation of the same recording for each joint, (n,).
-        rate: Sampling rate [Hz].
-
-    Returns:
-        The evaluation.
-
-    Raises:
-        ExoidError: They have no sample in common.
-    """
+    """Take each joint from an evaluation of its own, at the samples that all of them have."""
     places = [np.rint(part.time * rate).astype(np.int64) for part in parts]
     common = places[0]
     for other in places[1:]:

@@ -20,55 +20,29 @@ SETTLED = 0.05
 
 
 class BodyFit(NamedTuple):
-    """Share of the torque that a change of the leg's own bodies would explain, W δ ≈ τ_w by weighted least squares.
+    """Share of the torque that a change of the leg's own bodies would explain, W δ ≈ τ_w by weighted least squares."""
 
-    Attributes:
-        share: Share of the mean square, 0 to 1.
-        weight: Size of the change along the leg's own torque: −0.2 where the leg is heavier than the estimate by 20 %.
-    """
-
-    share: float
+    share: float  # share of the mean square, 0 to 1
+    # size of the change along the leg's own torque: −0.2 where the leg is heavier than the estimate by 20 %
     weight: float
 
 
 class Evaluation(NamedTuple):
-    """Torque of the wearer in one recording.
+    """Torque of the wearer in one recording."""
 
-    Attributes:
-        time: [s], (N,).
-        torque: Filtered predicted less filtered measured torque [N·m], (N, n).
-        predicted: Filtered predicted torque [N·m], (N, n).
-        variance: Variance of the torque where nothing acts [N²·m²], (N, n). Where a joint turns round or rests, its
-            friction may have another value, up to that of sliding.
-        noise: Part of it that is noise of the measurement [N²·m²], (n,).
-        ranges: Ranges of the motion; None for a leg on the ground.
-        bodies: What a change of the leg's bodies explains; None for a leg on the ground.
-    """
-
-    time: FloatArray
-    torque: FloatArray
-    predicted: FloatArray
+    time: FloatArray  # [s], (N,)
+    torque: FloatArray  # filtered predicted less filtered measured torque [N·m], (N, n)
+    predicted: FloatArray  # filtered predicted torque [N·m], (N, n)
+    # variance of the torque where nothing acts [N²·m²], (N, n). Where a joint turns round or rests, its
+    # friction may have another value, up to that of sliding
     variance: FloatArray
-    noise: FloatArray
-    ranges: MotionRanges | None = None
-    bodies: BodyFit | None = None
+    noise: FloatArray  # part of it that is noise of the measurement [N²·m²], (n,)
+    ranges: MotionRanges | None = None  # ranges of the motion; None for a leg on the ground
+    bodies: BodyFit | None = None  # what a change of the leg's bodies explains; None for a leg on the ground
 
 
 def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float) -> Evaluation:
-    """Compute τ_w = W β − τ, both sides filtered alike, block by block.
-
-    Args:
-        estimate: The estimate.
-        recording: Motion and torque.
-        preparation: Way to filtered torques.
-        bandwidth: Noise bandwidth of its filter over that of the training's.
-
-    Returns:
-        The torque and its variance at all samples that count.
-
-    Raises:
-        ExoidError: The torque was not measured, the recording is too short, or a foot rests by an unknown wrench.
-    """
+    """Compute τ_w = W β − τ, both sides filtered alike, block by block."""
     if stands(estimate, recording):
         compared = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
         torque, variance = compared.predicted - compared.measured, compared.variance
@@ -119,10 +93,8 @@ def _settled(prepared: Prepared, stretch: range) -> BoolArray:
 
 
 def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> FloatArray | None:
-    """How unknown friction is at each sample, (n, N): 1 where a joint turns round or rests, 0 from the reversal speed.
-
-    A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
-    """
+    """How unknown friction is at each sample, (n, N): 1 at reversals and rest, 0 from the reversal speed."""
+    # A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
     v = prepared.motion.v
     slow = estimate.model.reversing(v)
     if slow is None or prepared.parallel is None:

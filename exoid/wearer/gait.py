@@ -29,17 +29,11 @@ FINE = 100
 
 
 class Phase(NamedTuple):
-    """Phase of each sample.
+    """Phase of each sample."""
 
-    Attributes:
-        values: Phase, 0 to 1, (N,); not a number outside the strides.
-        period: Mean period [s].
-        source: What begins a cycle.
-    """
-
-    values: FloatArray
-    period: float
-    source: str
+    values: FloatArray  # phase, 0 to 1, (N,); not a number outside the strides
+    period: float  # mean period [s]
+    source: str  # what begins a cycle
 
 
 class GaitProfile(NamedTuple):
@@ -61,22 +55,10 @@ class GaitProfile(NamedTuple):
 
 
 def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase | None:
-    """Find the phase of each sample of a recording with even time stamps.
-
-    Strides that are given count first, then touch-downs of the first link in ``contacts``, then the period of the
-    angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
-    (its analytic signal), so that it follows a cadence that changes slowly.
-
-    Args:
-        recording: The recording, evenly sampled.
-        strides: Times at which strides begin [s], (S,); None to find them.
-
-    Returns:
-        The phase; None if nothing repeats.
-
-    Raises:
-        ExoidError: Strides are not rising times within the recording.
-    """
+    """Find the phase of each sample of a recording with even time stamps."""
+    # Strides that are given count first, then touch-downs of the first link in `contacts`, then the period of the
+    # angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
+    # (its analytic signal), so that it follows a cadence that changes slowly.
     if strides is not None:
         return _of_strides(recording, _checked(recording, strides), "given strides")
     for link, flags in recording.contacts.items():
@@ -88,20 +70,7 @@ def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase 
 
 
 def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray, bins: int = 20) -> GaitProfile:
-    """Average a torque and its power over the phase.
-
-    Args:
-        torque: Torque [N·m], (N, n).
-        velocity: Velocity [rad/s], (N, n).
-        phase: Phase, 0 to 1, (N,); samples without one are left out.
-        bins: Number of bins K.
-
-    Returns:
-        The profile; not a number in bins without samples.
-
-    Raises:
-        ExoidError: The number of bins is below one.
-    """
+    """Average a torque and its power over the phase."""
     if bins < 1:
         raise ExoidError(f"a profile of {bins} bins", remedy="ask for 20, or at least one")
     known = ~np.isnan(phase)

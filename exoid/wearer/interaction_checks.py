@@ -32,17 +32,7 @@ DOMINANT = 10.0
 def constant_torques(
     estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction], source: str = ""
 ) -> Iterator[Finding]:
-    """Find torques that are constant: a zero of a sensor that moved looks like a wearer who pushes evenly.
-
-    Args:
-        estimate: The estimate.
-        evidence: What the residuals say.
-        actions: Result of the test of each joint.
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find torques that are constant: a zero of a sensor that moved looks like a wearer who pushes evenly."""
     for joint, mean, power, action in zip(estimate.joint_names, evidence.mean, evidence.power, actions, strict=True):
         if action.steady and (not action.acts or mean**2 > DOMINANT * power):
             yield Finding(
@@ -60,17 +50,7 @@ def constant_torques(
 def body_like(
     estimate: EstimateData, bodies: BodyFit | None, actions: Sequence[JointAction], source: str = ""
 ) -> Iterator[Finding]:
-    """Find an interaction that other bodies on the leg explain: a payload, a passive limb, or a wrong estimate.
-
-    Args:
-        estimate: The estimate.
-        bodies: What a change of the leg's bodies explains; None where that was not looked for.
-        actions: Result of the test of each joint.
-        source: Name of the recording.
-
-    Yields:
-        One finding, or none.
-    """
+    """Find an interaction that other bodies on the leg explain: a payload, a passive limb, or a wrong estimate."""
     if bodies is None or bodies.share < BODIES or not any(action.acts for action in actions):
         return
     share, weight = f"{bodies.share:.0%} of the torque is that of bodies on the leg", bodies.weight
@@ -90,16 +70,7 @@ def body_like(
 
 
 def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str = "") -> Iterator[Finding]:
-    """Find joints whose training left much torque unexplained: something may have acted there too.
-
-    Args:
-        estimate: The estimate.
-        predicted: Predicted torque of this recording [N·m], (N, n).
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint.
-    """
+    """Find joints whose training left much torque unexplained: something may have acted there too."""
     spread = predicted.std(axis=0)
     for joint, rms, size, trained in zip(
         estimate.joint_names, estimate.residual_rms, spread, estimate.trained, strict=True
@@ -119,16 +90,7 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str = 
 
 
 def too_few_samples(estimate: EstimateData, evidence: Evidence, source: str = "") -> Iterator[Finding]:
-    """Find recordings that are too short for the test.
-
-    Args:
-        estimate: The estimate.
-        evidence: What the residuals say.
-        source: Name of the recording.
-
-    Yields:
-        One finding, or none.
-    """
+    """Find recordings that are too short for the test."""
     least = float(np.min(np.where(np.isnan(evidence.power), np.inf, evidence.effective)))
     if least < FEW:
         yield Finding(
@@ -146,18 +108,7 @@ def too_few_samples(estimate: EstimateData, evidence: Evidence, source: str = ""
 def lower_cutoffs(
     joints: Sequence[str], cutoffs: FloatArray, lost: FloatArray, own: float | None, source: str = ""
 ) -> Iterator[Finding]:
-    """Say which torques are low-passed below the cut-off of the estimate, as noise is larger beyond.
-
-    Args:
-        joints: Joints.
-        cutoffs: Cut-offs [Hz], (n,); not a number for a joint without torque.
-        lost: RMS of the torque between both cut-offs [N·m], (n,).
-        own: Cut-off of the estimate or the one that was given [Hz].
-        source: Name of the recording.
-
-    Yields:
-        One finding for each joint whose cut-off is lower.
-    """
+    """Say which torques are low-passed below the cut-off of the estimate, as noise is larger beyond."""
     for joint, cutoff, rms in zip(joints, cutoffs.tolist(), lost.tolist(), strict=True):
         if own is not None and cutoff < own:
             yield Finding(

@@ -171,17 +171,9 @@ def compare_limb(
 
 
 def late_torque_notes(*estimates: EstimateData) -> tuple[str, ...]:
-    """Say that torques of a log are late, an error of parameters that intervals do not contain.
-
-    Half a millisecond is enough, as of a torque that is held over a control period of 1 ms: errors of X and Y of the
-    leg alone are then two to four times their standard deviations.
-
-    Args:
-        *estimates: Estimates of the leg.
-
-    Returns:
-        A note, or none.
-    """
+    """Say that torques of a log are late, an error of parameters that intervals do not contain."""
+    # Half a millisecond is enough, as of a torque that is held over a control period of 1 ms: errors of X and Y of the
+    # leg alone are then two to four times their standard deviations.
     late = [
         finding.value
         for estimate in estimates

@@ -84,19 +84,7 @@ class Safety:
 
 
 def per_joint(values: ArrayLike, name: str, n: int) -> FloatArray:
-    """Give each joint its number.
-
-    Args:
-        values: A number, or one for each joint.
-        name: Name for the message.
-        n: Number of joints.
-
-    Returns:
-        Numbers, (n,).
-
-    Raises:
-        ExoidError: They are for another number of joints.
-    """
+    """Give each joint its number."""
     array = np.asarray(values, dtype=np.float64)
     if array.shape not in ((), (n,)):
         raise ExoidError(f"{name} of shape {array.shape} for {n} joints", remedy="give a number, or one for each joint")

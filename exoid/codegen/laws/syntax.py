@@ -23,34 +23,16 @@ Node = tuple[Any, ...]
 
 
 class Function(NamedTuple):
-    """Function of a C file.
+    """Function of a C file."""
 
-    Attributes:
-        returns: Type of its result.
-        integers: Names of its integer parameters.
-        names: Names of all parameters in order.
-        body: Statements.
-    """
-
-    returns: str
-    integers: frozenset[str]
-    names: tuple[str, ...]
-    body: list[Node]
+    returns: str  # type of its result
+    integers: frozenset[str]  # names of its integer parameters
+    names: tuple[str, ...]  # names of all parameters in order
+    body: list[Node]  # statements
 
 
 def functions_of(source: str, types: frozenset[str]) -> dict[str, Function]:
-    """Read the functions of a C file.
-
-    Args:
-        source: The file, without macros that are functions.
-        types: Names of types beside int.
-
-    Returns:
-        Functions by name.
-
-    Raises:
-        ExoidError: The file has syntax that exoid does not write.
-    """
+    """Read the functions of a C file."""
     return _Parser(_tokens(source), types | {"int", "void", "uint32_t", "double", "float"}).functions()
 
 

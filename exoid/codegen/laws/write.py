@@ -230,18 +230,7 @@ def _plausible(law: LawInC, source: str, prefix: str) -> str:
 
 
 def describe_safety(safety: Safety, law: LawInC) -> str:
-    """Say in one line what the safe torque is.
-
-    Args:
-        safety: Watchdog and safe torque.
-        law: The law.
-
-    Returns:
-        The line.
-
-    Raises:
-        ExoidError: The damping is for another number of joints.
-    """
+    """Say in one line what the safe torque is."""
     damping = safety.gains(law.damping)
     numbers = ", ".join(f"{value:.4g}" for value in damping)
     damped = f"damping of {numbers} N m s/rad while the velocity is known, otherwise zero" if damping.any() else ""

@@ -101,21 +101,7 @@ class Ros2Package:
 
 
 def package_name(folder: str | Path) -> str:
-    """Turn a folder's name into the name of a package, which is also the prefix of the C.
-
-    Args:
-        folder: The folder.
-
-    Returns:
-        Name of lower-case letters, digits and underscores.
-
-    Raises:
-        ExoidError: Nothing in the name can stand in C.
-
-    Example:
-        >>> package_name("robots/Left-Leg")
-        'left_leg'
-    """
+    """Turn a folder's name into the name of a package, which is also the prefix of the C."""
     return identifier(Path(folder).resolve().name).lower()
 
 

@@ -59,40 +59,19 @@ def leg_in_c(
 
 
 def damping_of(model: ControlModel) -> FloatArray:
-    """Choose the damping of the safe torque: the default Kd of controllers, at the zero pose.
-
-    Args:
-        model: The model.
-
-    Returns:
-        Damping [N·m·s/rad], (n,).
-    """
+    """Choose the damping of the safe torque: the default Kd of controllers, at the zero pose."""
     return default_gains(model, np.zeros(model.n))[1]
 
 
 def compensated(friction: FrictionCompensation | None) -> str:
-    """Write the statement that compensates friction.
-
-    Args:
-        friction: Friction compensation; None for none.
-
-    Returns:
-        Line that fills ``friction``; zeros without compensation.
-    """
+    """Write the statement that compensates friction."""
     if friction is None:
         return "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = {{number(0)}};\n    }"
     return f"    {{{{p}}}}_friction(in->{'v_d' if friction.velocity == 'desired' else 'v'}, friction);"
 
 
 def friction_in_words(friction: FrictionCompensation | None) -> str:
-    """Write the friction compensation for an equation in a comment.
-
-    Args:
-        friction: Friction compensation; None for none.
-
-    Returns:
-        Summand, empty without compensation.
-    """
+    """Write the friction compensation for an equation in a comment."""
     if friction is None:
         return ""
     share = "" if friction.scale == 1.0 else f"{friction.scale:g} "

@@ -9,14 +9,7 @@ from exoid.control.motion_filter import MotionFilter
 
 
 def filter_tables(law: MotionFilter) -> tuple[ArrayInC, ...]:
-    """Write the constants of the filter.
-
-    Args:
-        law: The filter.
-
-    Returns:
-        Tables whose names begin with ``filter_``.
-    """
+    """Write the constants of the filter."""
     step = law.pole / law.rate
     constants = {
         "filter_delay": (law.delay, "delay 2/lambda of the motion filter [s]"),

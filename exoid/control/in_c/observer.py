@@ -35,22 +35,7 @@ def observer_in_c(
     tables: Sequence[ArrayInC],
     memory: Sequence[ArrayInC],
 ) -> LawInC:
-    """Describe an observer with measured velocities. It gives the torque, without band and detection.
-
-    Args:
-        observer: The observer.
-        dialect: Precision.
-        equation: Equation for the comment.
-        filtered: Statements for joint j that turn ``mean``, the balance of momentum, into ``tau[j]``.
-        tables: Constants of these statements.
-        memory: Memory of these statements.
-
-    Returns:
-        The observer for C.
-
-    Raises:
-        ExoidError: Channels lag differently, or a term of the model has no form in C.
-    """
+    """Describe an observer with measured velocities. It gives the torque, without band and detection."""
     alignment, n = observer.alignment, observer.model.n
     if alignment.waiting > 0.0 or alignment.lags.any():
         raise ExoidError(

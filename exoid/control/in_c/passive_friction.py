@@ -7,27 +7,12 @@ from exoid.control.passive_friction import PassiveFriction
 
 
 def friction_of(friction: PassiveFriction | None) -> FrictionCompensation | None:
-    """Make the compensation before it is cut off where it would drive.
-
-    Args:
-        friction: Friction compensation that never drives; None for none.
-
-    Returns:
-        Friction compensation of the same share and width.
-    """
+    """Make the compensation before it is cut off where it would drive."""
     return None if friction is None else FrictionCompensation("measured", friction.width, friction.share)
 
 
 def passive(friction: PassiveFriction | None, velocity: str) -> str:
-    """Write the statements that compensate friction.
-
-    Args:
-        friction: Friction compensation that never drives; None for none.
-        velocity: Array of velocities in C.
-
-    Returns:
-        Lines that fill ``friction``; zeros without compensation.
-    """
+    """Write the statements that compensate friction."""
     if friction is None:
         return "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = {{number(0)}};\n    }"
     return (
@@ -39,13 +24,5 @@ def passive(friction: PassiveFriction | None, velocity: str) -> str:
 
 
 def passive_in_words(friction: PassiveFriction | None, velocity: str) -> str:
-    """Write the friction compensation for an equation in a comment.
-
-    Args:
-        friction: Friction compensation that never drives; None for none.
-        velocity: Name of the velocity.
-
-    Returns:
-        Summand, empty without compensation.
-    """
+    """Write the friction compensation for an equation in a comment."""
     return "" if friction is None else f" + {friction.share:g} F({velocity}), never driving"

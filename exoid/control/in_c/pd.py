@@ -37,17 +37,6 @@ def pd_in_c(law: PD, dialect: Dialect) -> LawInC:
 
 
 def gain_tables(law: PD, n: int) -> tuple[ArrayInC, ArrayInC]:
-    """Write the gains of PD feedback.
-
-    Args:
-        law: The feedback.
-        n: Number of joints.
-
-    Returns:
-        Tables kp and kd.
-
-    Raises:
-        ExoidError: The gains are for another number of joints, or for several legs.
-    """
+    """Write the gains of PD feedback."""
     kp, kd = (np.asarray(per_joint(gain, name, n)) for gain, name in ((law.kp, "kp"), (law.kd, "kd")))
     return ArrayInC("kp", "Kp [N m/rad]", kp), ArrayInC("kd", "Kd [N m s/rad]", kd)

@@ -6,12 +6,5 @@ from importlib import resources
 
 
 def step_of(name: str) -> str:
-    """Read the statements of a law.
-
-    Args:
-        name: Name of the template.
-
-    Returns:
-        The template; see :class:`exoid.codegen.laws.LawInC`.
-    """
+    """Read the statements of a law."""
     return resources.files(__package__).joinpath("steps", f"{name}.c.jinja").read_text(encoding="utf-8")

@@ -32,17 +32,11 @@ class Channels(NamedTuple):
 
 
 class AlignmentMemory(NamedTuple):
-    """Memory of an :class:`Alignment`; empty arrays where a part does not act.
+    """Memory of an :class:`Alignment`; empty arrays where a part does not act."""
 
-    Attributes:
-        past: Last readings of angles, velocities and torques, the newest first, (D, 3, n).
-        low_pass: Memory of the low-pass of the three channels, (m, 3, n).
-        derivative: Memory of the filter that gives the velocity, (m, n).
-    """
-
-    past: FloatArray
-    low_pass: FloatArray
-    derivative: FloatArray
+    past: FloatArray  # last readings of angles, velocities and torques, the newest first, (D, 3, n)
+    low_pass: FloatArray  # memory of the low-pass of the three channels, (m, 3, n)
+    derivative: FloatArray  # memory of the filter that gives the velocity, (m, n)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,17 +22,7 @@ SAME_RATE = 1e-3
 
 
 def refuse_reading(reading: Channels, before: FloatArray, rate: float, names: tuple[str, ...]) -> None:
-    """Refuse a reading that no leg makes.
-
-    Args:
-        reading: Readings, (n,) or (N, n).
-        before: Angles of the sample before each [rad], of the same shape.
-        rate: Sampling rate [Hz].
-        names: Joints, (n,).
-
-    Raises:
-        ExoidError: A reading has another shape or is not finite, or an angle jumps.
-    """
+    """Refuse a reading that no leg makes."""
     for what, values in zip(("angle", "velocity", "torque"), reading, strict=True):
         if values is None:
             continue
@@ -57,20 +47,7 @@ def refuse_reading(reading: Channels, before: FloatArray, rate: float, names: tu
 
 
 def observed_channels(source: ModelSource, recording: Recording, rate: float) -> tuple[Recording, Channels]:
-    """Pick the channels that an observer reads from a log, joints in the order of the leg.
-
-    Args:
-        source: Model of the observer.
-        recording: The log.
-        rate: Rate of the observer [Hz].
-
-    Returns:
-        The log of the leg's joints, and its channels, (N, n).
-
-    Raises:
-        ExoidError: Joints or torques are missing, the rate is another, time has gaps, the base moves, or the leg
-            carries payloads.
-    """
+    """Pick the channels that an observer reads from a log, joints in the order of the leg."""
     where = recording.source.name if recording.source else ""
     model = source.model if isinstance(source, Estimate) else TorqueModel.at_start(ControlModel.of(source).leg, ())
     if isinstance(source, Estimate) and source.actuators is not None:

@@ -15,15 +15,10 @@ LONGEST = 200_000
 
 @dataclass(frozen=True, eq=False)
 class JointFilters:
-    """Filter y = b(z) / a(z) x of order m of each joint, in transposed direct form II.
+    """Filter y = b(z) / a(z) x of order m of each joint, in transposed direct form II."""
 
-    Attributes:
-        b: Numerators, powers of z⁻¹ rising, (m + 1, n).
-        a: Denominators, the first coefficient 1, (m + 1, n).
-    """
-
-    b: FloatArray
-    a: FloatArray
+    b: FloatArray  # numerators, powers of z⁻¹ rising, (m + 1, n)
+    a: FloatArray  # denominators, the first coefficient 1, (m + 1, n)
 
     @property
     def order(self) -> int:
@@ -31,14 +26,7 @@ class JointFilters:
         return len(self.b) - 1
 
     def settled(self, x: FloatArray) -> FloatArray:
-        """Make the memory after an input that was constant for ever.
-
-        Args:
-            x: The input, (..., n).
-
-        Returns:
-            Memory, (m, ..., n).
-        """
+        """Make the memory after an input that was constant for ever."""
         y = self.b.sum(axis=0) / self.a.sum(axis=0) * x
         memory = np.zeros((self.order + 1, *x.shape))
         for k in range(self.order, 0, -1):
@@ -46,15 +34,7 @@ class JointFilters:
         return memory[:-1]
 
     def step(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter one sample.
-
-        Args:
-            memory: Memory, (m, ..., n).
-            x: Input, (..., n).
-
-        Returns:
-            Output, (..., n), and the memory for the next sample.
-        """
+        """Filter one sample."""
         y = self.b[0] * x + memory[0]
         after = np.empty_like(memory)
         for k in range(self.order):
@@ -64,42 +44,19 @@ class JointFilters:
         return y, after
 
     def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter consecutive samples.
-
-        Args:
-            memory: Memory before the first, (m, ..., n).
-            x: Inputs, (N, ..., n).
-
-        Returns:
-            Outputs, (N, ..., n), and the memory after the last sample.
-        """
+        """Filter consecutive samples."""
         y, after = np.empty_like(x), np.empty_like(memory)
         for j, (b, a) in enumerate(zip(self.b.T, self.a.T, strict=True)):
             y[..., j], after[..., j] = scipy.signal.lfilter(b, a, x[..., j], axis=0, zi=memory[..., j])
         return y, after
 
     def response(self, frequency: float, rate: float) -> FloatArray:
-        """Compute the frequency response of each joint.
-
-        Args:
-            frequency: Frequency [Hz].
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Complex gains, (n,).
-        """
+        """Compute the frequency response of each joint."""
         delays = np.exp(-2j * np.pi * frequency / rate * np.arange(self.order + 1))
         return np.asarray((delays @ self.b) / (delays @ self.a))
 
     def impulse_response(self, x: FloatArray) -> FloatArray:
-        """Filter a short input until the output is over.
-
-        Args:
-            x: Input of every joint, (K,).
-
-        Returns:
-            Outputs, (N, n).
-        """
+        """Filter a short input until the output is over."""
         radius = max(float(np.abs(np.roots(a)).max(initial=0.0)) for a in self.a.T)
         rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))
         inputs = np.zeros((min(len(x) + rings, LONGEST), self.b.shape[1]))
@@ -108,14 +65,5 @@ class JointFilters:
 
 
 def of_all_joints(b: FloatArray, a: FloatArray, n: int) -> JointFilters:
-    """Give every joint the same filter.
-
-    Args:
-        b: Numerator, (m + 1,).
-        a: Denominator, the first coefficient 1, (m + 1,).
-        n: Number of joints.
-
-    Returns:
-        The filters.
-    """
+    """Give every joint the same filter."""
     return JointFilters(np.tile(b[:, None], n), np.tile(a[:, None], n))

@@ -187,17 +187,11 @@ class KalmanObserver(TorqueObserver):
 
 
 class SteadyState(NamedTuple):
-    """Steady state of the filter of one joint, in units of the mean torque of a sampling interval.
+    """Steady state of the filter of one joint, in units of the mean torque of a sampling interval."""
 
-    Attributes:
-        gain: Gains L1 and T L2, (2,).
-        std: Standard deviation of the torque's error [N·m].
-        walk: Variance of the torque's change within a sample [N²·m²].
-    """
-
-    gain: FloatArray
-    std: float
-    walk: float
+    gain: FloatArray  # gains L1 and T L2, (2,)
+    std: float  # standard deviation of the torque's error [N·m]
+    walk: float  # variance of the torque's change within a sample [N²·m²]
 
 
 def _steady_state(walk: float, process: float, measurement: float) -> SteadyState:

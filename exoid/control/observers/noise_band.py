@@ -17,28 +17,15 @@ from .sensor_noise import SensorNoise
 
 
 class Residual(NamedTuple):
-    """Residual of an identification as noise of the torque balance, (n,) each.
+    """Residual of an identification as noise of the torque balance, (n,) each."""
 
-    Attributes:
-        variance: Variance of the residuals, behind the filter of the identification [N²·m²].
-        density: Two-sided power spectral density of white noise with these residuals [N²·m²/Hz].
-        share: Share of white torque noise that this filter left, of its variance.
-    """
-
-    variance: FloatArray
-    density: FloatArray
-    share: float
+    variance: FloatArray  # variance of the residuals, behind the filter of the identification [N²·m²]
+    density: FloatArray  # two-sided power spectral density of white noise with these residuals [N²·m²/Hz]
+    share: float  # share of white torque noise that this filter left, of its variance
 
     @classmethod
     def of(cls, estimate: Estimate) -> Residual:
-        """Read the residual of an estimate.
-
-        Args:
-            estimate: The estimate.
-
-        Returns:
-            Its residual, without what its model error explains.
-        """
+        """Read the residual of an estimate."""
         lost = (estimate.dof + len(estimate.values)) / estimate.dof
         variance = lost * estimate.residual_rms**2
         if estimate.model_error is not None:
@@ -52,22 +39,15 @@ class Residual(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class NoiseBand:
-    """Variance of a reading by noise: σ_i² = g_τ σ_τ,i² + g_v Σ_j M_ij² σ_v,j² + what the identification left.
+    """Variance of a reading by noise: σ_i² = g_τ σ_τ,i² + g_v Σ_j M_ij² σ_v,j² + what the identification left."""
 
-    Gains g are sums of squared impulse responses, with the mass matrix as slow. Noise of angles enters by the velocity
-    that is derived from them; its part through gravity is neglected.
+    # Gains g are sums of squared impulse responses, with the mass matrix as slow. Noise of angles enters by the
+    # velocity that is derived from them; its part through gravity is neglected.
 
-    Attributes:
-        torque: Variance by torque noise and by what the identification left [N²·m²], (n,).
-        velocity: Gain g_v,i of each reading, and variance σ_v,j² of each sensor [rad²/s²], (2, n).
-        derived: The same where velocities are derived from angles: gain, and variance of angles [rad²].
-        level: Threshold in standard deviations, (n,).
-    """
-
-    torque: FloatArray
-    velocity: FloatArray
-    derived: FloatArray
-    level: FloatArray
+    torque: FloatArray  # variance by torque noise and by what the identification left [N²·m²], (n,)
+    velocity: FloatArray  # gain g_v,i of each reading, and variance σ_v,j² of each sensor [rad²/s²], (2, n)
+    derived: FloatArray  # the same where velocities are derived from angles: gain, and variance of angles [rad²]
+    level: FloatArray  # threshold in standard deviations, (n,)
 
     @classmethod
     def of(
@@ -78,21 +58,7 @@ class NoiseBand:
         residual: Residual | None,
         false_alarms: float,
     ) -> NoiseBand:
-        """Compute the gains of the observer's filters.
-
-        Args:
-            alignment: Filters of the channels.
-            filters: Filters of the torque balance.
-            noise: Noise of the sensors; None if it is unknown: the threshold is then infinite.
-            residual: Residual of the identification; None without an estimate.
-            false_alarms: False alarms per minute of all joints together.
-
-        Returns:
-            The band.
-
-        Raises:
-            ExoidError: The noise fits other joints, or the rate of false alarms is not positive.
-        """
+        """Compute the gains of the observer's filters."""
         n, rate = alignment.n, alignment.rate
         responses = filtered_noise(alignment, filters)
         gains = [(h**2).sum(axis=0) for h in responses]
@@ -113,29 +79,13 @@ class NoiseBand:
         )
 
     def variance(self, M: FloatArray, *, derived: bool) -> FloatArray:
-        """Variance of the reading.
-
-        Args:
-            M: Mass matrix [kg·m²], (n, n) or (N, n, n).
-            derived: Whether the velocities come from the angles.
-
-        Returns:
-            Variance [N²·m²], (n,) or (N, n).
-        """
+        """Variance of the reading."""
         gain, of_sensor = self.derived if derived else self.velocity
         return np.asarray(self.torque + gain * (M**2 @ of_sensor))
 
 
 def filtered_noise(alignment: Alignment, filters: JointFilters) -> list[FloatArray]:
-    """Impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1.
-
-    Args:
-        alignment: Filters of the channels.
-        filters: Filters of the torque balance.
-
-    Returns:
-        Responses to one unit in one sample, (N, n) each; that of angles is that of velocities without a low-pass.
-    """
+    """Impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1."""
     one = np.array([1.0])
     smoothed, slope = (one, one) if alignment.filters is None else (_first(f, one) for f in alignment.filters)
     halves, steps = np.array([0.5, 0.5]), np.array([alignment.rate, -alignment.rate])
@@ -144,14 +94,7 @@ def filtered_noise(alignment: Alignment, filters: JointFilters) -> list[FloatArr
 
 
 def effective_share(responses: list[FloatArray]) -> FloatArray:
-    """Independent samples that say as much on the size of filtered noise as one of its, the fewest of several kinds.
-
-    Args:
-        responses: Impulse responses of the filters, (N, n) each.
-
-    Returns:
-        (mean S)² / mean S² of the spectrum S, the smallest of all, (n,).
-    """
+    """Independent samples that say as much on the size of filtered noise as one of its, the fewest of several kinds."""
     shares = []
     for response in responses:
         spectrum = np.abs(np.fft.rfft(response, 2 * len(response), axis=0)) ** 2

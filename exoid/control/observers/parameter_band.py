@@ -16,41 +16,24 @@ from exoid.torques.with_columns import WithColumns
 
 
 class MomentumColumns(NamedTuple):
-    """Derivatives of momentum and torque by the parameters, (K, n) or (N, K, n) each.
+    """Derivatives of momentum and torque by the parameters, (K, n) or (N, K, n) each."""
 
-    Attributes:
-        p: Columns of M(q) v.
-        model: Columns of Cᵀv − G − springs − friction.
-    """
-
-    p: FloatArray
-    model: FloatArray
+    p: FloatArray  # columns of M(q) v
+    model: FloatArray  # columns of Cᵀv − G − springs − friction
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterBand:
-    """Columns of an estimate's parameters, and of friction of other forms where the estimate has a model error.
+    """Columns of an estimate's parameters, and of friction of other forms where the estimate has a model error."""
 
-    With W(q, v, a) the columns of the torque, those of the momentum are W(q, 0, v) − W(q, 0, 0). Those of
-    Cᵀv − G − … are those of Cᵀv, by the quadratic form of :class:`.MomentumTerms`, less W(q, v, 0) without Coriolis
-    terms. Contacts with memory count as sliding, as in :class:`exoid.control.ControlModel`.
+    # With W(q, v, a) the columns of the torque, those of the momentum are W(q, 0, v) − W(q, 0, 0). Those of
+    # Cᵀv − G − … are those of Cᵀv, by the quadratic form of `.MomentumTerms`, less W(q, v, 0) without Coriolis
+    # terms. Contacts with memory count as sliding, as in `exoid.control.ControlModel`.
 
-    Attributes:
-        estimate: The estimate.
-    """
-
-    estimate: Estimate
+    estimate: Estimate  # the estimate
 
     def columns(self, q: FloatArray, v: FloatArray) -> MomentumColumns:
-        """Form the columns.
-
-        Args:
-            q: Angles [rad], (N, n).
-            v: Velocities [rad/s], (N, n).
-
-        Returns:
-            Columns, (N, K, n).
-        """
+        """Form the columns."""
         count, n = q.shape
         rigid = len(self.estimate.leg.parameter_names)
         still, units = np.zeros_like(q), np.eye(n)
@@ -67,14 +50,7 @@ class ParameterBand:
         return MomentumColumns(pushed - rest, model)
 
     def variance(self, filtered: FloatArray) -> FloatArray:
-        """Variance that the errors of the parameters and the model error give a filtered balance.
-
-        Args:
-            filtered: Filtered columns of ṗ − (Cᵀv − …), (N, K, n).
-
-        Returns:
-            Variance [N²·m²], (N, n).
-        """
+        """Variance that the errors of the parameters and the model error give a filtered balance."""
         rows = filtered.transpose(0, 2, 1)
         found = ((rows[..., : len(self._covariance)] @ self._covariance) * rows[..., : len(self._covariance)]).sum(-1)
         if self.estimate.model_error is not None:

@@ -44,15 +44,10 @@ Observer = TypeVar("Observer", bound=TorqueObserver)
 
 
 class _Spectrum(NamedTuple):
-    """Power of the torque in bins of frequency, noise taken away.
+    """Power of the torque in bins of frequency, noise taken away."""
 
-    Attributes:
-        frequency: [Hz], (K,).
-        power: [N²·m²], (K, n); zero where noise hides it.
-    """
-
-    frequency: FloatArray
-    power: FloatArray
+    frequency: FloatArray  # [Hz], (K,)
+    power: FloatArray  # [N²·m²], (K, n); zero where noise hides it
 
 
 def tuned_observer(observer: Observer, recording: Recording, delay: float = DELAY) -> Observer:

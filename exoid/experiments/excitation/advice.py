@@ -61,18 +61,7 @@ class Advice(NamedTuple):
 def advise(
     model: TorqueModel, limits: MotionLimits, noise: TorqueNoise, scales: Scales, recorded: Information
 ) -> tuple[Advice, ...]:
-    """Find the simplest experiment for each parameter that is not determined well.
-
-    Args:
-        model: Leg and terms.
-        limits: Motion limits of the leg.
-        noise: Torque noise.
-        scales: Scales of the standard deviations.
-        recorded: Information of the recordings.
-
-    Returns:
-        Experiments, the simplest first; parameters that none improves are left out.
-    """
+    """Find the simplest experiment for each parameter that is not determined well."""
     now = recorded.precision(model, scales)
     poor = [k for k, grade in enumerate(now.identifiability) if grade != "well"]
     if not poor:

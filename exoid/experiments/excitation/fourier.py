@@ -16,17 +16,11 @@ AT_REST = 3
 
 
 class States(NamedTuple):
-    """Samples of a motion, (N, n) each.
+    """Samples of a motion, (N, n) each."""
 
-    Attributes:
-        q: Angles [rad].
-        v: Velocities [rad/s].
-        a: Accelerations [rad/s²].
-    """
-
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]
+    a: FloatArray  # accelerations [rad/s²]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -110,34 +104,17 @@ class FourierMotion:
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Basis of all series of K harmonics that are at rest at t = 0: m functions, of which the first is constant.
+    """Basis of all series of K harmonics that are at rest at t = 0: m functions, of which the first is constant."""
 
-    Attributes:
-        period: Period [s].
-        coefficients: Sine and cosine coefficients of each function but the first, (2 K, m − 1).
-        position: Samples of one period of the functions, (N, m).
-        velocity: First derivative of the functions [1/s], (N, m).
-        acceleration: Second derivative of the functions [1/s²], (N, m).
-    """
-
-    period: float
-    coefficients: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
+    period: float  # period [s]
+    coefficients: FloatArray  # sine and cosine coefficients of each function but the first, (2 K, m − 1)
+    position: FloatArray  # samples of one period of the functions, (N, m)
+    velocity: FloatArray  # first derivative of the functions [1/s], (N, m)
+    acceleration: FloatArray  # second derivative of the functions [1/s²], (N, m)
 
     @classmethod
     def make(cls, period: float, harmonics: int, samples: int) -> Basis:
-        """Compute the functions, scaled so that all reach about the same velocity.
-
-        Args:
-            period: Period [s].
-            harmonics: Number of harmonics K, at least two.
-            samples: Number of samples N of one period.
-
-        Returns:
-            Basis of m = 2 K − 2 functions.
-        """
+        """Compute the functions, scaled so that all reach about the same velocity."""
         k = np.arange(1.0, harmonics + 1.0)
         zero = np.zeros(harmonics)
         # in coefficients times k: velocity Σ s_k, acceleration Σ k c_k, jerk Σ k² s_k
@@ -160,40 +137,17 @@ class Basis:
         return int(self.position.shape[1])
 
     def states(self, x: FloatArray) -> States:
-        """Evaluate one period.
-
-        Args:
-            x: Coefficients of the functions [rad], (m, n).
-
-        Returns:
-            Angles, velocities and accelerations at N samples.
-        """
+        """Evaluate one period."""
         return States(self.position @ x, self.velocity @ x, self.acceleration @ x)
 
     def coefficient_gradient(self, gradient: States) -> FloatArray:
-        """Convert a gradient by samples into one by coefficients.
-
-        Args:
-            gradient: Gradient by angles, velocities and accelerations of the samples.
-
-        Returns:
-            Gradient by coefficients, (m, n).
-        """
+        """Convert a gradient by samples into one by coefficients."""
         return np.asarray(
             self.position.T @ gradient.q + self.velocity.T @ gradient.v + self.acceleration.T @ gradient.a
         )
 
     def motion(self, x: FloatArray, duration: float, pitch: float) -> FourierMotion:
-        """Make the motion of some coefficients.
-
-        Args:
-            x: Coefficients of the functions [rad], (m, n).
-            duration: Duration [s].
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            The motion.
-        """
+        """Make the motion of some coefficients."""
         both = self.coefficients @ x[1:]
         half = len(both) // 2
         return FourierMotion(x[0].copy(), both[:half], both[half:], self.period, duration, pitch)

@@ -109,18 +109,7 @@ class MotionLimits:
 
 
 def joint_index(leg: Leg, name: str) -> int:
-    """Find a joint by its name or label.
-
-    Args:
-        leg: The leg.
-        name: Name or label of the joint.
-
-    Returns:
-        Index of the joint.
-
-    Raises:
-        ExoidError: The leg does not have that joint.
-    """
+    """Find a joint by its name or label."""
     for names in (leg.joint_names, leg.joint_labels):
         if name in names:
             return names.index(name)

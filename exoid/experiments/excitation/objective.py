@@ -39,46 +39,30 @@ GAP = 0.003
 
 
 class Stage(NamedTuple):
-    """Settings of one stage of the search.
+    """Settings of one stage of the search."""
 
-    Attributes:
-        power: Power p of the mean (Σ r_i^p)^(1/p) of the relative variances r_i: 1 for A-optimality, large for the
-            worst parameter alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues).
-        penalty: Weight of the penalty.
-    """
-
+    # power p of the mean (Σ r_i^p)^(1/p) of the relative variances r_i: 1 for A-optimality, large for the worst
+    # parameter alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues)
     power: float
-    penalty: float
+    penalty: float  # weight of the penalty
 
 
 @dataclass(frozen=True, eq=False)
 class Objective:
-    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses.
+    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses."""
 
-    With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one motion for
-    each torso tilt, (T, m, n).
+    # With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one
+    # motion for each torso tilt, (T, m, n).
 
-    Attributes:
-        model: Leg and terms.
-        basis: Basis functions of the motions.
-        pitches: Tilt of the torso in each motion [rad], (T,).
-        limits: Motion limits.
-        noise: Torque noise.
-        scales: Scales of the standard deviations.
-        seconds: Duration of each motion [s].
-        rate: Rate of the log [Hz].
-        prior_information: Information of other data (poses) about scaled parameters, (P, P).
-    """
-
-    model: TorqueModel
-    basis: Basis
-    pitches: FloatArray
-    limits: MotionLimits
-    noise: TorqueNoise
-    scales: Scales
-    seconds: float
-    rate: float
-    prior_information: FloatArray
+    model: TorqueModel  # leg and terms
+    basis: Basis  # basis functions of the motions
+    pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
+    limits: MotionLimits  # motion limits
+    noise: TorqueNoise  # torque noise
+    scales: Scales  # scales of the standard deviations
+    seconds: float  # duration of each motion [s]
+    rate: float  # rate of the log [Hz]
+    prior_information: FloatArray  # information of other data (poses) about scaled parameters, (P, P)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -131,28 +115,12 @@ class Objective:
         return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
 
     def excesses(self, states: States, pitch: float) -> FloatArray:
-        """Compute the mean squared excess over each of the limits :data:`EXCESSES`.
-
-        Args:
-            states: Samples of a motion.
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            Mean squares of the relative excesses, (5,).
-        """
+        """Compute the mean squared excess over each of the limits :data:`EXCESSES`."""
         tau = np.einsum("pjt,p->tj", self._columns(states, pitch), self._beta)
         return np.array([part.mean for part in self._parts(states, tau, pitch)])
 
     def excess(self, states: States, pitch: float) -> float:
-        """Compute the mean squared excess over all limits.
-
-        Args:
-            states: Samples of a motion.
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            Sum of :meth:`excesses`, zero if all limits are kept.
-        """
+        """Compute the mean squared excess over all limits."""
         return float(self.excesses(states, pitch).sum())
 
     @property
@@ -166,37 +134,15 @@ class Objective:
         return EXCESSES
 
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
-        """Split coefficients.
-
-        Args:
-            x: Flattened coefficients.
-
-        Returns:
-            Views of the coefficients of each motion, (m, n) each.
-        """
+        """Split coefficients."""
         return tuple(x.reshape(self.shape))
 
     def excesses_of(self, number: int, states: States) -> FloatArray:
-        """Compute the mean squared excess over each limit.
-
-        Args:
-            number: Number of the motion.
-            states: Samples of it.
-
-        Returns:
-            Mean squares of the relative excesses, (5,).
-        """
+        """Compute the mean squared excess over each limit."""
         return self.excesses(states, float(self.pitches[number]))
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
-        """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits.
-
-        Args:
-            rng: Generator of the draw.
-
-        Returns:
-            Flattened coefficients.
-        """
+        """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
         limits, basis = self.limits, self.basis
         x = rng.standard_normal(self.shape)
         for each in x:
@@ -216,11 +162,7 @@ class Objective:
         return x.ravel()
 
     def narrowed(self) -> Objective:
-        """Narrow the limits by the reserve of the search.
-
-        Returns:
-            The objective with narrower limits.
-        """
+        """Narrow the limits by the reserve of the search."""
         return replace(self, limits=narrowed_limits(self.limits))
 
     @property
@@ -259,14 +201,7 @@ class Objective:
 
 
 def narrowed_limits(limits: MotionLimits) -> MotionLimits:
-    """Narrow limits by what the search reserves for values between its samples.
-
-    Args:
-        limits: The limits.
-
-    Returns:
-        Narrower ones.
-    """
+    """Narrow limits by what the search reserves for values between its samples."""
     gap, less = MARGIN * limits.span, 1.0 - MARGIN
     return replace(
         limits,
@@ -287,29 +222,13 @@ class Excess(NamedTuple):
 
 
 def beyond(x: FloatArray, limit: FloatArray) -> Excess:
-    """Compute the mean squared excess of sizes over a limit.
-
-    Args:
-        x: Samples, (N, n).
-        limit: Limit of the size of each, (n,).
-
-    Returns:
-        Mean square of the relative excess, and its derivative.
-    """
+    """Compute the mean squared excess of sizes over a limit."""
     part = np.maximum(np.abs(x) / limit - 1.0, 0.0)
     return Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
 
 
 def criterion_value(information: FloatArray, power: float) -> tuple[float, FloatArray]:
-    """Compute the criterion of an information matrix, see :class:`Stage`.
-
-    Args:
-        information: Information about scaled parameters, (P, P).
-        power: Power of the mean of the relative variances.
-
-    Returns:
-        Value, and gradient by the information matrix, (P, P).
-    """
+    """Compute the criterion of an information matrix, see :class:`Stage`."""
     count = len(information)
     eigenvalues, vectors = np.linalg.eigh(information)
     eigenvalues = np.maximum(eigenvalues, RIDGE * eigenvalues[-1])

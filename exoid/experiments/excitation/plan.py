@@ -33,21 +33,13 @@ SAMPLES = 24
 
 
 class Peaks(NamedTuple):
-    """Range of angle and largest absolute values at each joint, (n,) each.
+    """Range of angle and largest absolute values at each joint, (n,) each."""
 
-    Attributes:
-        lowest: Smallest angle [rad].
-        highest: Largest angle [rad].
-        velocity: Largest speed [rad/s].
-        acceleration: Largest acceleration [rad/s²].
-        torque: Largest expected torque [N·m]; friction of unknown size is not included.
-    """
-
-    lowest: FloatArray
-    highest: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
-    torque: FloatArray
+    lowest: FloatArray  # smallest angle [rad]
+    highest: FloatArray  # largest angle [rad]
+    velocity: FloatArray  # largest speed [rad/s]
+    acceleration: FloatArray  # largest acceleration [rad/s²]
+    torque: FloatArray  # largest expected torque [N·m]; friction of unknown size is not included
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -199,17 +191,7 @@ def plan_excitation(
 
 
 def planned_recording(model: TorqueModel, scales: Scales, motion: FourierMotion, rate: float) -> Recording:
-    """Make the log of a rig that follows a motion exactly, with the expected torque.
-
-    Args:
-        model: Leg and terms.
-        scales: Expected parameters.
-        motion: The motion.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Log with angles, velocities, accelerations and torques.
-    """
+    """Make the log of a rig that follows a motion exactly, with the expected torque."""
     time, (q, v, a) = motion.sampled(rate)
     torso = TorsoMotion(pitch=motion.pitch) if motion.pitch else None
     tau = model.regressor(q, v, a, torso) @ scales.expected

@@ -31,23 +31,7 @@ def choose_poses(
     count: int,
     rng: np.random.Generator,
 ) -> tuple[Poses, ...]:
-    """Choose poses greedily: each maximises ln det of the information so far (D-optimality).
-
-    Args:
-        model: Leg and terms.
-        limits: Limits of angles, holding torques and clearance.
-        noise: Torque noise.
-        scales: Scales of the standard deviations.
-        tilts: Tilts of the torso [rad], (T,).
-        count: Number of poses at each tilt.
-        rng: Generator of the candidates.
-
-    Returns:
-        Poses with their expected torques, for each tilt.
-
-    Raises:
-        ExoidError: Too few of the drawn poses are within the limits.
-    """
+    """Choose poses greedily: each maximises ln det of the information so far (D-optimality)."""
     information = np.eye(len(model.names)) / PRIOR_STD**2
     chosen = []
     for tilt in tilts:

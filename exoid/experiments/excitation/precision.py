@@ -95,27 +95,14 @@ class Precision:
 
 
 class Information(NamedTuple):
-    """Information of rows on the parameters: the two parts of the sandwich covariance.
+    """Information of rows on the parameters: the two parts of the sandwich covariance."""
 
-    Attributes:
-        r_factor: R factor of the weighted rows W̃, (P, P).
-        score_covariance: Covariance of the score W̃ᵀε under the noise, Σ_j W̃ᵀ F Fᵀ W̃, (P, P).
-        duration: Total duration of the motions [s].
-    """
-
-    r_factor: FloatArray
-    score_covariance: FloatArray
-    duration: float
+    r_factor: FloatArray  # R factor of the weighted rows W̃, (P, P)
+    score_covariance: FloatArray  # covariance of the score W̃ᵀε under the noise, Σ_j W̃ᵀ F Fᵀ W̃, (P, P)
+    duration: float  # total duration of the motions [s]
 
     def plus(self, other: Information) -> Information:
-        """Combine the information of independent rows.
-
-        Args:
-            other: Information of other rows on the same parameters.
-
-        Returns:
-            Information of all rows.
-        """
+        """Combine the information of independent rows."""
         return Information(
             _r_factor(self.r_factor, other.r_factor),
             self.score_covariance + other.score_covariance,
@@ -123,15 +110,7 @@ class Information(NamedTuple):
         )
 
     def precision(self, model: TorqueModel, scales: Scales) -> Precision:
-        """Compute the covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters.
-
-        Args:
-            model: Leg and terms.
-            scales: Scales of the standard deviations.
-
-        Returns:
-            Predicted precision.
-        """
+        """Compute the covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters."""
         inverse, condition, not_determined = _inverse(self.r_factor)
         covariance = inverse @ self.score_covariance @ inverse
         rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > ROUNDING * scales.scale
@@ -147,21 +126,7 @@ def information_of(
     noise: TorqueNoise,
     preparation: Preparation | None = None,
 ) -> Information:
-    """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation.
-
-    Args:
-        model: Leg and terms.
-        data: Motions and poses, whose torques are not used. Long motions are filtered in blocks, each of which loses
-            its ends to the filter.
-        noise: Torque noise, white before the filter.
-        preparation: Preparation as for :func:`exoid.identify`; None for its default.
-
-    Returns:
-        Information of all rows.
-
-    Raises:
-        ExoidError: A joint is missing, or a motion is too short for the filter.
-    """
+    """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation."""
     items, count = list(data), len(model.names)
     if preparation is None:
         preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in items if isinstance(one, Recording)]))

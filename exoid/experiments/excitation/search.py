@@ -43,26 +43,17 @@ LAST_ITERATIONS = 150
 
 
 class Iterate(NamedTuple):
-    """Point of the search: motions after some stages.
+    """Point of the search: motions after some stages."""
 
-    Attributes:
-        cost: Value of the objective.
-        x: Coefficients of the motions, flattened.
-    """
-
-    cost: float
-    x: FloatArray
+    cost: float  # value of the objective
+    x: FloatArray  # coefficients of the motions, flattened
 
 
 class SearchResult(NamedTuple):
-    """Result of a search.
+    """Result of a search."""
 
-    Attributes:
-        motions: Best motions, one for each torso tilt or set of supports.
-        costs: Value of the objective without penalty, for all starts that passed all stages, the best first.
-    """
-
-    motions: tuple[FourierMotion, ...]
+    motions: tuple[FourierMotion, ...]  # best motions, one for each torso tilt or set of supports
+    # value of the objective without penalty, for all starts that passed all stages, the best first
     costs: tuple[float, ...]
 
 
@@ -73,21 +64,7 @@ def search(
     seed: int | np.random.Generator,
     progress: Callable[[float], None] | None = None,
 ) -> SearchResult:
-    """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best.
-
-    Args:
-        objective: Objective to minimise.
-        criterion: "worst", "a" or "d".
-        starts: Number of motions drawn.
-        seed: Seed or generator of the draws.
-        progress: Function that receives the completed share, 0 to 1.
-
-    Returns:
-        Best motions, and costs of all that were finished.
-
-    Raises:
-        ExoidError: No motion was found within the limits.
-    """
+    """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best."""
     report, last = progress or (lambda _: None), LAST[criterion]
     inner = objective.narrowed()
     better = max(1, (starts + 1) // 2)

@@ -40,39 +40,13 @@ class Searched(Protocol):
         """Value and gradient at flattened coefficients."""
 
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
-        """Split coefficients.
-
-        Args:
-            x: Flattened coefficients.
-
-        Returns:
-            Views of the coefficients of each motion, (m, n) each.
-        """
+        """Split coefficients."""
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
-        """Draw coefficients from which a search begins.
-
-        Args:
-            rng: Generator of the draw.
-
-        Returns:
-            Flattened coefficients.
-        """
+        """Draw coefficients from which a search begins."""
 
     def narrowed(self) -> Searched:
-        """Narrow the limits by what the search reserves for values between its samples.
-
-        Returns:
-            The objective with narrower limits.
-        """
+        """Narrow the limits by what the search reserves for values between its samples."""
 
     def excesses_of(self, number: int, states: States) -> FloatArray:
-        """Compute the mean squared excess over each limit.
-
-        Args:
-            number: Number of the motion.
-            states: Samples of it.
-
-        Returns:
-            Mean squares of the relative excesses, (L,); zero if all limits are kept.
-        """
+        """Compute the mean squared excess over each limit."""

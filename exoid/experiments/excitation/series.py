@@ -19,20 +19,7 @@ FEWEST, MOST = 3, 20
 
 
 def series(duration: float, rate: float, highest: float, samples: int) -> tuple[float, Basis]:
-    """Choose period and harmonics of a motion.
-
-    Args:
-        duration: Duration of the motion [s].
-        rate: Sampling rate [Hz].
-        highest: Highest frequency [Hz].
-        samples: Samples of the search in each period of the highest harmonic.
-
-    Returns:
-        Duration in whole samples [s], and basis functions of one period.
-
-    Raises:
-        ExoidError: A number is not positive, the motion is too short or too long, or the rate too low.
-    """
+    """Choose period and harmonics of a motion."""
     if not (0.0 < duration < math.inf and 0.0 < rate < math.inf and 0.0 < highest < math.inf):
         raise ExoidError(
             f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"

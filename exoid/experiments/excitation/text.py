@@ -11,14 +11,7 @@ from .precision import Precision
 
 
 def precision_table(precision: Precision) -> DataTable:
-    """Make a table of expected value, predicted and relative standard deviation of each parameter.
-
-    Args:
-        precision: Predicted precision.
-
-    Returns:
-        Table with one line a parameter.
-    """
+    """Make a table of expected value, predicted and relative standard deviation of each parameter."""
     scales = precision.scales
     rows = zip(
         precision.names,
@@ -39,14 +32,7 @@ def precision_table(precision: Precision) -> DataTable:
 
 
 def identifiability_lines(precision: Precision) -> list[str]:
-    """Name the parameters that will not be determined well.
-
-    Args:
-        precision: Predicted precision.
-
-    Returns:
-        One line for each class but "well"; or one line that all parameters are well determined.
-    """
+    """Name the parameters that will not be determined well."""
     lines = []
     for word, phrase in (("not", "cannot be determined"), ("weakly", "will be determined weakly")):
         names = [n for n, grade in zip(precision.names, precision.identifiability, strict=True) if grade == word]

@@ -23,15 +23,10 @@ HELD = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Bearing:
-    """Plan of how a foot bears the machine, at K times.
+    """Plan of how a foot bears the machine, at K times."""
 
-    Attributes:
-        share: Share of the foot, 0 to 1, (K,).
-        point: Point of the foot at which the ground acts, in the axes of its link [m], (3,) or (K, 3).
-    """
-
-    share: FloatArray
-    point: FloatArray
+    share: FloatArray  # share of the foot, 0 to 1, (K,)
+    point: FloatArray  # point of the foot at which the ground acts, in the axes of its link [m], (3,) or (K, 3)
 
 
 def planned_motion(
@@ -44,23 +39,9 @@ def planned_motion(
     held: bool = False,
     borne: float = 1.0,
 ) -> GroundMotion:
-    """Add the torques to a planned motion.
-
-    The feet bear what the base needs, with the smallest forces, weighted by their shares: w = S Aᵀ (A S Aᵀ)⁻¹ r with
-    the base rows r and the base part A of the transposed Jacobians. Then τ = W_q π + resistances − Σ J_qᵀ w.
-
-    Args:
-        plant: The machine.
-        time: Times [s], (K,).
-        q: Joint angles [rad], (K, n).
-        base: Position forward and up [m] and pitch [rad] of the root link's origin, (K, 3).
-        feet: Feet that bear the machine; empty if the torso is held in the air.
-        held: Whether something else bears the force forward and the moment of the torso.
-        borne: Share of the ground force that the feet bear; a harness bears the rest.
-
-    Returns:
-        The motion with its torques.
-    """
+    """Add the torques to a planned motion."""
+    # The feet bear what the base needs, with the smallest forces, weighted by their shares: w = S Aᵀ (A S Aᵀ)⁻¹ r with
+    # the base rows r and the base part A of the transposed Jacobians. Then τ = W_q π + resistances − Σ J_qᵀ w.
     leg, b = plant.leg, plant.leg.base_rows
     joints, torso = scipy.interpolate.CubicSpline(time, q), scipy.interpolate.CubicSpline(time, base)
     v, a = joints(time, 1), joints(time, 2)

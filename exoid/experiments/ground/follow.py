@@ -26,22 +26,7 @@ def follow(
     rail: bool = False,
     spring: Spring | None = None,
 ) -> GroundRun:
-    """Let a machine follow a planned motion.
-
-    Args:
-        plant: The machine.
-        motion: The motion.
-        gains: Gains of the joints.
-        rates: Rates and step of the simulation.
-        rail: Whether a vertical rail holds the torso.
-        spring: Spring and damper that hold the torso; None for none.
-
-    Returns:
-        The run.
-
-    Raises:
-        ExoidError: A joint is beyond its limits, or the machine falls.
-    """
+    """Let a machine follow a planned motion."""
     refuse_poses_beyond_limits(plant.leg, motion.q)
     run = simulate_on_ground(plant, motion, gains, rail=rail, spring=spring, rates=rates)
     planned = scipy.interpolate.CubicSpline(motion.time, np.column_stack([motion.base[:, 1], motion.q]))(run.time)

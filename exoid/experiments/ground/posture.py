@@ -19,44 +19,21 @@ JOINTS = 3
 
 @dataclass(frozen=True, eq=False)
 class PlanarLeg:
-    """Leg of three joints in the plane, where a vector (forward, up) is the complex number x + i z.
+    """Leg of three joints in the plane, where a vector (forward, up) is the complex number x + i z."""
 
-    Angles are positive about −lateral, so that a body that turns by φ multiplies its vectors by e^{iφ}.
+    # Angles are positive about −lateral, so that a body that turns by φ multiplies its vectors by e^{iφ}.
 
-    Attributes:
-        foot: Link of the foot.
-        joints: Place of its joints among all joints.
-        hip: Place of the hip in the axes of the root link [m].
-        thigh: Vector from hip to knee at the zero pose [m].
-        shank: Vector from knee to ankle at the zero pose [m].
-        sole: Vectors from the ankle to the points of the sole at the zero pose [m], (K,).
-        signs: Signs of the joint axes, (3,).
-        knee: Sign of the knee angle of a leg that can walk.
-    """
-
-    foot: str
-    joints: slice
-    hip: complex
-    thigh: complex
-    shank: complex
-    sole: ComplexArray
-    signs: FloatArray
-    knee: float
+    foot: str  # link of the foot
+    joints: slice  # place of its joints among all joints
+    hip: complex  # place of the hip in the axes of the root link [m]
+    thigh: complex  # vector from hip to knee at the zero pose [m]
+    shank: complex  # vector from knee to ankle at the zero pose [m]
+    sole: ComplexArray  # vectors from the ankle to the points of the sole at the zero pose [m], (K,)
+    signs: FloatArray  # signs of the joint axes, (3,)
+    knee: float  # sign of the knee angle of a leg that can walk
 
     def angles(self, base: FloatArray, centre: ComplexArray, tilt: FloatArray) -> FloatArray:
-        """Find the joint angles that put the sole at a place.
-
-        Args:
-            base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
-            centre: Place of the middle of the sole in the laboratory [m], (N,).
-            tilt: Angle of the sole to the ground [rad], (N,).
-
-        Returns:
-            Angles of hip, knee and ankle [rad], (N, 3).
-
-        Raises:
-            ExoidError: The place is out of reach.
-        """
+        """Find the joint angles that put the sole at a place."""
         pitch = base[:, 2]
         ankle = centre - np.exp(1j * tilt) * self.sole.mean()
         way = ankle - (base[:, 0] + 1j * base[:, 1] + np.exp(1j * pitch) * self.hip)
@@ -74,28 +51,11 @@ class PlanarLeg:
         return np.asarray(self.signs * np.angle(np.exp(1j * turns)))
 
     def flexion(self, hip: float, knee: float, ankle: float) -> FloatArray:
-        """Convert flexion to joint angles.
-
-        Args:
-            hip: Flexion of the hip, forward [rad].
-            knee: Flexion of the knee, backward [rad].
-            ankle: Flexion of the ankle, upward [rad].
-
-        Returns:
-            Joint angles [rad], (3,).
-        """
+        """Convert flexion to joint angles."""
         return np.array([self.signs[0] * hip, self.knee * knee, self.signs[2] * ankle])
 
     def points(self, base: FloatArray, q: FloatArray) -> ComplexArray:
-        """Locate the points of the sole.
-
-        Args:
-            base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
-            q: Angles of all joints [rad], (N, n).
-
-        Returns:
-            Places in the laboratory [m], (N, K).
-        """
+        """Locate the points of the sole."""
         turns = base[:, 2:] + np.cumsum(self.signs * q[:, self.joints], axis=1)
         thigh, shank, foot = np.exp(1j * turns).T
         hip = base[:, 0] + 1j * base[:, 1] + np.exp(1j * base[:, 2]) * self.hip
@@ -104,17 +64,7 @@ class PlanarLeg:
 
 
 def planar_legs(plant: GroundPlant) -> tuple[PlanarLeg, ...]:
-    """Read the legs of a machine.
-
-    Args:
-        plant: The machine.
-
-    Returns:
-        Its legs, in the order of its joints.
-
-    Raises:
-        ExoidError: A leg is not planar, does not have three joints, or has no sole.
-    """
+    """Read the legs of a machine."""
     leg = plant.leg
     legs = tuple(_planar_leg(plant, limb) for limb in leg.limbs)
     if not legs:
@@ -146,16 +96,7 @@ def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
 
 
 def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> FloatArray:
-    """Locate the centre of mass.
-
-    Args:
-        plant: The machine.
-        base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        Its place forward in the laboratory [m], (N,).
-    """
+    """Locate the centre of mass."""
     model, plane = plant.leg.model, plant.plane
     rotation, translation = plant.leg.forward_kinematics(q)
     bodies = [model.inertias[j] for j in range(1, model.njoints)]
@@ -168,12 +109,5 @@ def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> Float
 
 
 def total_mass(plant: GroundPlant) -> float:
-    """Sum up the masses of all bodies.
-
-    Args:
-        plant: The machine.
-
-    Returns:
-        Mass [kg].
-    """
+    """Sum up the masses of all bodies."""
     return float(sum(body.mass for body in plant.leg.model.inertias))

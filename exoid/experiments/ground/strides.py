@@ -41,20 +41,7 @@ HARMONICS = 8
 
 
 def stride(speed: str | None, scale: float, period: float) -> Harmonics:
-    """Make the flexion of hip, knee and ankle.
-
-    Args:
-        speed: Norm, see :func:`exoid.datasets.gait_norm`; None for the stride of :func:`healthy_gait`, to which an
-            ankle is added that puts the sole at the angles :data:`TILT_DEG`.
-        scale: Factor of the amplitudes about the mean.
-        period: Time of a stride [s].
-
-    Returns:
-        Flexion of one leg.
-
-    Raises:
-        ExoidError: There is no norm of that name, or its file is missing.
-    """
+    """Make the flexion of hip, knee and ankle."""
     if speed is not None:
         return norm_gait(speed, scale, period)
     published, phase = healthy_gait(scale, period), np.linspace(0.0, 1.0, 400, endpoint=False)
@@ -68,18 +55,7 @@ def stride(speed: str | None, scale: float, period: float) -> Harmonics:
 def walking_angles(
     machine: Leg, legs: tuple[PlanarLeg, ...], time: FloatArray, flexion: Harmonics, period: float
 ) -> FloatArray:
-    """Let all legs follow a stride, evenly apart, that grows from its mean posture.
-
-    Args:
-        machine: The machine.
-        legs: Its legs.
-        time: Times [s], (K,).
-        flexion: Flexion of one leg.
-        period: Time of a stride [s].
-
-    Returns:
-        Joint angles [rad], (K, n).
-    """
+    """Let all legs follow a stride, evenly apart, that grows from its mean posture."""
     q = np.zeros((len(time), len(machine.joint_names)))
     for number, leg in enumerate(legs):
         own = Leg.from_description(machine.description, machine.joint_names[leg.joints])

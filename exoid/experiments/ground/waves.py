@@ -23,42 +23,18 @@ SIZES = np.array([0.5, 0.45, 0.4, 0.15])
 
 
 def knots(duration: float) -> FloatArray:
-    """Choose the times at which a motion is planned.
-
-    Args:
-        duration: Duration of the log [s].
-
-    Returns:
-        Times from before the log to its end [s], (K,).
-    """
+    """Choose the times at which a motion is planned."""
     return np.linspace(-LEAD, duration, round((duration + LEAD) * KNOTS) + 1)
 
 
 def wave(time: FloatArray, amplitude: float, frequency: float, rng: np.random.Generator) -> FloatArray:
-    """Make a sum of sines with random phases that grows from rest.
-
-    Args:
-        time: Times [s], (K,).
-        amplitude: Amplitude; the largest excursion is below one and a half of it.
-        frequency: Main frequency [Hz].
-        rng: Generator of the phases.
-
-    Returns:
-        Values, (K,).
-    """
+    """Make a sum of sines with random phases that grows from rest."""
     phases = rng.uniform(0.0, 2.0 * np.pi, len(SHARES))
     parts = np.sin(2.0 * np.pi * frequency * np.outer(time, SHARES) + phases)
     return np.asarray(amplitude * rise(time) * (parts @ SIZES))
 
 
 def rise(time: FloatArray) -> FloatArray:
-    """Grow from 0 to 1 by a polynomial with zero velocity and acceleration at both ends.
-
-    Args:
-        time: Times [s], (K,).
-
-    Returns:
-        Values, (K,).
-    """
+    """Grow from 0 to 1 by a polynomial with zero velocity and acceleration at both ends."""
     s = np.clip((time + LEAD - 0.3) / RISE, 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))

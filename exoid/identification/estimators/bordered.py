@@ -13,41 +13,25 @@ from .trajectory import RIDGE, WIDTH, Trajectory
 
 
 class BorderedRows(NamedTuple):
-    """Weighted residuals at each sample, measured less predicted, and the derivatives of what is predicted.
+    """Weighted residuals at each sample, measured less predicted, and the derivatives of what is predicted."""
 
-    Attributes:
-        torque: Residuals of the torques, (N, n).
-        angle: Residuals of the angles, (N, n).
-        J: Derivatives of the torques with respect to the 6 n coefficients near the sample, (N, n, 6 n).
-        W: Derivatives of the torques with respect to β, (N, n, P).
-        angle_weight: Derivatives of the angles are the basis functions times this, (n,).
-    """
-
-    torque: FloatArray
-    angle: FloatArray
-    J: FloatArray
-    W: FloatArray
-    angle_weight: FloatArray
+    torque: FloatArray  # residuals of the torques, (N, n)
+    angle: FloatArray  # residuals of the angles, (N, n)
+    J: FloatArray  # derivatives of the torques with respect to the 6 n coefficients near the sample, (N, n, 6 n)
+    W: FloatArray  # derivatives of the torques with respect to β, (N, n, P)
+    angle_weight: FloatArray  # derivatives of the angles are the basis functions times this, (n,)
 
 
 class ReducedSystem(NamedTuple):
-    """What is left for β when the trajectory has been put in that is best for it.
+    """What is left for β when the trajectory has been put in that is best for it."""
 
-    With H_cc, H_cβ, H_ββ the blocks of the normal matrix, c the trajectory's coefficients:
+    # With H_cc, H_cβ, H_ββ the blocks of the normal matrix, c the trajectory's coefficients:
 
-    Attributes:
-        factor: Banded Cholesky factor of H_cc, lower form.
-        coupling: H_cc⁻¹ H_cβ, (K n, P).
-        free: Step of c while β stays, H_cc⁻¹ g_c, (K n,).
-        matrix: H_ββ − H_βc H_cc⁻¹ H_cβ, (P, P).
-        gradient: g_β − H_βc H_cc⁻¹ g_c, (P,).
-    """
-
-    factor: FloatArray
-    coupling: FloatArray
-    free: FloatArray
-    matrix: FloatArray
-    gradient: FloatArray
+    factor: FloatArray  # banded Cholesky factor of H_cc, lower form
+    coupling: FloatArray  # H_cc⁻¹ H_cβ, (K n, P)
+    free: FloatArray  # step of c while β stays, H_cc⁻¹ g_c, (K n,)
+    matrix: FloatArray  # H_ββ − H_βc H_cc⁻¹ H_cβ, (P, P)
+    gradient: FloatArray  # g_β − H_βc H_cc⁻¹ g_c, (P,)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """H_cc⁻¹ times columns, (K n, m)."""

@@ -37,15 +37,10 @@ SPRINGS: dict[type[Term], dict[str, int]] = {Stiffness: {"b2": 0, "b1": 1, "b0":
 
 
 class Simulated(NamedTuple):
-    """Motion and torque of B models at the stamps of a recording, (N, n, B) each.
+    """Motion and torque of B models at the stamps of a recording, (N, n, B) each."""
 
-    Attributes:
-        q: Angles [rad].
-        tau: Actuator torques [N·m].
-    """
-
-    q: FloatArray
-    tau: FloatArray
+    q: FloatArray  # angles [rad]
+    tau: FloatArray  # actuator torques [N·m]
 
 
 @dataclass(frozen=True)

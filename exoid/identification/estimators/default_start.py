@@ -25,15 +25,7 @@ def default_start(problem: Problem) -> FloatArray:
 
 
 def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
-    """Refuse terms whose torque does not follow from the motion of the moment alone.
-
-    Args:
-        model: Torque model.
-        estimator: Name of the estimator.
-
-    Raises:
-        ExoidError: A term remembers, depends on load or temperature, or has settings that are to be found.
-    """
+    """Refuse terms whose torque does not follow from the motion of the moment alone."""
     plain = type(model) is TorqueModel and not any(
         term.loaded or term.internal_state is not None or term.needs_temperature for term in model.terms
     )

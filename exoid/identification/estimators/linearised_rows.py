@@ -16,15 +16,10 @@ T = TypeVar("T")
 
 
 class LinearisedRows(NamedTuple):
-    """Weighted residuals of measured channels, such as angles and torques, and their derivatives by β.
+    """Weighted residuals of measured channels, such as angles and torques, and their derivatives by β."""
 
-    Attributes:
-        columns: Parameters that act on each channel, as indices.
-        recordings: Rows of each recording.
-    """
-
-    columns: Sequence[NDArray[np.intp]]
-    recordings: Sequence[RowBlock]
+    columns: Sequence[NDArray[np.intp]]  # parameters that act on each channel, as indices
+    recordings: Sequence[RowBlock]  # rows of each recording
 
     @staticmethod
     def of(recordings: Sequence[RowBlock]) -> LinearisedRows:
@@ -46,18 +41,7 @@ class LinearisedRows(NamedTuple):
 def linearised_block(
     W: FloatArray, residual: FloatArray, values: FloatArray, time: FloatArray | None, usable: FloatArray | None = None
 ) -> RowBlock:
-    """Make a block of the rows of one recording.
-
-    Args:
-        W: Derivatives by β of what is predicted, over its noise level, (N, channels, P).
-        residual: Measured less predicted, over the noise level, (N, channels).
-        values: β, (P,).
-        time: Stamps [s], (N,); None for poses, whose rows are independent.
-        usable: Mask of samples that were fitted, (N, channels); None for all.
-
-    Returns:
-        The block.
-    """
+    """Make a block of the rows of one recording."""
     stamps = np.arange(len(W), dtype=np.float64) if time is None else time
     kind = NoiseKind(time is None, rate_class(stamps))
     mask = np.ones(residual.shape, dtype=np.bool_) if usable is None else usable > 0.0

@@ -28,29 +28,19 @@ SETTLED = 1e-3
 
 
 class MotionFit(NamedTuple):
-    """Result for given knots.
+    """Result for given knots."""
 
-    Attributes:
-        solution: β, and its covariance after the motions were eliminated.
-        spacing: Spacing of the knots [s].
-        levels: Noise.
-        motions: Fitted angles of each recording [rad], (N, n).
-        criterion: Generalised cross-validation, Σ N ln(mean squared residual / (1 − t)²) over the angles and torques of
-            each joint, t the share of their degrees of freedom that the fit took: what residuals would be at samples
-            that were left out.
-        converged: Whether steps had become small.
-        system: The least-squares problem.
-        state: Motions and β at its solution.
-    """
-
-    solution: Solution
-    spacing: float
-    levels: Levels
-    motions: list[FloatArray]
+    solution: Solution  # β, and its covariance after the motions were eliminated
+    spacing: float  # spacing of the knots [s]
+    levels: Levels  # noise
+    motions: list[FloatArray]  # fitted angles of each recording [rad], (N, n)
+    # generalised cross-validation, Σ N ln(mean squared residual / (1 − t)²) over the angles and torques of each
+    # joint, t the share of their degrees of freedom that the fit took: what residuals would be at samples that
+    # were left out
     criterion: float
-    converged: bool
-    system: System
-    state: MotionState
+    converged: bool  # whether steps had become small
+    system: System  # the least-squares problem
+    state: MotionState  # motions and β at its solution
 
     def covariance(self) -> Covariance:
         """Covariance of β for noise of angles and torques that is correlated, as their residuals are."""
@@ -68,24 +58,9 @@ def fit_motion(
     priors: FloatArray,
     settled: float = SETTLED,
 ) -> MotionFit:
-    """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β.
-
-    The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the trace of
-    the hat matrix, estimated by random vectors (the same in every round).
-
-    Args:
-        model: With smooth friction.
-        moving: Recordings.
-        still: Poses.
-        values: β to begin with.
-        spacing: Spacing of the knots [s].
-        solve: For β, with what is known beside the rows.
-        priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
-        settled: Relative change below which the fit has converged.
-
-    Returns:
-        Parameters, motions and noise levels.
-    """
+    """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β."""
+    # The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the
+    # trace of the hat matrix, estimated by random vectors (the same in every round).
     system = System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)
     levels = system.levels(system.residuals(state), None)

@@ -27,23 +27,14 @@ QUIET = 1e-9
 
 
 class Moving(NamedTuple):
-    """What one recording says.
+    """What one recording says."""
 
-    Attributes:
-        time: [s], (N,).
-        q: Measured angles [rad], (N, n).
-        tau: Measured torques [N·m], (N, n).
-        usable: 1, or 0 for torques that are left out, (N, n).
-        smooth: Angles to begin with [rad], (N, n).
-        torso: Posture of the torso.
-    """
-
-    time: FloatArray
-    q: FloatArray
-    tau: FloatArray
-    usable: FloatArray
-    smooth: FloatArray
-    torso: MovingBase | None
+    time: FloatArray  # [s], (N,)
+    q: FloatArray  # measured angles [rad], (N, n)
+    tau: FloatArray  # measured torques [N·m], (N, n)
+    usable: FloatArray  # 1, or 0 for torques that are left out, (N, n)
+    smooth: FloatArray  # angles to begin with [rad], (N, n)
+    torso: MovingBase | None  # posture of the torso
 
 
 class Still(NamedTuple):
@@ -54,17 +45,11 @@ class Still(NamedTuple):
 
 
 class Levels(NamedTuple):
-    """Standard deviations of the noise of each joint, (n,) each.
+    """Standard deviations of the noise of each joint, (n,) each."""
 
-    Attributes:
-        angle: [rad].
-        torque: [N·m].
-        still: Noise of the torques of poses [N·m].
-    """
-
-    angle: FloatArray
-    torque: FloatArray
-    still: FloatArray
+    angle: FloatArray  # [rad]
+    torque: FloatArray  # [N·m]
+    still: FloatArray  # noise of the torques of poses [N·m]
 
 
 class MotionState(NamedTuple):
@@ -185,18 +170,9 @@ class System(NamedTuple):
         return every, usable, np.full_like(usable, sum(len(data.tau) for data in self.still))
 
     def influence(self, state: MotionState, levels: Levels) -> LinearisedRows:
-        """Rows of torques and angles with the motions eliminated, which β is a least-squares estimate of.
-
-        A motion answers to β with −H_cc⁻¹ H_cβ. Torques have the rows W − J H_cc⁻¹ H_cβ, and angles −B H_cc⁻¹ H_cβ: an
-        error of any sample moves β by (Σ rowᵀ row)⁻¹ rowᵀ times the error.
-
-        Args:
-            state: Motions and β at the solution.
-            levels: Noise.
-
-        Returns:
-            Rows of the torques of each joint, then those of the angles.
-        """
+        """Rows of torques and angles with the motions eliminated, which β is a least-squares estimate of."""
+        # A motion answers to β with −H_cc⁻¹ H_cβ. Torques have the rows W − J H_cc⁻¹ H_cβ, and angles −B
+        # H_cc⁻¹ H_cβ: an error of any sample moves β by (Σ rowᵀ row)⁻¹ rowᵀ times the error.
         blocks = []
         linear = self.linearise(state, levels)
         for data, trajectory, rows in zip(self.moving, self.trajectories, linear, strict=True):
@@ -224,10 +200,8 @@ class System(NamedTuple):
     def taken(
         self, rows: Sequence[BorderedRows], reduced: Sequence[ReducedSystem], covariance: FloatArray, levels: Levels
     ) -> FloatArray:
-        """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n).
-
-        The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
-        """
+        """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n)."""
+        # The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
         rng = np.random.default_rng(0)
         n = len(levels.angle)
         still = [data.W / levels.still[:, None] for data in self.still]

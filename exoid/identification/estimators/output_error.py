@@ -118,15 +118,10 @@ class _Series(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    """What the simulation misses, output by output; a group of outputs shares a noise level.
+    """What the simulation misses, output by output; a group of outputs shares a noise level."""
 
-    Attributes:
-        recordings: Outputs of each recording: angles and torques, or torques of poses.
-        stamps: Stamps of each recording [s]; None for poses.
-    """
-
-    recordings: Sequence[Sequence[_Series]]
-    stamps: Sequence[FloatArray | None]
+    recordings: Sequence[Sequence[_Series]]  # outputs of each recording: angles and torques, or torques of poses
+    stamps: Sequence[FloatArray | None]  # stamps of each recording [s]; None for poses
 
     @property
     def series(self) -> list[_Series]:

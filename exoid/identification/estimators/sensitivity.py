@@ -14,28 +14,14 @@ STEPS = (1e-5, 1e-5, 1e-3)
 
 
 class Response(NamedTuple):
-    """Torque and its derivatives.
+    """Torque and its derivatives."""
 
-    Attributes:
-        W: Regressor, (N, n, P).
-        to_motion: ∂τ_i / ∂(q, v, a)_j, (3, N, n, n): derivative, sample, torque, joint.
-    """
-
-    W: FloatArray
-    to_motion: FloatArray
+    W: FloatArray  # regressor, (N, n, P)
+    to_motion: FloatArray  # ∂τ_i / ∂(q, v, a)_j, (3, N, n, n): derivative, sample, torque, joint
 
 
 def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> Response:
-    """Differentiate τ = W(q, v, a) β by central differences.
-
-    Args:
-        model: The model; its friction must be smooth.
-        values: β, (P,).
-        motion: N samples.
-
-    Returns:
-        Torque and its derivatives.
-    """
+    """Differentiate τ = W(q, v, a) β by central differences."""
     samples, joints = motion.q.shape
     to_motion = np.empty((3, samples, joints, joints))
     for kind, step in enumerate(STEPS):

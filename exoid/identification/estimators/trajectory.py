@@ -22,31 +22,16 @@ RIDGE = 1e-10
 
 
 class Trajectory(NamedTuple):
-    """Splines q(t) = Σ_k B_k(t) c_k seen at N samples.
+    """Splines q(t) = Σ_k B_k(t) c_k seen at N samples."""
 
-    Attributes:
-        basis: The basis functions that are not zero at each sample, and their derivatives, (3, N, 6).
-        interval: Between which knots each sample lies; also the first of those basis functions, (N,).
-        members: Samples in each interval; N where there are fewer than M, (K − 5, M).
-        size: Number of coefficients K of each joint.
-    """
-
-    basis: FloatArray
-    interval: NDArray[np.intp]
-    members: NDArray[np.intp]
-    size: int
+    basis: FloatArray  # the basis functions that are not zero at each sample, and their derivatives, (3, N, 6)
+    interval: NDArray[np.intp]  # between which knots each sample lies; also the first of those basis functions, (N,)
+    members: NDArray[np.intp]  # samples in each interval; N where there are fewer than M, (K − 5, M)
+    size: int  # number of coefficients K of each joint
 
     @classmethod
     def on(cls, time: FloatArray, spacing: float) -> Trajectory:
-        """Lay knots over stamps.
-
-        Args:
-            time: Stamps [s], (N,), increasing.
-            spacing: Spacing of the knots [s]; narrowed a little, so that they fit.
-
-        Returns:
-            The trajectory space.
-        """
+        """Lay knots over stamps."""
         span = float(time[-1] - time[0])
         intervals = max(1, int(np.ceil(span / spacing - 1e-9)))
         place = (time - time[0]) * (intervals / span)
@@ -100,11 +85,9 @@ def _members(interval: NDArray[np.intp], intervals: int) -> NDArray[np.intp]:
 
 @cache
 def _pieces() -> tuple[scipy.interpolate.PPoly, ...]:
-    """The six pieces of the B-spline on unit knots as functions of the place in an interval, and their derivatives.
-
-    In an interval the function that started there is in its first piece, the one that started five knots before in its
-    last.
-    """
+    """The six pieces of the B-spline on unit knots as functions of the place in an interval, and their derivatives."""
+    # In an interval the function that started there is in its first piece, the one that started five knots
+    # before in its last.
     spline = scipy.interpolate.BSpline.basis_element(np.arange(WIDTH + 1.0), extrapolate=False)
     whole = scipy.interpolate.PPoly.from_spline(spline.tck)
     inner = (whole.x[:-1] >= 0.0) & (whole.x[1:] <= WIDTH) & (np.diff(whole.x) > 0.0)

@@ -67,19 +67,12 @@ class JointFriction(NamedTuple):
 
 
 class Chosen(NamedTuple):
-    """Choice for all joints.
+    """Choice for all joints."""
 
-    Attributes:
-        scores: Scores of all candidates.
-        chosen: Index of the one that was chosen.
-        joints: Friction model of each joint, n of them.
-        estimate: The fit that confirmed it.
-    """
-
-    scores: tuple[Score, ...]
-    chosen: int
-    joints: tuple[JointFriction, ...]
-    estimate: Estimate
+    scores: tuple[Score, ...]  # scores of all candidates
+    chosen: int  # index of the one that was chosen
+    joints: tuple[JointFriction, ...]  # friction model of each joint, n of them
+    estimate: Estimate  # the fit that confirmed it
 
 
 @dataclass(frozen=True)
@@ -132,23 +125,7 @@ def select_by_joint(
     progress: Callable[[float], None],
     beside: tuple[Term, ...] = (),
 ) -> Chosen:
-    """Choose the friction of each joint, then filter and estimator.
-
-    Args:
-        leg: The leg.
-        recordings: The recordings.
-        folds: Number of folds.
-        cutoff: Cut-off frequency of the filter behind which torques are compared [Hz].
-        tune: Whether to go on to filters and estimators.
-        progress: Called with the share done.
-        beside: Terms that every model has besides rigid bodies, armatures and friction.
-
-    Returns:
-        The choice, whose coefficients are positive and determined by the recordings.
-
-    Raises:
-        ExoidError: The recordings do not determine the rigid bodies.
-    """
+    """Choose the friction of each joint, then filter and estimator."""
     bench = _Bench(Search(leg, recordings, ZeroPhase(cutoff), folds, beside=beside), folds, cutoff)
     found = _searched(bench, progress)
     plain: list[Columns] = [PLAIN] * len(leg.joint_names)
@@ -196,17 +173,7 @@ def _part_done(progress: Callable[[float], None], begin: float, share: float) ->
 def fit_candidate(
     leg: Leg, recordings: Recording | Sequence[Recording], candidate: Candidate, *, nonnegative: bool = False
 ) -> Estimate:
-    """Identify with a candidate; coefficients that it leaves out are held at zero.
-
-    Args:
-        leg: The leg.
-        recordings: The recordings.
-        candidate: The candidate.
-        nonnegative: Whether to bound friction and rotor inertias by zero.
-
-    Returns:
-        The estimate.
-    """
+    """Identify with a candidate; coefficients that it leaves out are held at zero."""
     return identify(
         leg,
         recordings,
@@ -219,10 +186,8 @@ def fit_candidate(
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
-    """Joint and symbol of each friction coefficient that is not positive, or that the recordings do not determine.
-
-    Of one joint only the least determined: without it, the others may be good.
-    """
+    """Joint and symbol of each friction coefficient that is not positive, or that the recordings do not determine."""
+    # Of one joint only the least determined: without it, the others may be good.
     at_fault = []
     figures = zip(estimate.values, estimate.std, estimate.identifiability, strict=True)
     numbers = dict(zip(estimate.names, figures, strict=True))

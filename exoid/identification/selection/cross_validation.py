@@ -60,10 +60,8 @@ def blocked_folds(recordings: Sequence[Recording], folds: int) -> tuple[Split, .
 
 
 def fast_blocks(recordings: Sequence[Recording]) -> Split:
-    """Test the fastest blocks of a second: how well does friction extrapolate in velocity?
-
-    The speed of a block is the mean over joints of the RMS velocity, each over its RMS in all recordings.
-    """
+    """Test the fastest blocks of a second: how well does friction extrapolate in velocity?"""
+    # The speed of a block is the mean over joints of the RMS velocity, each over its RMS in all recordings.
     speeds = [np.abs(np.gradient(r.q, r.time, axis=0)) if r.v is None else np.abs(r.v) for r in recordings]
     size = np.sqrt(np.mean(np.vstack(speeds) ** 2, axis=0))
     starts = [np.arange(r.time[0], r.time[-1], BLOCK) for r in recordings]
@@ -81,19 +79,12 @@ def _pace(speed: FloatArray, size: FloatArray) -> float:
 
 
 class Errors(NamedTuple):
-    """Prediction errors on the tested rows of one split.
+    """Prediction errors on the tested rows of one split."""
 
-    Attributes:
-        squares: Sum of squared residuals of each joint [N²·m²], (n,).
-        torque: Sum of measured torques [N·m], (n,).
-        torque_squares: Sum of their squares [N²·m²], (n,).
-        rows: Number of rows.
-    """
-
-    squares: FloatArray
-    torque: FloatArray
-    torque_squares: FloatArray
-    rows: int
+    squares: FloatArray  # sum of squared residuals of each joint [N²·m²], (n,)
+    torque: FloatArray  # sum of measured torques [N·m], (n,)
+    torque_squares: FloatArray  # sum of their squares [N²·m²], (n,)
+    rows: int  # number of rows
 
     @staticmethod
     def total(several: Sequence[Errors]) -> Errors:
@@ -112,14 +103,7 @@ class Errors(NamedTuple):
         return np.asarray(self.torque_squares > 0.0)
 
     def ratio(self, whole: Errors) -> FloatArray:
-        """RMS residual over the spread of the torque; not a number for joints whose torque was not measured.
-
-        Args:
-            whole: Errors on the rows that give the spread.
-
-        Returns:
-            NRMSE of each joint, (n,).
-        """
+        """RMS residual over the spread of the torque; not a number for joints whose torque was not measured."""
         return np.where(whole.measured, self.rms / whole.spread, np.nan)
 
     @property
@@ -129,21 +113,7 @@ class Errors(NamedTuple):
 
 
 def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: Start | None, cutoff: float) -> Errors:
-    """Fit to the rows that a split leaves, and predict the others.
-
-    Args:
-        task: Torque model, data and estimator.
-        recordings: Its data.
-        split: Rows to fit and rows to test.
-        start: Near the solution; None to search.
-        cutoff: Cut-off frequency of the filter for measured and predicted torque [Hz].
-
-    Returns:
-        Prediction errors on the tested rows.
-
-    Raises:
-        ExoidError: The rows that are left do not determine the parameters, or none is left to test.
-    """
+    """Fit to the rows that a split leaves, and predict the others."""
     fitted = fit_model(task._replace(keep=split.fitted), start)
     preparation = fitted.problem.preparation
     errors = []

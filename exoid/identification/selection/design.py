@@ -22,29 +22,17 @@ ROWS = 8000
 
 
 class Design(NamedTuple):
-    """Rows of all recordings, sampled as sparsely as the filter allows.
+    """Rows of all recordings, sampled as sparsely as the filter allows."""
 
-    Attributes:
-        recording: Index of the recording of each row, (N,).
-        time: [s], (N,).
-        v: Velocities [rad/s], (N, n).
-        tau: Torques [N·m], (n, N).
-        base: Columns of rigid bodies and armatures, (n, N, p).
-        friction: Columns of the friction of each joint, n of (N, K).
-        places: Index of each friction column of a joint, n of them.
-        independent_fraction: Share of the rows that carries independent noise.
-        load: Largest rigid-body torque of each joint [N·m], (n,).
-    """
-
-    recording: NDArray[np.intp]
-    time: FloatArray
-    v: FloatArray
-    tau: FloatArray
-    base: FloatArray
-    friction: tuple[FloatArray, ...]
-    places: tuple[dict[Column, int], ...]
-    independent_fraction: float
-    load: FloatArray
+    recording: NDArray[np.intp]  # index of the recording of each row, (N,)
+    time: FloatArray  # [s], (N,)
+    v: FloatArray  # velocities [rad/s], (N, n)
+    tau: FloatArray  # torques [N·m], (n, N)
+    base: FloatArray  # columns of rigid bodies and armatures, (n, N, p)
+    friction: tuple[FloatArray, ...]  # columns of the friction of each joint, n of (N, K)
+    places: tuple[dict[Column, int], ...]  # index of each friction column of a joint, n of them
+    independent_fraction: float  # share of the rows that carries independent noise
+    load: FloatArray  # largest rigid-body torque of each joint [N·m], (n,)
 
     def indices(self, joint: int, columns: Sequence[Column]) -> NDArray[np.intp]:
         """Indices of friction columns of a joint."""
@@ -66,23 +54,9 @@ def form_design(
     *,
     whole: bool = False,
 ) -> Design:
-    """Form the rows, in one pass over the samples.
-
-    No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp friction.
-
-    Args:
-        model: Torque model without friction.
-        recordings: The recordings.
-        preparations: Filter and differentiation of each recording.
-        library: Friction columns of each joint, n of them.
-        rigid: Rigid-body parameters whose torque loads the joints, (p,); None for no load.
-        keep: Function that selects rows, given the index of the recording and their times; None for all.
-        whole: Whether rows near the ends of a log have the size of the torque there, as for a prediction. In a fit
-            they fade with the filter, as their noise would grow.
-
-    Returns:
-        The rows.
-    """
+    """Form the rows, in one pass over the samples."""
+    # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
+    # friction.
     prepared = [prepare(model, each, how) for each, how in zip(recordings, preparations, strict=True)]
     step = max(1, -(-sum(len(each.rows) for each in prepared) // ROWS))
     prepared = [each._replace(rows=each.rows[(len(each.rows) - 1) % step // 2 :: step]) for each in prepared]

@@ -26,17 +26,11 @@ PASSES, ROBUST_PASSES = 2, 8
 
 
 class HeldOut(NamedTuple):
-    """Errors on rows that were not fitted.
+    """Errors on rows that were not fitted."""
 
-    Attributes:
-        nrmse: NRMSE of each joint over all folds, (n,).
-        folds: NRMSE averaged over the joints, of each fold, (K,).
-        extrapolation: NRMSE of the fastest seconds predicted from the others, (n,).
-    """
-
-    nrmse: FloatArray
-    folds: FloatArray
-    extrapolation: FloatArray
+    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,)
+    folds: FloatArray  # NRMSE averaged over the joints, of each fold, (K,)
+    extrapolation: FloatArray  # NRMSE of the fastest seconds predicted from the others, (n,)
 
 
 def held_out_errors(
@@ -50,21 +44,7 @@ def held_out_errors(
     cutoff: float,
     robust: bool,
 ) -> HeldOut:
-    """Predict each stretch of the recordings from the others, with fixed friction models.
-
-    Args:
-        model: Torque model without friction.
-        recordings: The recordings.
-        preparation: Filter and differentiation for the fit.
-        chosen: Friction columns of each joint.
-        rigid: Rigid-body parameters whose torque loads the joints, (p,).
-        folds: Number of folds.
-        cutoff: Cut-off frequency of the filter behind which torques are compared [Hz].
-        robust: Whether to weigh rows as Huber's estimator does.
-
-    Returns:
-        The errors.
-    """
+    """Predict each stretch of the recordings from the others, with fixed friction models."""
     fitted = form_design(model, recordings, [preparation] * len(recordings), chosen, rigid)
     how = [evaluation(preparation, cutoff, r.sample_rate) for r in recordings]
     compared = form_design(model, recordings, how, chosen, rigid, whole=True)

@@ -25,33 +25,17 @@ Active = Sequence[NDArray[np.intp]]
 
 
 class NormalEquations(NamedTuple):
-    """Weighted sums of products of columns and torques, over some rows.
+    """Weighted sums of products of columns and torques, over some rows."""
 
-    Attributes:
-        base: Base columns with each other, (p, p).
-        mixed: Base columns with friction columns of each joint, n of (p, K).
-        friction: Friction columns of each joint with each other, n of (K, K).
-        base_torque: Base columns with the torque, (p,).
-        friction_torque: Friction columns of each joint with its torque, n of (K,).
-    """
-
-    base: FloatArray
-    mixed: tuple[FloatArray, ...]
-    friction: tuple[FloatArray, ...]
-    base_torque: FloatArray
-    friction_torque: tuple[FloatArray, ...]
+    base: FloatArray  # base columns with each other, (p, p)
+    mixed: tuple[FloatArray, ...]  # base columns with friction columns of each joint, n of (p, K)
+    friction: tuple[FloatArray, ...]  # friction columns of each joint with each other, n of (K, K)
+    base_torque: FloatArray  # base columns with the torque, (p,)
+    friction_torque: tuple[FloatArray, ...]  # friction columns of each joint with its torque, n of (K,)
 
     @classmethod
     def of(cls, design: Design, weights: FloatArray) -> NormalEquations:
-        """Sum over rows.
-
-        Args:
-            design: The rows.
-            weights: Weight of each squared residual, zero for rows that are left out, (n, N).
-
-        Returns:
-            The normal equations.
-        """
+        """Sum over rows."""
         weighted = [base * w[:, None] for base, w in zip(design.base, weights, strict=True)]
         loaded = [F * w[:, None] for F, w in zip(design.friction, weights, strict=True)]
         return cls(
@@ -63,14 +47,7 @@ class NormalEquations(NamedTuple):
         )
 
     def solve(self, active: Active) -> tuple[FloatArray, list[FloatArray]]:
-        """Solve for base parameters and the friction coefficients of all joints.
-
-        Args:
-            active: Indices of the friction columns of each joint.
-
-        Returns:
-            Base parameters, (p,), and coefficients of each joint, n of (k,).
-        """
+        """Solve for base parameters and the friction coefficients of all joints."""
         table, right = self._bordered(active)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
         solution = scale * scipy.linalg.cho_solve(_factor(table, scale), scale * right)
@@ -79,15 +56,7 @@ class NormalEquations(NamedTuple):
         return solution[:count], [solution[a:b] for a, b in itertools.pairwise(ends)]
 
     def project(self, joint: int, active: Active) -> JointEquations:
-        """Eliminate the base parameters and the friction of all other joints.
-
-        Args:
-            joint: Index of the joint.
-            active: Indices of the friction columns of each joint.
-
-        Returns:
-            Normal equations of the joint's friction alone.
-        """
+        """Eliminate the base parameters and the friction of all other joints."""
         others = [k if j != joint else k[:0] for j, k in enumerate(active)]
         table, right = self._bordered(others)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
@@ -121,31 +90,15 @@ class NormalEquations(NamedTuple):
 
 
 class JointEquations(NamedTuple):
-    """Normal equations M c = r of the friction coefficients c of one joint; the other parameters are x − X c.
+    """Normal equations M c = r of the friction coefficients c of one joint; the other parameters are x − X c."""
 
-    Attributes:
-        M: (K, K).
-        r: (K,).
-        x: Base parameters and friction coefficients of the other joints without friction of this one, (Q,).
-        X: By how much the coefficients lower them, (Q, K).
-    """
-
-    M: FloatArray
-    r: FloatArray
-    x: FloatArray
-    X: FloatArray
+    M: FloatArray  # (K, K)
+    r: FloatArray  # (K,)
+    x: FloatArray  # base parameters and friction coefficients of the other joints without friction of this one, (Q,)
+    X: FloatArray  # by how much the coefficients lower them, (Q, K)
 
     def residuals(self, design: Design, joint: int, active: Active) -> tuple[FloatArray, FloatArray]:
-        """Form residuals r − c G, as a function of the coefficients c.
-
-        Args:
-            design: Rows, of these or of other samples.
-            joint: Index of the joint.
-            active: Indices of the friction columns of each joint, those of this joint aside.
-
-        Returns:
-            r, (n, N), and G, (K, n, N) [N·m].
-        """
+        """Form residuals r − c G, as a function of the coefficients c."""
         count = design.base.shape[2]
         left, columns = design.tau - design.base @ self.x[:count], -(design.base @ self.X[:count])
         columns[joint] += design.friction[joint]
@@ -161,15 +114,7 @@ class JointEquations(NamedTuple):
         return left, np.ascontiguousarray(np.moveaxis(columns, 2, 0))
 
     def solve(self, sets: NDArray[np.intp]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Solve for several sets of columns at once.
-
-        Args:
-            sets: Indices of columns, (S, k).
-
-        Returns:
-            Coefficients, (S, k), their variances for weighted residuals of size one, (S, k), and by how much each set
-            lowers the sum of squares, (S,).
-        """
+        """Solve for several sets of columns at once."""
         if sets.shape[1] == 0:
             return np.zeros(sets.shape), np.zeros(sets.shape), np.zeros(len(sets))
         inverse = np.linalg.inv(self.M[sets[:, :, None], sets[:, None, :]])
@@ -179,17 +124,7 @@ class JointEquations(NamedTuple):
 
 
 def residuals(design: Design, active: Active, base: FloatArray, friction: Sequence[FloatArray]) -> FloatArray:
-    """Torque that a solution leaves unexplained.
-
-    Args:
-        design: The rows.
-        active: Indices of the friction columns of each joint.
-        base: Base parameters, (p,).
-        friction: Coefficients of each joint, n of (k,).
-
-    Returns:
-        Residual [N·m], (n, N).
-    """
+    """Torque that a solution leaves unexplained."""
     left = design.tau - design.base @ base
     for joint, (columns, values) in enumerate(zip(active, friction, strict=True)):
         left[joint] -= design.friction[joint][:, columns] @ values

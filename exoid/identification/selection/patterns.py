@@ -76,17 +76,12 @@ PLAIN = (Column("c0"), Column("d"), Column("offset"))
 
 
 class Pattern(NamedTuple):
-    """Coefficients that a friction model has, whatever their settings.
+    """Coefficients that a friction model has, whatever their settings."""
 
-    All coefficients but the offset are positive: then friction dissipates at every speed and under every load.
+    # All coefficients but the offset are positive: then friction dissipates at every speed and under every load.
 
-    Attributes:
-        symbols: Symbols of the coefficients.
-        presliding: Whether dry friction has presliding.
-    """
-
-    symbols: tuple[str, ...]
-    presliding: bool
+    symbols: tuple[str, ...]  # symbols of the coefficients
+    presliding: bool  # whether dry friction has presliding
 
     @property
     def numbers(self) -> int:
@@ -99,40 +94,17 @@ class Pattern(NamedTuple):
         return self.numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
     def dissipative(self, coefficients: FloatArray) -> NDArray[np.bool_]:
-        """Say which sets of coefficients are positive, as friction that dissipates is.
-
-        Args:
-            coefficients: Coefficients, (S, k).
-
-        Returns:
-            Mask, (S,).
-        """
+        """Say which sets of coefficients are positive, as friction that dissipates is."""
         signed = [symbol != "offset" for symbol in self.symbols]
         return np.asarray((coefficients[:, signed] > 0.0).all(axis=1))
 
     def within(self, other: Pattern) -> bool:
-        """Say whether another pattern can be this one, with coefficients that are zero or equal.
-
-        Args:
-            other: The other pattern.
-
-        Returns:
-            Whether it can.
-        """
+        """Say whether another pattern can be this one, with coefficients that are zero or equal."""
         load = {"mu"} if {"mu_drive", "mu_back"} <= set(other.symbols) else set()
         return {*self.symbols} <= {*other.symbols, *load} and (other.presliding or not self.presliding)
 
     def columns(self, length: float, velocity: float, smoothing: float = SMOOTHING) -> tuple[Column, ...]:
-        """Coefficients at settings.
-
-        Args:
-            length: Presliding length [rad].
-            velocity: Stribeck velocity [rad/s].
-            smoothing: Smoothing of friction without presliding [rad/s].
-
-        Returns:
-            One column a coefficient.
-        """
+        """Coefficients at settings."""
         length, smoothing = (length, SMOOTHING) if self.presliding else (SHARP, smoothing)
         dry = (length, 0.0, smoothing), (length, velocity, smoothing)
         return tuple(
@@ -141,17 +113,11 @@ class Pattern(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Settings that are tried for one joint.
+    """Settings that are tried for one joint."""
 
-    Attributes:
-        lengths: Presliding lengths [rad].
-        velocities: Stribeck velocities [rad/s].
-        smoothings: Smoothings of friction without presliding [rad/s].
-    """
-
-    lengths: tuple[float, ...] = LENGTHS
-    velocities: tuple[float, ...] = VELOCITIES
-    smoothings: tuple[float, ...] = SMOOTHINGS
+    lengths: tuple[float, ...] = LENGTHS  # presliding lengths [rad]
+    velocities: tuple[float, ...] = VELOCITIES  # stribeck velocities [rad/s]
+    smoothings: tuple[float, ...] = SMOOTHINGS  # smoothings of friction without presliding [rad/s]
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -172,15 +138,7 @@ class Grid(NamedTuple):
         ]
 
     def about(self, columns: tuple[Column, ...], sweep: int) -> Grid:
-        """Add finer settings about those of a choice.
-
-        Args:
-            columns: The choice.
-            sweep: Number of sweeps that led to it, at least 1.
-
-        Returns:
-            The grid.
-        """
+        """Add finer settings about those of a choice."""
         factors = [FINER[min(sweep, len(FINER)) - 1] ** power for power in (-2, -1, 0, 1, 2)]
         lengths = {factor * column.length for column in columns if column.length for factor in factors}
         velocities = {factor * column.velocity for column in columns if column.velocity for factor in factors}
@@ -195,14 +153,9 @@ class Grid(NamedTuple):
 
 
 def patterns() -> tuple[Pattern, ...]:
-    """List all friction models of one joint, the simplest first.
-
-    Gears lose more when they are driven back: friction under load in one direction of power is that one.
-    Stribeck friction is an addition to Coulomb friction: alone it would vanish at speed.
-
-    Returns:
-        The patterns, each without and with an offset; the first has nothing.
-    """
+    """List all friction models of one joint, the simplest first."""
+    # Gears lose more when they are driven back: friction under load in one direction of power is that one.
+    # Stribeck friction is an addition to Coulomb friction: alone it would vanish at speed.
     loads = ((), ("mu",), ("mu_back",), ("mu_drive", "mu_back"))
     found = [Pattern((), presliding=False), Pattern(("d",), presliding=False)]
     for bent, load, viscous, fading in itertools.product((False, True), loads, ((), ("d",)), ((), ("cs",))):
@@ -214,42 +167,19 @@ def patterns() -> tuple[Pattern, ...]:
 
 
 def terms_of(columns: tuple[Column, ...], joint: str) -> tuple[Term, ...]:
-    """Terms of a joint, in the order of their coefficients.
-
-    Args:
-        columns: Coefficients of the joint.
-        joint: Its name.
-
-    Returns:
-        The terms, each once.
-    """
+    """Terms of a joint, in the order of their coefficients."""
     return tuple(replace(term, joints=(joint,)) for term in dict.fromkeys(column.term for column in columns))
 
 
 def absent(columns: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Coulomb and viscous friction that a choice leaves out: an estimate, and a URDF, has them as zero.
-
-    Args:
-        columns: Coefficients of the joint.
-
-    Returns:
-        Those of c0 and d that are not among them, with its settings.
-    """
+    """Coulomb and viscous friction that a choice leaves out: an estimate, and a URDF, has them as zero."""
     like = next((column for column in columns if column.symbol in DRY), Column("c0"))
     plain = (Column("c0", like.length, smoothing=like.smoothing), Column("d"))
     return tuple(column for column in plain if column.symbol not in {each.symbol for each in columns})
 
 
 def zeros_of(columns: tuple[Column, ...], label: str) -> tuple[str, ...]:
-    """Names of coefficients that the terms have and the choice leaves out.
-
-    Args:
-        columns: Coefficients of the joint.
-        label: The joint as it occurs in parameter names.
-
-    Returns:
-        Names of parameters that are held at zero.
-    """
+    """Names of coefficients that the terms have and the choice leaves out."""
     present = {column.symbol for column in columns}
     symbols = dict.fromkeys(symbol for column in columns for symbol in column.term.symbols)
     return tuple(f"{symbol}_{label}" for symbol in symbols if symbol not in present)

@@ -45,27 +45,14 @@ Candidate = tuple[Pattern, Columns, FloatArray]
 
 
 class Fold(NamedTuple):
-    """Rows to fit and rows to test.
+    """Rows to fit and rows to test."""
 
-    Attributes:
-        fitted: Mask, (N,).
-        tested: Mask, (N,).
-    """
-
-    fitted: NDArray[np.bool_]
-    tested: NDArray[np.bool_]
+    fitted: NDArray[np.bool_]  # mask, (N,)
+    tested: NDArray[np.bool_]  # mask, (N,)
 
 
 def fold_of(split: Split, design: Design) -> Fold:
-    """Apply a split of recordings in time to rows.
-
-    Args:
-        split: Stretches that are tested.
-        design: The rows.
-
-    Returns:
-        The fold.
-    """
+    """Apply a split of recordings in time to rows."""
     fitted, tested = np.zeros((2, len(design.time)), dtype=np.bool_)
     for index in np.unique(design.recording):
         mine = np.flatnonzero(design.recording == index)
@@ -75,43 +62,25 @@ def fold_of(split: Split, design: Design) -> Fold:
 
 
 def fast_fold(speed: FloatArray, quantile: float = QUANTILE) -> Fold:
-    """Test rows that are faster than all that are fitted.
-
-    Args:
-        speed: Speed of each row, (N,).
-        quantile: Share of the rows that are fitted.
-
-    Returns:
-        The fold.
-    """
+    """Test rows that are faster than all that are fitted."""
     slow = speed <= np.quantile(speed, quantile)
     return Fold(slow, ~slow)
 
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched for friction models, joint by joint.
+    """What is searched for friction models, joint by joint."""
 
-    Attributes:
-        leg: The leg.
-        recordings: The recordings.
-        preparation: Filter and differentiation.
-        folds: Number of folds in time.
-        keep: Function that selects rows; None for all.
-        progress: Called with the share done; None for no one.
-        offset_sweeps: Number of first sweeps in which all joints have an offset: what it is worth shows when the load
-            of friction is right.
-        beside: Terms that every model has besides rigid bodies, armatures and friction.
-    """
-
-    leg: Leg
-    recordings: Sequence[Recording]
-    preparation: Preparation
-    folds: int
-    keep: Keep | None = None
-    progress: Callable[[float], None] | None = None
+    leg: Leg  # the leg
+    recordings: Sequence[Recording]  # the recordings
+    preparation: Preparation  # filter and differentiation
+    folds: int  # number of folds in time
+    keep: Keep | None = None  # function that selects rows; None for all
+    progress: Callable[[float], None] | None = None  # called with the share done; None for no one
+    # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
+    # friction is right
     offset_sweeps: int = 0
-    beside: tuple[Term, ...] = ()
+    beside: tuple[Term, ...] = ()  # terms that every model has besides rigid bodies, armatures and friction
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows, see :func:`~exoid.identification.selection.design.form_design`."""
@@ -127,34 +96,17 @@ class Search:
 
 
 class Choice(NamedTuple):
-    """Friction columns of each joint, and the fit with them.
+    """Friction columns of each joint, and the fit with them."""
 
-    Attributes:
-        columns: Friction columns of each joint, n of them.
-        base: Parameters of rigid bodies and armatures, (p,).
-        friction: Coefficients of each joint, n of them.
-        left: Residuals [N·m], (n, N).
-        sigma: Standard deviation of each joint's residual [N·m], (n,).
-    """
-
-    columns: tuple[Columns, ...]
-    base: FloatArray
-    friction: list[FloatArray]
-    left: FloatArray
-    sigma: FloatArray
+    columns: tuple[Columns, ...]  # friction columns of each joint, n of them
+    base: FloatArray  # parameters of rigid bodies and armatures, (p,)
+    friction: list[FloatArray]  # coefficients of each joint, n of them
+    left: FloatArray  # residuals [N·m], (n, N)
+    sigma: FloatArray  # standard deviation of each joint's residual [N·m], (n,)
 
     @classmethod
     def of(cls, design: Design, columns: tuple[Columns, ...], sigma: FloatArray) -> Choice:
-        """Fit these columns.
-
-        Args:
-            design: The rows.
-            columns: Friction columns of each joint, n of them.
-            sigma: Standard deviation by which each joint's rows are weighed [N·m], (n,).
-
-        Returns:
-            The fit.
-        """
+        """Fit these columns."""
         whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), sigma)
         active = _active(design, columns)
         base, friction = whole.solve(active)
@@ -164,34 +116,17 @@ class Choice(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Columns of all settings under the load of some rigid bodies, and normal equations of all folds.
+    """Columns of all settings under the load of some rigid bodies, and normal equations of all folds."""
 
-    Attributes:
-        design: The rows.
-        grids: Settings that are tried at each joint, n of them.
-        folds: Folds in time, then that of the fast rows of each joint.
-        equations: Normal equations of each fold.
-        whole: Those of all rows.
-    """
-
-    design: Design
-    grids: tuple[Grid, ...]
-    folds: tuple[Fold, ...]
-    equations: tuple[NormalEquations, ...]
-    whole: NormalEquations
+    design: Design  # the rows
+    grids: tuple[Grid, ...]  # settings that are tried at each joint, n of them
+    folds: tuple[Fold, ...]  # folds in time, then that of the fast rows of each joint
+    equations: tuple[NormalEquations, ...]  # normal equations of each fold
+    whole: NormalEquations  # those of all rows
 
     @classmethod
     def of(cls, search: Search, grids: tuple[Grid, ...], choice: Choice) -> Tables:
-        """Form them.
-
-        Args:
-            search: What is searched.
-            grids: Settings that are tried at each joint, n of them.
-            choice: Choice so far, whose columns are among them, and whose rigid bodies load the joints.
-
-        Returns:
-            The tables.
-        """
+        """Form them."""
         library = [
             tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in zip(grids, choice.columns, strict=True)
         ]
@@ -204,30 +139,15 @@ class Tables(NamedTuple):
 
 
 class Found(NamedTuple):
-    """End of a search.
+    """End of a search."""
 
-    Attributes:
-        search: What was searched.
-        tables: Tables of the last sweep.
-        choice: Friction of each joint.
-        banned: Symbols that each joint must not have, n of them.
-    """
-
-    search: Search
-    tables: Tables
-    choice: Choice
-    banned: tuple[frozenset[str], ...]
+    search: Search  # what was searched
+    tables: Tables  # tables of the last sweep
+    choice: Choice  # friction of each joint
+    banned: tuple[frozenset[str], ...]  # symbols that each joint must not have, n of them
 
     def without(self, joint: int, symbol: str) -> Found:
-        """Choose again for a joint, without a coefficient.
-
-        Args:
-            joint: Index of the joint.
-            symbol: Symbol of the coefficient.
-
-        Returns:
-            The search with this choice.
-        """
+        """Choose again for a joint, without a coefficient."""
         banned = _replaced(self.banned, joint, self.banned[joint] | {symbol})
         columns = choose(self.tables, joint, self.choice.columns, self.choice.sigma, banned[joint])
         choice = Choice.of(self.tables.design, _replaced(self.choice.columns, joint, columns), self.choice.sigma)
@@ -235,14 +155,7 @@ class Found(NamedTuple):
 
 
 def search_joint_by_joint(search: Search) -> Found:
-    """Sweep over the joints until predictions settle.
-
-    Args:
-        search: What is searched.
-
-    Returns:
-        The friction of each joint, and the fit with it.
-    """
+    """Sweep over the joints until predictions settle."""
     choice, before = search.start(), None
     joints, sweeps = len(choice.columns), search.offset_sweeps + SWEEPS
     grids = (Grid(),) * joints
@@ -272,19 +185,7 @@ def choose(
     *,
     with_offset: bool = False,
 ) -> Columns:
-    """Choose the friction of one joint: fewest numbers within one standard error of the least error.
-
-    Args:
-        tables: Columns and normal equations.
-        joint: Index of the joint.
-        chosen: Friction columns of all joints; those of the others stay.
-        sigma: Standard deviation of each joint's residual [N·m], (n,).
-        banned: Symbols that the joint must not have.
-        with_offset: Whether it must have an offset.
-
-    Returns:
-        Friction columns of the joint.
-    """
+    """Choose the friction of one joint: fewest numbers within one standard error of the least error."""
     design, active = tables.design, _active(tables.design, chosen)
     whole = tables.whole.project(joint, active)
     in_time = len(tables.folds) - len(chosen)

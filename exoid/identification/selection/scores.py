@@ -61,17 +61,7 @@ class Score(NamedTuple):
 
 
 def least(scores: Sequence[Score]) -> int:
-    """Find the smallest mean error.
-
-    Args:
-        scores: The scores.
-
-    Returns:
-        Its index.
-
-    Raises:
-        ExoidError: No candidate could be fitted.
-    """
+    """Find the smallest mean error."""
     means = np.array([np.inf if score.failure else score.mean for score in scores])
     if not np.isfinite(means).any():
         raise ExoidError(f"no candidate can be fitted: {scores[0].failure}", remedy="record longer and richer motions")
@@ -79,27 +69,12 @@ def least(scores: Sequence[Score]) -> int:
 
 
 def best_of(scores: Sequence[Score]) -> int:
-    """Find the one with the fewest numbers among those within one standard error of the best.
-
-    Args:
-        scores: The scores.
-
-    Returns:
-        Its index.
-    """
+    """Find the one with the fewest numbers among those within one standard error of the best."""
     best = scores[least(scores)]
     within = [k for k, s in enumerate(scores) if not s.failure and s.mean - best.mean <= standard_error(s, best)]
     return min(within, key=lambda k: (scores[k].numbers, k))
 
 
 def standard_error(score: Score, best: Score) -> float:
-    """Standard error of the difference of two candidates, fold by fold.
-
-    Args:
-        score: Score of one.
-        best: Score of the other.
-
-    Returns:
-        The standard error.
-    """
+    """Standard error of the difference of two candidates, fold by fold."""
     return float(np.std(score.folds - best.folds, ddof=1) / np.sqrt(len(best.folds)))

@@ -283,16 +283,7 @@ class _Bench(NamedTuple):
     def compare(
         self, candidates: Sequence[Candidate], tune: bool, progress: Callable[[float], None] | None
     ) -> tuple[tuple[Score, ...], int]:
-        """Try candidates, then other filters and estimators for the best.
-
-        Args:
-            candidates: Candidates.
-            tune: Whether to go on to filters and estimators.
-            progress: Called with the share done.
-
-        Returns:
-            The scores, in the order in which they were tried, and the index of the chosen one.
-        """
+        """Try candidates, then other filters and estimators for the best."""
         scores = self.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
         chosen = best_of(scores)
         rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=self.cutoff)), (0.85, 1.0, estimator_candidates))

@@ -19,37 +19,14 @@ HIP, KNEE = 0, 1
 
 
 def document_model(leg: Leg) -> TorqueModel:
-    """Make the model with linear stiffness, Coulomb and viscous friction at both joints (doc. 2, eq. (6), Table III).
-
-    Args:
-        leg: Planar leg with hip and knee.
-
-    Returns:
-        Leg and terms.
-
-    Raises:
-        ExoidError: The leg is not a planar chain of two segments.
-    """
+    """Make the model with stiffness, Coulomb and viscous friction (doc. 2, eq. (6), Table III)."""
     return planar_model(leg, ("hip", "knee"), 2, (Stiffness(degree=1), Coulomb(smoothing=0.0), Viscous()))
 
 
 def knee_stiffness(model: TorqueModel, known: SequentialEstimate, poses: Poses) -> SequentialEstimate:
-    """Row 1: identify b1 of the knee from poses of constant Δ, which have the same gravity torque (doc. 2, eq. (21)).
-
-    The stiffness of the hip cannot be identified in this way, as its gravity torque changes with θh (doc. 2, eq. (20)).
-    The document sets it to zero.
-
-    Args:
-        model: Model of :func:`document_model`.
-        known: Estimate so far.
-        poses: Poses of constant Δ.
-
-    Returns:
-        Estimate with b1 of the knee.
-
-    Raises:
-        ExoidError: The poses do not determine the slope.
-    """
+    """Row 1: identify b1 of the knee from poses of equal gravity torque (doc. 2, eq. (21))."""
+    # The stiffness of the hip cannot be identified in this way, as its gravity torque changes with θh (doc. 2,
+    # eq. (20)). The document sets it to zero.
     rows = rows_at_rest(model, poses, KNEE)
     name = f"b1_{model.leg.joint_labels[KNEE]}"
     own = rows._replace(columns={name: rows.columns[name]})
@@ -57,19 +34,7 @@ def knee_stiffness(model: TorqueModel, known: SequentialEstimate, poses: Poses) 
 
 
 def mass_moments(model: TorqueModel, known: SequentialEstimate, poses: Poses) -> SequentialEstimate:
-    """Row 2: identify X2, Y2 and b0 from the knee torque, then X1 and Y1 from the hip torque (doc. 2, eqs. (20)-(21)).
-
-    Args:
-        model: Model of :func:`document_model`.
-        known: Estimate with b1 of the knee.
-        poses: Random poses.
-
-    Returns:
-        Estimate with mass moments and b0 of the knee.
-
-    Raises:
-        ExoidError: The poses do not determine the parameters.
-    """
+    """Row 2: X2, Y2 and b0 from the knee torque, then X1 and Y1 from the hip's (doc. 2, eqs. (20)-(21))."""
     label = model.leg.joint_labels[KNEE]
     known = known.fit(rows_at_rest(model, poses, KNEE), ["X2", "Y2", f"b0_{label}"])
     return known.fit(rows_at_rest(model, poses, HIP), ["X1", "Y1"])
@@ -78,22 +43,8 @@ def mass_moments(model: TorqueModel, known: SequentialEstimate, poses: Poses) ->
 def inertias(
     model: TorqueModel, known: SequentialEstimate, recording: Recording, preparation: Preparation | None = None
 ) -> SequentialEstimate:
-    """Row 3: identify J2 from the held knee and J1 from the hip while the hip swings (doc. 2, eqs. (14)-(16)).
-
-    Friction is unknown at this step and taken as zero.
-
-    Args:
-        model: Model of :func:`document_model`.
-        known: Estimate with mass moments and stiffness of the knee.
-        recording: Recording of the swinging hip.
-        preparation: Preparation; None for the document's exponential moving average.
-
-    Returns:
-        Estimate with J2 and J1.
-
-    Raises:
-        ExoidError: The recording has no torque, or is too short.
-    """
+    """Row 3: identify J2 from the held knee and J1 from the hip while the hip swings (doc. 2, eqs. (14)-(16))."""
+    # Friction is unknown at this step and taken as zero.
     preparation = preparation or MovingAverage()
     known = known.fit(rows_in_motion(model, [recording], KNEE, preparation), ["J2"])
     return known.fit(rows_in_motion(model, [recording], HIP, preparation), ["J1"])
@@ -106,22 +57,7 @@ def damping(
     joint: int,
     preparation: Preparation | None = None,
 ) -> SequentialEstimate:
-    """Rows 4 and 5: identify Coulomb friction, viscous friction and constant torque of a joint while it swings alone.
-
-    Args:
-        model: Model of :func:`document_model`.
-        known: Estimate with all other parameters; a known b0 stays fixed.
-        recording: Recording of the swinging joint. It must differ from that of row 3, as the steps need independent
-            noise.
-        joint: Joint, HIP or KNEE.
-        preparation: Preparation; None for the document's exponential moving average.
-
-    Returns:
-        Estimate with c0, d and, unless it was known, b0 of the joint.
-
-    Raises:
-        ExoidError: The recording has no torque, or is too short.
-    """
+    """Rows 4 and 5: friction and constant torque of a joint while it swings alone."""
     label = model.leg.joint_labels[joint]
     names = [f"c0_{label}", f"d_{label}"]
     if f"b0_{label}" not in known.names:

@@ -17,19 +17,12 @@ from exoid.torques import Term, TorqueModel
 
 
 class JointRows(NamedTuple):
-    """Rows of the torque equation of one joint.
+    """Rows of the torque equation of one joint."""
 
-    Attributes:
-        columns: Regressor column of every parameter, (M,) each.
-        tau: Measured torque [N·m], (M,).
-        v: Velocity of the joint [rad/s], (M,).
-        independent_fraction: Share of the rows that carries independent noise; a filter leaves fewer.
-    """
-
-    columns: Mapping[str, FloatArray]
-    tau: FloatArray
-    v: FloatArray
-    independent_fraction: float = 1.0
+    columns: Mapping[str, FloatArray]  # regressor column of every parameter, (M,) each
+    tau: FloatArray  # measured torque [N·m], (M,)
+    v: FloatArray  # velocity of the joint [rad/s], (M,)
+    independent_fraction: float = 1.0  # share of the rows that carries independent noise; a filter leaves fewer
 
     def where(self, mask: NDArray[np.bool_]) -> JointRows:
         """Select the rows of a mask, (M,)."""
@@ -53,19 +46,7 @@ class JointRows(NamedTuple):
 
 
 def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
-    """Make the rows of a joint in static poses.
-
-    Args:
-        model: Leg and terms.
-        poses: Measured poses.
-        joint: Index of the joint.
-
-    Returns:
-        One row a pose.
-
-    Raises:
-        ExoidError: A joint of the leg is missing.
-    """
+    """Make the rows of a joint in static poses."""
     rows = make_rows(model, poses, FiniteDifference())
     return _of_joint(model, rows.W[:, joint], rows.tau[:, joint], np.zeros(len(rows.tau)), 1.0)
 
@@ -73,20 +54,7 @@ def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
 def rows_in_motion(
     model: TorqueModel, recordings: Sequence[Recording], joint: int, preparation: Preparation
 ) -> JointRows:
-    """Make the rows of a joint in several recordings, in sequence.
-
-    Args:
-        model: Leg and terms.
-        recordings: Recordings with torque.
-        joint: Index of the joint.
-        preparation: Preparation of each recording.
-
-    Returns:
-        Rows of all recordings.
-
-    Raises:
-        ExoidError: There is no recording, or one has no torque, lacks a joint or is too short.
-    """
+    """Make the rows of a joint in several recordings, in sequence."""
     if not recordings:
         raise ExoidError("no recordings", remedy="pass at least one")
     each = [make_rows(model, recording, preparation) for recording in recordings]
@@ -100,20 +68,7 @@ def rows_in_motion(
 
 
 def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence[Term]) -> TorqueModel:
-    """Make the torque model of a document's procedure.
-
-    Args:
-        leg: The leg.
-        joints: Joints that the procedure needs.
-        document: Number of the document.
-        terms: Terms of the model.
-
-    Returns:
-        Leg and terms.
-
-    Raises:
-        ExoidError: The leg is not a planar chain of that many segments.
-    """
+    """Make the torque model of a document's procedure."""
     if leg.chain is None or leg.chain.n != len(joints):
         raise ExoidError(
             f"document {document}'s procedure needs a planar leg of {', '.join(joints[:-1])} and {joints[-1]}",

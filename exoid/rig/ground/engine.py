@@ -17,44 +17,28 @@ from .plant import GroundPlant
 
 
 class Pose(NamedTuple):
-    """Place of a link in the laboratory.
+    """Place of a link in the laboratory."""
 
-    Attributes:
-        position: Its origin [m], (3,).
-        rotation: Its axes as columns, (3, 3).
-    """
-
-    position: FloatArray
-    rotation: FloatArray
+    position: FloatArray  # its origin [m], (3,)
+    rotation: FloatArray  # its axes as columns, (3, 3)
 
 
 class Engine:
-    """Machine on flat ground; the laboratory has z up and the ground at z = 0.
+    """Machine on flat ground; the laboratory has z up and the ground at z = 0."""
 
-    A step k begins with positions q_k and velocities v_k. :meth:`begin` computes what depends on them, then forces are
-    applied, and :meth:`finish` computes the acceleration a_k and the contact forces, and advances the state.
-
-    Args:
-        plant: The machine.
-        step: Step of the simulation [s].
-        rail: Whether a vertical rail holds the torso of a planar machine: it does not move forward and does not pitch.
-
-    Attributes:
-        plant: The machine.
-        base: Number of velocities of the base, 3 or 6.
-        model: MuJoCo's model.
-        data: MuJoCo's state.
-        q: Joint angles [rad], (n,), a view.
-        v: Joint velocities [rad/s], (n,), a view.
-        rate: Velocities of base and joints, (base + n,), a view. Of a base in space: linear in the laboratory, angular
-            in its own axes.
-        acceleration: Accelerations of the last step in the coordinates of ``rate``, (base + n,), a view.
-        spheres: Place of the points of each sole among all of them.
-        applied: Forces that are applied in this step, in these coordinates, a view.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, a body cannot exist, or a machine that is not planar is on a rail.
-    """
+    # A step k begins with positions q_k and velocities v_k. `begin` computes what depends on them, then forces are
+    # applied, and `finish` computes the acceleration a_k and the contact forces, and advances the state.
+    # plant: The machine.
+    # base: Number of velocities of the base, 3 or 6.
+    # model: MuJoCo's model.
+    # data: MuJoCo's state.
+    # q: Joint angles [rad], (n,), a view.
+    # v: Joint velocities [rad/s], (n,), a view.
+    # rate: Velocities of base and joints, (base + n,), a view. Of a base in space: linear in the laboratory,
+    # angular in its own axes.
+    # acceleration: Accelerations of the last step in the coordinates of `rate`, (base + n,), a view.
+    # spheres: Place of the points of each sole among all of them.
+    # applied: Forces that are applied in this step, in these coordinates, a view.
 
     def __init__(self, plant: GroundPlant, step: float, *, rail: bool = False) -> None:
         self._mujoco = require_mujoco()
@@ -74,12 +58,7 @@ class Engine:
         self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
 
     def place(self, q: FloatArray, base: FloatArray) -> None:
-        """Set the state at rest.
-
-        Args:
-            q: Joint angles [rad], (n,).
-            base: Position forward and up [m] and pitch [rad] of the root link's origin, (3,).
-        """
+        """Set the state at rest."""
         data, plane = self.data, self.plant.plane
         self._mujoco.mj_resetData(self.model, data)
         if self.plant.is_planar:
@@ -103,22 +82,13 @@ class Engine:
         return Pose(self.data.xpos[1], self.data.xmat[1].reshape(3, 3))
 
     def twist(self) -> FloatArray:
-        """Compute the velocity of the root link.
-
-        Returns:
-            Angular velocity [rad/s] and velocity of the origin [m/s] in the laboratory, (6,).
-        """
+        """Compute the velocity of the root link."""
         out = np.zeros(6)
         self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, 1, out, 0)
         return out
 
     def placements(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Locate the root link and the links with soles at the beginning of the step.
-
-        Returns:
-            Their origins [m], (F, 3), axes as columns, (F, 3, 3), and velocities: angular [rad/s] and of the origin
-            [m/s], (F, 6), all in the laboratory.
-        """
+        """Locate the root link and the links with soles at the beginning of the step."""
         data = self.data
         turns = data.xmat[self._bodies].reshape(-1, 3, 3)
         origin = data.xpos[self._bodies] + np.einsum("fij,fj->fi", turns, self._offsets)
@@ -128,27 +98,13 @@ class Engine:
         return origin, turns @ self._turns, twist
 
     def push(self, force: FloatArray, moment: FloatArray, point: FloatArray) -> FloatArray:
-        """Convert a force on the torso to the coordinates of :attr:`applied`.
-
-        Args:
-            force: Force in the laboratory [N], (3,).
-            moment: Moment about the point [N·m], (3,).
-            point: Point in the laboratory [m], (3,).
-
-        Returns:
-            Generalised force, (base + n,).
-        """
+        """Convert a force on the torso to the coordinates of :attr:`applied`."""
         out = np.zeros(len(self.rate))
         self._mujoco.mj_applyFT(self.model, self.data, force, moment, point, 1, out)
         return out
 
     def loads(self) -> tuple[FloatArray, FloatArray]:
-        """Read the contact forces of the step.
-
-        Returns:
-            Force on each sphere of :attr:`spheres` [N], (K, 3), and the point where it acts [m], (K, 3), in the
-            laboratory; zero without contact.
-        """
+        """Read the contact forces of the step."""
         contact, count = self.data.contact, sum(len(sole.points) for sole in self.plant.soles.values())
         force, place = np.zeros((2, count, 3))
         own = contact.efc_address >= 0
@@ -160,14 +116,7 @@ class Engine:
         return force, place
 
     def turn_to(self, target: FloatArray) -> FloatArray:
-        """Find the rotation from the root link to another orientation.
-
-        Args:
-            target: Quaternion of that orientation (w, x, y, z), (4,).
-
-        Returns:
-            Rotation vector in the laboratory [rad], (3,).
-        """
+        """Find the rotation from the root link to another orientation."""
         own, inverse, out = self.data.xquat[1], np.zeros(4), np.zeros(3)
         self._mujoco.mju_negQuat(inverse, own)
         turn = np.zeros(4)
@@ -222,15 +171,7 @@ class Engine:
 
 
 def quaternion(axis: FloatArray, angle: float) -> FloatArray:
-    """Write a rotation as a quaternion.
-
-    Args:
-        axis: Axis, (3,).
-        angle: Angle [rad].
-
-    Returns:
-        Quaternion (w, x, y, z), as MuJoCo has it, (4,).
-    """
+    """Write a rotation as a quaternion."""
     return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
 
 

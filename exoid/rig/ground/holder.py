@@ -27,39 +27,17 @@ class Holder(Protocol):
         ...
 
     def force(self, step: int) -> FloatArray:
-        """Compute the force in a step.
-
-        Args:
-            step: Number of the step.
-
-        Returns:
-            Generalised force, (base + n,).
-        """
+        """Compute the force in a step."""
         ...
 
 
 def hold(engine: Engine, spring: Spring, targets: JointTargets) -> Holder:
-    """Attach a spring to the torso.
-
-    Args:
-        engine: The machine.
-        spring: Constants of the spring.
-        targets: Motion of the carriage at each step.
-
-    Returns:
-        The spring.
-    """
+    """Attach a spring to the torso."""
     return (PlanarHolder if engine.plant.is_planar else SpatialHolder)(engine, spring, targets)
 
 
 class PlanarHolder:
-    """Spring in the plane, in plain floats, where a vector (forward, up) is the complex number x + i z.
-
-    Args:
-        engine: The machine.
-        spring: Constants of the spring.
-        targets: Motion of the carriage at each step.
-    """
+    """Spring in the plane, in plain floats, where a vector (forward, up) is the complex number x + i z."""
 
     def __init__(self, engine: Engine, spring: Spring, targets: JointTargets) -> None:
         plane = engine.plant.plane
@@ -73,14 +51,7 @@ class PlanarHolder:
         self._last, self._out = (0.0, 0.0, 0.0), np.zeros(len(engine.rate))
 
     def force(self, step: int) -> FloatArray:
-        """Compute the force in a step.
-
-        Args:
-            step: Number of the step.
-
-        Returns:
-            Generalised force, (base + n,).
-        """
+        """Compute the force in a step."""
         spring = self.spring
         x, z, pitch = self._engine.data.qpos[:3].tolist()
         vx, vz, rate = self._engine.rate[:3].tolist()
@@ -103,17 +74,11 @@ class PlanarHolder:
 
 
 class SpatialHolder:
-    """Spring in space.
+    """Spring in space."""
 
-    Args:
-        engine: The machine.
-        spring: Constants of the spring.
-        targets: Motion of the carriage at each step.
-
-    Attributes:
-        spring: Constants of the spring.
-        wrench: Force [N] and moment about the point [N·m] on the torso in the laboratory, of the last step, (2, 3).
-    """
+    # spring: Constants of the spring.
+    # wrench: Force [N] and moment about the point [N·m] on the torso in the laboratory, of the last step, (2,
+    # 3).
 
     def __init__(self, engine: Engine, spring: Spring, targets: JointTargets) -> None:
         plane, self._point = engine.plant.plane, np.array(spring.point)
@@ -128,14 +93,7 @@ class SpatialHolder:
         self._pitch = base[:, 2]
 
     def force(self, step: int) -> FloatArray:
-        """Compute the force in a step.
-
-        Args:
-            step: Number of the step.
-
-        Returns:
-            Generalised force, (base + n,).
-        """
+        """Compute the force in a step."""
         engine, spring = self._engine, self.spring
         position, rotation = engine.torso
         twist, arm = engine.twist(), rotation @ self._point

@@ -11,12 +11,7 @@ from .engine import Engine
 
 
 class Ledger:
-    """Forces and velocities of the steps of a log so far.
-
-    Args:
-        engine: The machine.
-        steps: Number of steps.
-    """
+    """Forces and velocities of the steps of a log so far."""
 
     def __init__(self, engine: Engine, steps: int) -> None:
         size = len(engine.rate)
@@ -27,38 +22,21 @@ class Ledger:
         self._momentum: list[FloatArray] = []
 
     def begin(self, step: int) -> None:
-        """Note the state that a step begins with.
-
-        Args:
-            step: Number of the step.
-        """
+        """Note the state that a step begins with."""
         self._rate[step] = self._engine.rate
         if step in (0, self._steps):
             self._energy.append(self._engine.energy)
             self._momentum.append(self._engine.momentum)
 
     def finish(self, step: int, torque: FloatArray, spring: FloatArray | None) -> None:
-        """Note the forces of a step.
-
-        Args:
-            step: Number of the step.
-            torque: Torques of the actuators [N·m], (n,).
-            spring: Generalised force of the spring that holds the torso, (base + n,); None without.
-        """
+        """Note the forces of a step."""
         rail = self._engine.rail
         self._ground[step] = self._engine.constraint - rail
         self._held[step] = rail if spring is None else spring
         self._torque[step] = torque
 
     def audit(self, dt: float) -> Audit:
-        """Sum up.
-
-        Args:
-            dt: Step [s].
-
-        Returns:
-            Balance of energy and momentum.
-        """
+        """Sum up."""
         plant, base = self._engine.plant, self._engine.base
         mean = 0.5 * (self._rate[1:] + self._rate[:-1])
         joints, start = mean[:, base:], self._rate[:-1, base:]

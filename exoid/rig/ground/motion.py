@@ -55,21 +55,13 @@ class GroundMotion:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointTargets:
-    """Reference at the times of a controller.
+    """Reference at the times of a controller."""
 
-    Attributes:
-        q: Joint angles [rad], (M, n).
-        v: Joint velocities [rad/s], (M, n).
-        torque: Feed-forward torque [N·m], (M, n).
-        base: Position forward and up [m] and pitch [rad] of the root link's origin, (M, 3).
-        base_rate: Its rate, (M, 3).
-    """
-
-    q: FloatArray
-    v: FloatArray
-    torque: FloatArray
-    base: FloatArray
-    base_rate: FloatArray
+    q: FloatArray  # joint angles [rad], (M, n)
+    v: FloatArray  # joint velocities [rad/s], (M, n)
+    torque: FloatArray  # feed-forward torque [N·m], (M, n)
+    base: FloatArray  # position forward and up [m] and pitch [rad] of the root link's origin, (M, 3)
+    base_rate: FloatArray  # its rate, (M, 3)
 
 
 @dataclass(frozen=True)
@@ -125,19 +117,7 @@ class Spring:
 
 
 def per_joint(values: tuple[float, ...] | float, n: int, name: str) -> FloatArray:
-    """Repeat numbers for n joints.
-
-    Args:
-        values: A number, one a joint, or one for each joint of a leg.
-        n: Number of joints.
-        name: Name in messages.
-
-    Returns:
-        The numbers, (n,).
-
-    Raises:
-        ExoidError: n is not a multiple of their number, or one is negative or not finite.
-    """
+    """Repeat numbers for n joints."""
     numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
     if numbers.ndim != 1 or not len(numbers) or n % len(numbers):
         raise ExoidError(f"{name} has {numbers.size} values for {n} joints", remedy="give one, or one a joint")

@@ -42,21 +42,8 @@ RAIL_JOINTS = ("forward", "pitch")
 
 
 def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -> Any:  # noqa: ANN401 - MuJoCo's class
-    """Build MuJoCo's model of a machine: joints of the base, one body for each joint, spheres under the soles.
-
-    The bodies are in Pinocchio's order: body 1 is the root link, body j + 1 that of joint j.
-
-    Args:
-        plant: The machine.
-        step: Step of the simulation [s].
-        rail: Whether a vertical rail holds the torso of a planar machine.
-
-    Returns:
-        The model.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, a body cannot exist, or a machine that is not planar is on a rail.
-    """
+    """Build MuJoCo's model of a machine: joints of the base, one body for each joint, spheres under the soles."""
+    # The bodies are in Pinocchio's order: body 1 is the root link, body j + 1 that of joint j.
     mujoco = require_mujoco()
     if rail and not plant.is_planar:
         raise ExoidError("a vertical rail holds a machine that moves in a plane", remedy="hold others by a spring")
@@ -86,15 +73,7 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
 
 
 def geometry_name(link: str, number: int) -> str:
-    """Name a sphere of a sole.
-
-    Args:
-        link: Link of the foot.
-        number: Number of the point.
-
-    Returns:
-        Name of MuJoCo's geometry.
-    """
+    """Name a sphere of a sole."""
     return f"exoid sole {number} {link}"
 
 

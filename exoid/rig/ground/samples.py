@@ -17,12 +17,7 @@ from .run import Footing, GroundRun
 
 
 class Samples:
-    """Samples of a run so far.
-
-    Args:
-        engine: The machine.
-        holder: Spring that holds its torso; None without.
-    """
+    """Samples of a run so far."""
 
     def __init__(self, engine: Engine, holder: Holder | None) -> None:
         self._engine, self._holder = engine, holder
@@ -49,26 +44,14 @@ class Samples:
         self._base.append((rate, self._engine.acceleration[: self._engine.base].copy(), turn))
 
     def finish(self, time: float, torque: FloatArray) -> None:
-        """Note acceleration and forces of the step.
-
-        Args:
-            time: Time [s].
-            torque: Torque of the actuators [N·m], (n,).
-        """
+        """Note acceleration and forces of the step."""
         engine = self._engine
         held = engine.rail_wrench if self._holder is None else self._holder.wrench
         self._times.append(time)
         self._steps.append((engine.acceleration.copy(), torque, held, *engine.placements(), *engine.loads()))
 
     def run(self, audit: Audit) -> GroundRun:
-        """Return all samples.
-
-        Args:
-            audit: Balance of energy and momentum.
-
-        Returns:
-            The run.
-        """
+        """Return all samples."""
         engine, plant, b = self._engine, self._engine.plant, self._engine.base
         q, rate = (np.array(x) for x in zip(*self._states, strict=True))
         a, tau, held, position, rotation, twist, force, place = (np.array(x) for x in zip(*self._steps, strict=True))

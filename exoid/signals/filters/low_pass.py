@@ -155,21 +155,8 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
 
 @lru_cache(maxsize=16)
 def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[ComplexArray, ComplexArray, float]:
-    """Decompose the impulse response of `zero_phase` into decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0.
-
-    Modes are the poles of one pass. Of two that are conjugates of each other, one is left, with twice the weight.
-
-    Args:
-        rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency of the two passes together [Hz].
-        order: Order of one pass.
-
-    Returns:
-        Poles p and weights c, (m,) each, and h_0.
-
-    Raises:
-        ExoidError: The cut-off is not between 0 and half the rate.
-    """
+    """Decompose the impulse response of `zero_phase` into decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0."""
+    # Modes are the poles of one pass. Of two that are conjugates of each other, one is left, with twice the weight.
     zeros, poles, gain = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="zpk")
     others = poles[:, np.newaxis] - poles + np.eye(len(poles))
     residues = gain * np.prod(poles[:, np.newaxis] - zeros, axis=1) / np.prod(others, axis=1)
@@ -351,21 +338,16 @@ class ParallelFilter:
 
 
 class _Blocks(NamedTuple):
-    """The filter for blocks of B samples, at every step-th of them.
+    """The filter for blocks of B samples, at every step-th of them."""
 
-    The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
-    block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
+    # The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
+    # block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
 
-    Attributes:
-        products: What samples of a block add to its own rows, and to the states of the blocks after and before it,
-            (B, M + 4 m) with M rows a block, m modes, and real and imaginary parts one after the other.
-        states: What states add to the rows of a block, (4 m, M).
-        decay: Factor of a state from block to block, (m,).
-    """
-
+    # what samples of a block add to its own rows, and to the states of the blocks after and before it, (B, M +
+    # 4 m) with M rows a block, m modes, and real and imaginary parts one after the other
     products: FloatArray
-    states: FloatArray
-    decay: ComplexArray
+    states: FloatArray  # what states add to the rows of a block, (4 m, M)
+    decay: ComplexArray  # factor of a state from block to block, (m,)
 
     @property
     def size(self) -> int:
@@ -373,14 +355,7 @@ class _Blocks(NamedTuple):
         return len(self.products)
 
     def joined(self, products: FloatArray) -> FloatArray:
-        """Add what comes from other blocks.
-
-        Args:
-            products: Blocks times :attr:`products`, (blocks, K, M + 4 m).
-
-        Returns:
-            Filtered rows, (blocks, K, M).
-        """
+        """Add what comes from other blocks."""
         rows, modes = self.states.shape[1], len(self.decay)
         own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
         states = np.zeros_like(own)

@@ -75,17 +75,11 @@ def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDA
 
 
 class Projected(NamedTuple):
-    """Signals of a joint without the pulses at its reversals.
+    """Signals of a joint without the pulses at its reversals."""
 
-    Attributes:
-        signals: What is left of them, (K, R).
-        taken: What was taken out, in an orthonormal basis, (K, M).
-        noise_left: Share of the energy of filtered white noise that is left.
-    """
-
-    signals: FloatArray
-    taken: FloatArray
-    noise_left: float
+    signals: FloatArray  # what is left of them, (K, R)
+    taken: FloatArray  # what was taken out, in an orthonormal basis, (K, M)
+    noise_left: float  # share of the energy of filtered white noise that is left
 
 
 def without_reversals(
@@ -144,17 +138,11 @@ def without_reversals(
 
 
 class _Cluster(NamedTuple):
-    """Pulses whose responses overlap: the space of other pulses is orthogonal to theirs.
+    """Pulses whose responses overlap: the space of other pulses is orthogonal to theirs."""
 
-    Attributes:
-        joint: Index of the joint.
-        piece: Rows that they reach.
-        pulses: Samples of the pulses.
-    """
-
-    joint: int
-    piece: slice
-    pulses: list[int]
+    joint: int  # index of the joint
+    piece: slice  # rows that they reach
+    pulses: list[int]  # samples of the pulses
 
 
 def _clusters(
@@ -179,17 +167,7 @@ def _clusters(
 def _bases(
     clusters: Iterable[_Cluster], rows: range, size: int, parallel: ParallelFilter
 ) -> Iterator[tuple[list[_Cluster], FloatArray]]:
-    """Find orthonormal bases of the filtered pulses of clusters, for all of as many pulses at once.
-
-    Args:
-        clusters: Clusters of pulses.
-        rows: Filtered samples.
-        size: Number of rows of a piece, about.
-        parallel: The filter.
-
-    Yields:
-        C clusters, and their bases, zero behind the last row of each, (C, L, M).
-    """
+    """Find orthonormal bases of the filtered pulses of clusters, for all of as many pulses at once."""
     responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
     by_count: defaultdict[int, list[_Cluster]] = defaultdict(list)
     for cluster in clusters:
@@ -203,10 +181,8 @@ def _bases(
 
 
 def _cuts(rows: range, pulses: NDArray[np.intp], size: int) -> list[int]:
-    """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible.
-
-    A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
-    """
+    """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible."""
+    # A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
     k = np.arange(rows.start, rows.stop, rows.step)
     after = np.searchsorted(pulses, k)
     around = np.concatenate([[-np.inf], pulses, [np.inf]])
@@ -256,17 +232,7 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def _responses(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
-    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
-
-    Args:
-        parallel: The filter.
-        step: Step.
-        count: Largest number of samples that are wanted at once.
-
-    Returns:
-        View of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
-        for each phase and k from −M, (``step``, 2 M, ``count``).
-    """
+    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over."""
     response = _impulse_response(parallel)
     reach = len(response) // 2
     half = count + -(-reach // step) + 1

@@ -12,15 +12,7 @@ MOST_BLANK_LINES = 1_000_000
 
 
 def refuse_columns(count: int, file: str) -> None:
-    """Refuse a file with more columns than any log has.
-
-    Args:
-        count: Number of columns.
-        file: Path as the caller gave it, for messages.
-
-    Raises:
-        ExoidError: There are too many.
-    """
+    """Refuse a file with more columns than any log has."""
     if count > MOST_COLUMNS:
         raise ExoidError(
             f"{count} columns, more than {MOST_COLUMNS}", where=file, remedy="write the columns of one leg's joints"

@@ -102,19 +102,7 @@ BUILT_IN = frozenset(READERS.registered)
 
 
 def read_as(ending: str, file: str, options: ReadOptions) -> Table:
-    """Read a log by the reader of an ending.
-
-    Args:
-        ending: One of :data:`READERS`.
-        file: Path as the caller gave it.
-        options: What the caller requests.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: The file is missing or damaged, or a reader from outside exoid fails.
-    """
+    """Read a log by the reader of an ending."""
     reader = READERS.find(ending)
     if ending in BUILT_IN:
         return reader(file, options)

@@ -70,21 +70,9 @@ def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None)
 
 
 def kind_of(path: Path, file: str) -> str:
-    """Tell the kind of a log.
-
-    Registered endings of other packages are checked before the first bytes, because formats may be based on zip or
-    HDF5. Endings of exoid are checked after them: they decide for damaged files, and for MATLAB files of version 4.
-
-    Args:
-        path: The file.
-        file: Path as the caller gave it.
-
-    Returns:
-        Ending of the kind, such as "parquet" or "csv", or a key of :data:`REFUSED`.
-
-    Raises:
-        ExoidError: It is a folder, but not a rosbag2.
-    """
+    """Tell the kind of a log."""
+    # Registered endings of other packages are checked before the first bytes, because formats may be based on zip or
+    # HDF5. Endings of exoid are checked after them: they decide for damaged files, and for MATLAB files of version 4.
     try:
         if path.is_dir():
             return _kind_of_folder(path, file)

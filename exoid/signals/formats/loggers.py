@@ -33,21 +33,14 @@ REVOLUTION = 2.0 * math.pi
 
 @dataclass(frozen=True)
 class Logger:
-    """Program that logs one actuator in a file.
+    """Program that logs one actuator in a file."""
 
-    Attributes:
-        name: Name for ``format="name:joint"``.
-        time: Header of the time stamps, and seconds per unit.
-        columns: Header and factor to SI, by quantity of exoid's column. A file may lack any but those of ``marks``.
-        marks: Headers by which a file is recognised.
-        repeats: Whether its clock is coarser than its rows. Of rows with one stamp the first is read.
-    """
-
-    name: str
-    time: tuple[str, float]
+    name: str  # name for `format="name:joint"`
+    time: tuple[str, float]  # header of the time stamps, and seconds per unit
+    # header and factor to SI, by quantity of exoid's column. A file may lack any but those of `marks`
     columns: Mapping[str, tuple[str, float]]
-    marks: frozenset[str]
-    repeats: bool = False
+    marks: frozenset[str]  # headers by which a file is recognised
+    repeats: bool = False  # whether its clock is coarser than its rows. Of rows with one stamp the first is read
 
 
 def _openexo(name: str, torque: str) -> Logger:
@@ -92,17 +85,7 @@ LOGGERS = {
 
 
 def logger_of(text: str) -> tuple[Logger, str | None]:
-    """Read ``NAME`` or ``NAME:JOINT``.
-
-    Args:
-        text: The text, such as "moteus:knee".
-
-    Returns:
-        The logger and the joint; None for a joint that is not named.
-
-    Raises:
-        ExoidError: There is no such logger.
-    """
+    """Read ``NAME`` or ``NAME:JOINT``."""
     name, _, joint = text.partition(":")
     if name not in LOGGERS:
         raise ExoidError(f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee")
@@ -110,20 +93,8 @@ def logger_of(text: str) -> tuple[Logger, str | None]:
 
 
 def in_si(table: Table, options: ReadOptions) -> Table:
-    """Turn the log of an actuator into exoid's columns, where the caller names the format or the header shows it.
-
-    A header shows it where no columns are mapped and no column is exoid's own.
-
-    Args:
-        table: Columns of the file.
-        options: What the caller requests.
-
-    Returns:
-        Columns time, ``q_<joint>`` and so on in SI; the table as it is if it is no such log.
-
-    Raises:
-        ExoidError: The format does not fit the file, or the joint is not known.
-    """
+    """Turn the log of an actuator into exoid's columns, where the caller names the format or the header shows it."""
+    # A header shows it where no columns are mapped and no column is exoid's own.
     named, joint = (None, None) if options.format is None else logger_of(options.format)
     if named is None and (options.columns or any(name.startswith("q_") for name in table.header)):
         return table
@@ -184,18 +155,7 @@ def _converted(table: Table, logger: Logger, joint: str) -> ArrayTable:
 
 
 def read_with_format(table: Table, options: ReadOptions) -> Table:
-    """Convert a table of text; refuse a format for any other.
-
-    Args:
-        table: Columns of the file.
-        options: What the caller requests.
-
-    Returns:
-        The table, converted where it is the log of an actuator.
-
-    Raises:
-        ExoidError: As for :func:`in_si`, or the file is no text.
-    """
+    """Convert a table of text; refuse a format for any other."""
     if isinstance(table, TextTable):
         return in_si(table, options)
     if options.format is not None:

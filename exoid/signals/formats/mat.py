@@ -27,18 +27,7 @@ DEEPEST = 20
 
 
 def read_mat(file: str, options: ReadOptions) -> ArrayTable:
-    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB.
-
-    Args:
-        file: Path as the caller gave it.
-        options: What the caller requests.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: The file is damaged, of version 7.3, or has no time.
-    """
+    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
     with reading(file, "a MATLAB file", REMEDY):
         columns = read_in_child(mat_columns, file, options=options.to_json()).arrays
         rows = len(next(iter(columns.values())))
@@ -46,18 +35,7 @@ def read_mat(file: str, options: ReadOptions) -> ArrayTable:
 
 
 def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
-    """Read the columns in this process, which scipy's compiled reader may end.
-
-    Args:
-        file: Path as the caller gave it.
-        options: Arguments of :class:`.table.ReadOptions`.
-
-    Returns:
-        The columns.
-
-    Raises:
-        ExoidError: As for :func:`read_mat`.
-    """
+    """Read the columns in this process, which scipy's compiled reader may end."""
     path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")

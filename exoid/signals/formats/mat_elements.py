@@ -38,50 +38,26 @@ DEEPEST = 200
 
 
 class Element(NamedTuple):
-    """One element.
+    """One element."""
 
-    Attributes:
-        kind: Type of the element.
-        content: Content without tag and padding.
-    """
-
-    kind: int
-    content: memoryview
+    kind: int  # type of the element
+    content: memoryview  # content without tag and padding
 
 
 class Matrix(NamedTuple):
-    """A variable, or the content of a cell or a field.
+    """A variable, or the content of a cell or a field."""
 
-    Attributes:
-        name: Name of a variable; empty for others.
-        readable: Whether it consists of numbers, text, cells and structs.
-    """
-
-    name: str
-    readable: bool
+    name: str  # name of a variable; empty for others
+    readable: bool  # whether it consists of numbers, text, cells and structs
 
 
 def byte_order(data: bytes) -> str:
-    """Tell the byte order as scipy does.
-
-    Args:
-        data: Content of the file.
-
-    Returns:
-        "<" or ">".
-    """
+    """Tell the byte order as scipy does."""
     return "<" if data[126:128] == b"IM" else ">"
 
 
 def expanded_size(data: bytes) -> int:
-    """Sum the sizes that compressed elements declare.
-
-    Args:
-        data: Content of the file.
-
-    Returns:
-        Size in memory [bytes].
-    """
+    """Sum the sizes that compressed elements declare."""
     place, total, order = HEADER, 0, byte_order(data)
     while place + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, place)
@@ -94,17 +70,7 @@ def expanded_size(data: bytes) -> int:
 
 
 def readable_variables(data: bytes) -> list[str] | None:
-    """List the variables that consist of numbers, text, cells and structs.
-
-    Args:
-        data: Content of the file.
-
-    Returns:
-        Their names; None for another version of the format.
-
-    Raises:
-        ValueError: The elements are inconsistent.
-    """
+    """List the variables that consist of numbers, text, cells and structs."""
     if len(data) < HEADER or 0 in data[:4] or data[125 if data[126:127] == b"I" else 124] != 1:
         return None
     order = byte_order(data)

@@ -18,18 +18,7 @@ REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[..
 
 
 def read_npz(file: str, options: ReadOptions) -> ArrayTable:
-    """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file.
-
-    Args:
-        file: Path as the caller gave it.
-        options: What the caller requests.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: The file is damaged, or holds objects.
-    """
+    """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file."""
     path = Path(file)
     with reading(file, "a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:

@@ -33,22 +33,10 @@ REMEDY = "write the file again, or correct its header"
 
 
 def read_opensim_table(file: str, options: ReadOptions) -> TextTable:
-    """Read a motion or storage file of OpenSim, or of SIMM.
-
-    The header states ``nRows`` and ``nColumns`` (``datarows`` and ``datacolumns`` of SIMM; OpenSim 4 leaves both out)
-    and ``inDegrees``. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs
-    or spaces.
-
-    Args:
-        file: Path as the caller gave it.
-        options: What the caller requests; nothing of it changes how the file is read.
-
-    Returns:
-        The table. Its numbers are those of the file; :attr:`TextTable.in_degrees` says how to read angles.
-
-    Raises:
-        ExoidError: The file is missing or not text, has no ``endheader``, or is not of the size that its header states.
-    """
+    """Read a motion or storage file of OpenSim, or of SIMM."""
+    # The header states `nRows` and `nColumns` (`datarows` and `datacolumns` of SIMM; OpenSim 4 leaves both out)
+    # and `inDegrees`. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs
+    # or spaces.
     text, source = read_text(file)
     content, _ = split_lines(text, file)
     end = next((k for k, (_, line) in enumerate(content) if line.strip().lower() == END), None)

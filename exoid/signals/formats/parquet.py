@@ -25,16 +25,12 @@ REMEDY = "check that the writer closed it; write it again"
 
 @dataclass(frozen=True, eq=False)
 class ParquetTable:
-    """A Parquet file, of which only the requested columns are read; attributes as those of ``Table``.
-
-    Attributes:
-        length: Number of rows.
-    """
+    """A Parquet file, of which only the requested columns are read; attributes as those of ``Table``."""
 
     file: str
     source: Source
     header: tuple[str, ...]
-    length: int
+    length: int  # number of rows
     lines: NDArray[np.int64] | None = None
     row_name: str = "row"
 
@@ -42,17 +38,7 @@ class ParquetTable:
         return self.length
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read columns; empty cells become NaN.
-
-        Args:
-            columns: Names of k columns.
-
-        Returns:
-            Numbers, (N, k).
-
-        Raises:
-            ExoidError: A column does not hold numbers, or the file is damaged.
-        """
+        """Read columns; empty cells become NaN."""
         with reading(self.file, "Parquet", REMEDY):
             refuse_expansion(8 * self.length * len(columns), Path(self.file), self.file)
             arrays = read_in_child(parquet_columns, self.file, names=list(columns)).arrays
@@ -63,18 +49,7 @@ class ParquetTable:
 
 
 def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
-    """Read the header of a Parquet file.
-
-    Args:
-        file: Path as the caller gave it.
-        options: What the caller requests; columns are selected later.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: polars is missing, or the file is damaged.
-    """
+    """Read the header of a Parquet file."""
     if find_spec("polars") is None:
         raise needs("polars", "Parquet", file)
     with reading(file, "Parquet", REMEDY):
@@ -83,17 +58,7 @@ def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
 
 
 def parquet_header(file: str) -> Content:
-    """Read the header in this process, which polars may end.
-
-    Args:
-        file: Path as the caller gave it.
-
-    Returns:
-        Facts: names of the columns, and number of rows.
-
-    Raises:
-        ExoidError: As for :func:`read_parquet`.
-    """
+    """Read the header in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
     with reading(file, "Parquet", REMEDY):
@@ -104,18 +69,7 @@ def parquet_header(file: str) -> Content:
 
 
 def parquet_columns(file: str, names: Sequence[str]) -> Content:
-    """Read columns in this process, which polars may end.
-
-    Args:
-        file: Path as the caller gave it.
-        names: Names of the columns.
-
-    Returns:
-        The columns as numbers.
-
-    Raises:
-        ExoidError: As for :meth:`ParquetTable.numbers`.
-    """
+    """Read columns in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
     with reading(file, "Parquet", REMEDY):

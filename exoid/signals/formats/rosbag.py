@@ -40,22 +40,10 @@ class _Message(NamedTuple):
 
 
 def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
-    """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
-
-    Time starts at the first message. Messages may list their joints in any order. Messages without any requested joint
-    are skipped. A field that is empty or NaN in all messages was not measured. Message definitions stored in the bag
-    are ignored.
-
-    Args:
-        file: Path as the caller gave it.
-        options: What the caller requests.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
-    """
+    """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where given, ``v_`` and ``tau_``."""
+    # Time starts at the first message. Messages may list their joints in any order. Messages without any
+    # requested joint are skipped. A field that is empty or NaN in all messages was not measured. Message
+    # definitions stored in the bag are ignored.
     if find_spec("rosbags") is None:
         raise needs("rosbags", "bags", file)
     with reading(file, "a bag", REMEDY):
@@ -65,18 +53,7 @@ def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
 
 
 def bag_columns(file: str, options: Mapping[str, Any]) -> Content:
-    """Read the columns in this process, whose memory a compressed bag may fill.
-
-    Args:
-        file: Path as the caller gave it.
-        options: Arguments of :class:`.table.ReadOptions`.
-
-    Returns:
-        The columns, and the number of each message as the column :data:`NUMBER`.
-
-    Raises:
-        ExoidError: As for :func:`read_rosbag`.
-    """
+    """Read the columns in this process, whose memory a compressed bag may fill."""
     with reading(file, "a bag", REMEDY):
         return Content(_columns(file, ReadOptions(**options)))
 

@@ -176,18 +176,7 @@ class ArrayTable:
 
 
 def as_column(values: NDArray[Any], where: str) -> FloatArray:
-    """Convert an array of any real type, or of dates or durations, to float64; dates become seconds since the first.
-
-    Args:
-        values: The array, (N,).
-        where: Place of the column, for messages.
-
-    Returns:
-        Numbers, (N,).
-
-    Raises:
-        ExoidError: The elements are something else.
-    """
+    """Convert an array of any real type, or of dates or durations, to float64; dates become seconds since the first."""
     if values.dtype.kind in "mM":
         ticks, missing = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), np.isnat(values)
         first = ticks[0] if values.dtype.kind == "M" and len(ticks) else 0
@@ -198,22 +187,9 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
 
 
 def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
-    """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples.
-
-    A matrix q becomes ``q_<joint>``, with the joints of the array ``joint_names`` or of the caller. Any other matrix
-    becomes ``name[0]``, ``name[1]``, …. Arrays of another length are left out.
-
-    Args:
-        arrays: Arrays by name.
-        file: Path as the caller gave it, for messages.
-        options: What the caller requests.
-
-    Returns:
-        Columns by name, (N,) each.
-
-    Raises:
-        ExoidError: There is no time, or joint names do not fit the matrices.
-    """
+    """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples."""
+    # A matrix q becomes `q_<joint>`, with the joints of the array `joint_names` or of the caller. Any other matrix
+    # becomes `name[0]`, `name[1]`, …. Arrays of another length are left out.
     time = header_in(arrays, options.columns.get("time", "time"))
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
@@ -281,16 +257,7 @@ def _labels(
 
 
 def needs(package: str, kind: str, file: str) -> ExoidError:
-    """Make the error about a package that is not installed.
-
-    Args:
-        package: Name of the package.
-        kind: Kind of file that needs it.
-        file: Path as the caller gave it.
-
-    Returns:
-        The error.
-    """
+    """Make the error about a package that is not installed."""
     return ExoidError(
         f"reading {kind} needs {package}", where=file, remedy="pip install 'exoid[io]', or convert to CSV"
     )

@@ -199,15 +199,7 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
 
 
 def refuse_repeated(header: Sequence[str], file: str) -> None:
-    """Refuse two columns of one name; such as are not read may have one ("Unused").
-
-    Args:
-        header: Names of the columns, "" for one without a name.
-        file: Path as the caller gave it, for messages.
-
-    Raises:
-        ExoidError: A name occurs twice.
-    """
+    """Refuse two columns of one name; such as are not read may have one ("Unused")."""
     for name, count in Counter(header).items():
         if name and count > 1:
             raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
@@ -252,35 +244,14 @@ def _given_names(names: Sequence[str], first: Sequence[str], where: str) -> list
 
 
 def read_text(file: str) -> tuple[str, Source]:
-    """Read a file of UTF-8 text; line ends become single characters.
-
-    Args:
-        file: Path as the caller gave it.
-
-    Returns:
-        The text, and name and hash of the file.
-
-    Raises:
-        ExoidError: The file is missing, empty or not text.
-    """
+    """Read a file of UTF-8 text; line ends become single characters."""
     data = _read_bytes(Path(file), file)
     text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
     return text, Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
 
 
 def split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
-    """Split text into numbered lines with data, and the comments before the first of them.
-
-    Args:
-        text: The text.
-        file: Path as the caller gave it, for messages.
-
-    Returns:
-        Number, from 1, and text of each line that is neither blank nor a comment; the last comment before them.
-
-    Raises:
-        ExoidError: More than a million lines are blank or comments.
-    """
+    """Split text into numbered lines with data, and the comments before the first of them."""
     content: list[tuple[int, str]] = []
     comments: list[str] = []
     number = 0

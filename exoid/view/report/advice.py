@@ -31,15 +31,7 @@ DEAF = 1e6
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
-    """Name poorly identified parameters, the parameters that they correlate with, and what to record.
-
-    Args:
-        estimate: The estimate.
-        recordings: Recordings that it was fitted to, at even time stamps.
-
-    Yields:
-        Lists of sentences.
-    """
+    """Name poorly identified parameters, the parameters that they correlate with, and what to record."""
     correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
     poor = {name: grade for name, grade in zip(estimate.names, estimate.identifiability, strict=True) if grade in POOR}
     lines = []

@@ -34,31 +34,16 @@ HEADERS = ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]",
 
 
 class FootForce(NamedTuple):
-    """Force of the ground on one foot in one recording.
+    """Force of the ground on one foot in one recording."""
 
-    Attributes:
-        link: The foot.
-        predicted: Force from joint torques.
-        measured: That of a force plate at the same samples; None for none.
-        height: Height of the sole above the origin of the link [m].
-    """
-
-    link: str
-    predicted: GroundForce
-    measured: GroundForce | None
-    height: float
+    link: str  # the foot
+    predicted: GroundForce  # force from joint torques
+    measured: GroundForce | None  # that of a force plate at the same samples; None for none
+    height: float  # height of the sole above the origin of the link [m]
 
 
 def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Block]:
-    """Show the forces of the ground on resting feet: a table of all recordings, and pictures over time.
-
-    Args:
-        estimate: The estimate.
-        recordings: Recordings at even time stamps.
-
-    Yields:
-        Blocks of the page; none for a leg that does not stand.
-    """
+    """Show the forces of the ground on resting feet: a table of all recordings, and pictures over time."""
     if not estimate.supports or not estimate.model.leg.base_rows:
         return
     each = [(recording, list(_feet(estimate, recording))) for recording in recordings]

@@ -27,15 +27,7 @@ MAX_LINE_POINTS = 1000
 
 
 def shown_part(time: FloatArray, source: str) -> str:
-    """Name the part of a recording that is drawn.
-
-    Args:
-        time: Time stamps of the recording [s], (N,).
-        source: Its name.
-
-    Returns:
-        "the first 20 s of log.csv", or "log.csv (15 s)" if all of it is drawn.
-    """
+    """Name the part of a recording that is drawn."""
     duration = float(time[-1] - time[0])
     whole = duration <= SHOWN_SECONDS
     return f"{source} ({duration:.0f} s)" if whole else f"the first {SHOWN_SECONDS:.0f} s of {source}"

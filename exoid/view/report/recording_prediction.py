@@ -13,21 +13,13 @@ from exoid.signals import Recording, base_during
 
 
 class RecordingPrediction(NamedTuple):
-    """A recording, its motion, and its predicted torque with a prediction band and the part that is friction.
+    """A recording, its motion, and its predicted torque with a prediction band and the part that is friction."""
 
-    Attributes:
-        recording: Recording at even time stamps.
-        q: Angles [rad], (N, n).
-        v: Velocities [rad/s], (N, n).
-        validation: Measured and predicted torque.
-        friction: Friction terms of the predicted torque [N·m], (N, n).
-    """
-
-    recording: Recording
-    q: FloatArray
-    v: FloatArray
-    validation: Validation
-    friction: FloatArray
+    recording: Recording  # recording at even time stamps
+    q: FloatArray  # angles [rad], (N, n)
+    v: FloatArray  # velocities [rad/s], (N, n)
+    validation: Validation  # measured and predicted torque
+    friction: FloatArray  # friction terms of the predicted torque [N·m], (N, n)
 
     @property
     def band_half_width(self) -> FloatArray:
@@ -46,20 +38,8 @@ class RecordingPrediction(NamedTuple):
 
 
 def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPrediction:
-    """Predict the torque of a recording, its prediction band, and its friction.
-
-    Torque, friction and band pass the filter of the estimate's preparation.
-
-    Args:
-        estimate: The estimate.
-        recording: Recording with torque.
-
-    Returns:
-        Motion, torque, band and friction at the samples that the filter leaves valid.
-
-    Raises:
-        ExoidError: The recording lacks torque or a joint of the leg.
-    """
+    """Predict the torque of a recording, its prediction band, and its friction."""
+    # Torque, friction and band pass the filter of the estimate's preparation.
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
     recording = for_leg(estimate.model, recording).resampled()

@@ -45,15 +45,7 @@ FRICTION_NOTE = (
 
 
 def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[str]:
-    """Summarise the identifiability of parameters, the prediction of held-out recordings, and warnings.
-
-    Args:
-        estimate: The estimate.
-        tested: Predictions of recordings that it was not fitted to.
-
-    Returns:
-        Sentences.
-    """
+    """Summarise the identifiability of parameters, the prediction of held-out recordings, and warnings."""
     grades = estimate.identifiability
     bad = [finding for finding in estimate.findings if finding.severity != "info"]
     counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)

@@ -41,15 +41,7 @@ def circular_arrow(radius: float, thickness: float, colour: str) -> list[Visual]
 
 
 def torque_scale(torque: FloatArray, largest: float) -> FloatArray:
-    """Scale of the circular arrow for each torque: its area is proportional to the torque, its direction the sign.
-
-    Args:
-        torque: Torque [N·m], (N,).
-        largest: Torque of an arrow of scale 1 [N·m].
-
-    Returns:
-        Scales along x, y and z, (N, 3).
-    """
+    """Scale of the circular arrow for each torque: its area is proportional to the torque, its direction the sign."""
     size = np.sqrt(np.abs(torque) / largest) if largest > 0.0 else np.zeros_like(torque)
     size = np.maximum(size, SMALLEST_SCALE)
     return np.column_stack([size, np.where(torque < 0.0, -size, size), size])

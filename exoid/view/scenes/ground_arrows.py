@@ -40,35 +40,17 @@ Loads = dict[str, tuple[FloatArray, FloatArray]]
 
 
 class GroundArrows(NamedTuple):
-    """Drawing of the forces of the ground.
+    """Drawing of the forces of the ground."""
 
-    Attributes:
-        commands: Commands that draw them.
-        layers: Measured and predicted forces.
-        tracks: Their keyframes.
-        notes: One sentence if forces could not be predicted.
-        points: Ends of the arrows [m], (k, 3).
-    """
-
-    commands: list[Command]
-    layers: list[Layer]
-    tracks: Tracks
-    notes: tuple[str, ...]
-    points: FloatArray
+    commands: list[Command]  # commands that draw them
+    layers: list[Layer]  # measured and predicted forces
+    tracks: Tracks  # their keyframes
+    notes: tuple[str, ...]  # one sentence if forces could not be predicted
+    points: FloatArray  # ends of the arrows [m], (k, 3)
 
     @classmethod
     def of(cls, source: Leg | Estimate, leg: Leg, replay: Replay, standing: Standing) -> GroundArrows:
-        """Draw measured forces and, for an estimate, predicted ones.
-
-        Args:
-            source: The leg or estimate.
-            leg: The leg.
-            replay: The replay.
-            standing: Pose of the base and feet that rest.
-
-        Returns:
-            The drawing.
-        """
+        """Draw measured forces and, for an estimate, predicted ones."""
         drawn = cls([], [], {}, (), np.empty((0, 3)))
         drawn = drawn._with(_measured(leg, replay), "measured ground force", MEASURED, leg, replay, standing)
         if not isinstance(source, Estimate) or replay.recording.tau is None:
@@ -142,10 +124,8 @@ def _measured(leg: Leg, replay: Replay) -> Loads:
 
 
 def _predicted(estimate: Estimate, leg: Leg, replay: Replay, standing: Standing) -> Loads:
-    """Predicted wrenches at the frames, zero where there is no sample.
-
-    Where torques do not determine the moment about x, as of a planar leg, the force acts on the middle of the sole.
-    """
+    """Predicted wrenches at the frames, zero where there is no sample."""
+    # Where torques do not determine the moment about x, as of a planar leg, the force acts on the middle of the sole.
     found: Loads = {}
     for link, each in ground_forces(estimate, replay.recording).items():
         near = np.abs(each.time[:, np.newaxis] - replay.time).min(axis=0) < GAP

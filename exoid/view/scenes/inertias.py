@@ -34,10 +34,8 @@ def surface_points(ellipsoid: Visual) -> FloatArray:
 
 
 def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:
-    """Make the ellipsoid of uniform density that has the body's mass and inertia.
-
-    About its principal axes I_x = m (b² + c²)/5, and likewise for y and z. Hence a² = 5 (I_y + I_z − I_x)/2m.
-    """
+    """Make the ellipsoid of uniform density that has the body's mass and inertia."""
+    # About its principal axes I_x = m (b² + c²)/5, and likewise for y and z. Hence a² = 5 (I_y + I_z − I_x)/2m.
     moments, axes = np.linalg.eigh(inertia.inertia)
     squares = 2.5 * (moments.sum() - 2.0 * moments) / inertia.mass
     semi_axes = np.sqrt(np.maximum(squares, 0.0))

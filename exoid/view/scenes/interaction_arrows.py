@@ -27,19 +27,8 @@ GAP = 0.03
 
 
 def with_interaction(view: LegView, geometry: LegGeometry, replay: Replay, found: Interaction) -> LegView:
-    """Add arrows of the wearer's torque to a leg.
-
-    A torque as large as the largest of the actuators has an arrow of the same size.
-
-    Args:
-        view: Drawing of the leg.
-        geometry: The leg.
-        replay: The replay.
-        found: Torque of the wearer over the time of the replay.
-
-    Returns:
-        The drawing; the same for a leg without any of the joints.
-    """
+    """Add arrows of the wearer's torque to a leg."""
+    # A torque as large as the largest of the actuators has an arrow of the same size.
     leg = geometry.leg
     if not {*leg.joint_names} <= {*found.joint_names}:
         return view

@@ -30,52 +30,26 @@ FEW = 300
 
 
 class Inertias(NamedTuple):
-    """Inertias of the moving bodies from one source.
+    """Inertias of the moving bodies from one source."""
 
-    Attributes:
-        label: Name of the source.
-        colour: Colour of their visuals.
-        bodies: Inertias about the frames of the joints, n of them.
-    """
-
-    label: str
-    colour: str
-    bodies: tuple[pin.Inertia, ...]
+    label: str  # name of the source
+    colour: str  # colour of their visuals
+    bodies: tuple[pin.Inertia, ...]  # inertias about the frames of the joints, n of them
 
 
 @dataclass(frozen=True, eq=False)
 class LegGeometry:
-    """A leg in a scene.
+    """A leg in a scene."""
 
-    Attributes:
-        skeleton: Bodies and joints.
-        root: Path of the torso.
-        visuals: Visuals of each body in its frame, the torso first.
-        inertias: Inertias from one or two sources.
-        notes: One sentence for each visual that could not be drawn.
-    """
-
-    skeleton: Skeleton
-    root: str
-    visuals: tuple[tuple[Visual, ...], ...]
-    inertias: tuple[Inertias, ...]
-    notes: tuple[str, ...]
+    skeleton: Skeleton  # bodies and joints
+    root: str  # path of the torso
+    visuals: tuple[tuple[Visual, ...], ...]  # visuals of each body in its frame, the torso first
+    inertias: tuple[Inertias, ...]  # inertias from one or two sources
+    notes: tuple[str, ...]  # one sentence for each visual that could not be drawn
 
     @classmethod
     def of(cls, source: Leg | Estimate, identified: Sequence[Leg], folder: Path | None) -> LegGeometry:
-        """Make the geometry of a leg, or of an estimate with the physically consistent links nearest to it.
-
-        Args:
-            source: The leg or estimate.
-            identified: Legs with identified inertias; the one with the same joints is used.
-            folder: Folder in which meshes are searched.
-
-        Returns:
-            The geometry.
-
-        Raises:
-            ExoidError: An attribute of a ``<visual>`` is not a number.
-        """
+        """Make the geometry of a leg, or of an estimate with the physically consistent links nearest to it."""
         leg = source if isinstance(source, Leg) else source.model.leg
         skeleton = Skeleton(leg)
         visuals, notes = _visuals(skeleton, folder)

@@ -14,32 +14,16 @@ from .replay import Replay
 
 
 class LegTrajectory(NamedTuple):
-    """Angles and torques of a leg, frame by frame.
+    """Angles and torques of a leg, frame by frame."""
 
-    Attributes:
-        q: Angles [rad], (F, n); one frame for a leg that stands still.
-        tau: Actuator torques [N·m], (F, n).
-        measured: Whether the torques were measured; otherwise they hold the leg against gravity.
-        pitch: Pitch of the torso [rad].
-    """
-
-    q: FloatArray
-    tau: FloatArray
-    measured: bool
-    pitch: float
+    q: FloatArray  # angles [rad], (F, n); one frame for a leg that stands still
+    tau: FloatArray  # actuator torques [N·m], (F, n)
+    measured: bool  # whether the torques were measured; otherwise they hold the leg against gravity
+    pitch: float  # pitch of the torso [rad]
 
     @classmethod
     def of(cls, leg: Leg, q: FloatArray, replay: Replay | None) -> LegTrajectory:
-        """Take the trajectory of a leg from a replay.
-
-        Args:
-            leg: The leg.
-            q: Pose of a leg that is not replayed [rad], (n,).
-            replay: The replay, or None.
-
-        Returns:
-            The trajectory.
-        """
+        """Take the trajectory of a leg from a replay."""
         recorded = None if replay is None else replay.angles(leg)
         tau = None if replay is None else replay.torques(leg)
         angles = q[np.newaxis] if recorded is None else recorded

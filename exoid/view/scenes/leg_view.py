@@ -41,41 +41,21 @@ FEW = 60
 
 
 class LegView(NamedTuple):
-    """Drawing of one leg in a scene.
+    """Drawing of one leg in a scene."""
 
-    Attributes:
-        commands: Commands that draw it.
-        layers: Groups of objects that can be hidden.
-        tracks: Keyframes of its motion; empty for a leg that stands still.
-        bounding_points: Points whose convex hull contains it [m], (k, 3).
-        posable: The leg, for poses that are set later.
-        floor: Height of the ground [m] where the base moves, else None.
-        notes: One sentence for each kind of force that could not be drawn.
-        visible_points: Points whose convex hull contains the leg and its ellipsoids [m], (k, 3).
-    """
-
-    commands: list[Command]
-    layers: list[Layer]
-    tracks: Tracks
-    bounding_points: FloatArray
-    posable: PosableLeg
-    floor: float | None = None
-    notes: tuple[str, ...] = ()
+    commands: list[Command]  # commands that draw it
+    layers: list[Layer]  # groups of objects that can be hidden
+    tracks: Tracks  # keyframes of its motion; empty for a leg that stands still
+    bounding_points: FloatArray  # points whose convex hull contains it [m], (k, 3)
+    posable: PosableLeg  # the leg, for poses that are set later
+    floor: float | None = None  # height of the ground [m] where the base moves, else None
+    notes: tuple[str, ...] = ()  # one sentence for each kind of force that could not be drawn
+    # points whose convex hull contains the leg and its ellipsoids [m], (k, 3)
     visible_points: FloatArray = np.empty((0, 3))
 
     @classmethod
     def of(cls, geometry: LegGeometry, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
-        """Draw a leg in a pose, or replaying a recording.
-
-        Args:
-            geometry: The leg.
-            q: Pose [rad], (n,), of a leg that is not replayed.
-            replay: The replay, or None.
-            ghost_label: Name of the second leg in the legend.
-
-        Returns:
-            The drawing.
-        """
+        """Draw a leg in a pose, or replaying a recording."""
         trajectory = LegTrajectory.of(geometry.leg, q, replay)
         torso = geometry.skeleton.torso_placement(trajectory.pitch)
         posable = PosableLeg(geometry.skeleton, geometry.root, geometry.joint_paths(geometry.root))
@@ -107,19 +87,7 @@ class LegView(NamedTuple):
         return cls(commands, layers, tracks, points, posable, visible_points=visible)
 
     def standing(self, source: Leg | Estimate, geometry: LegGeometry, replay: Replay | None) -> LegView:
-        """Let the base move, where a recording tells how, with arrows of the forces of the ground.
-
-        Args:
-            source: The leg or estimate.
-            geometry: The leg.
-            replay: The replay, or None.
-
-        Returns:
-            The drawing; the same where nothing tells of the base.
-
-        Raises:
-            ExoidError: A link is unknown, or a wrench in the laboratory has no pose of the base.
-        """
+        """Let the base move, where a recording tells how, with arrows of the forces of the ground."""
         base = None if replay is None else Standing.of(geometry, replay)
         if replay is None or base is None:
             return self

@@ -18,23 +18,9 @@ LONGEST_NAME = 200
 
 
 def find_mesh(name: str, folder: Path | None) -> Path:
-    """Find the file of a mesh below the folder of the URDF, or in a package.
-
-    A page with the mesh may be meant for others. So a URDF from elsewhere must not choose any file of this machine:
-    absolute paths, ``file://…`` and paths with ``..`` count only if they lead to a file in one of these folders.
-
-    Args:
-        name: Name in the URDF: a path (also of Windows), ``file://…``, or ``package://package/…``.
-        folder: Folder of the URDF, of the package, or of several packages; None for the present folder. If a folder
-            above it is a package (with package.xml, or its parent with the package's name), that is searched too, and
-            so are ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
-
-    Returns:
-        Path of the file.
-
-    Raises:
-        FileNotFoundError: There is no such file in these folders; says whether it is outside.
-    """
+    """Find the file of a mesh below the folder of the URDF, or in a package."""
+    # A page with the mesh may be meant for others. So a URDF from elsewhere must not choose any file of this machine:
+    # absolute paths, `file://…` and paths with `..` count only if they lead to a file in one of these folders.
     scheme, has_scheme, rest = name.replace("\\", "/").partition("://")
     path = rest if has_scheme else scheme
     here = Path() if folder is None else folder

@@ -39,35 +39,16 @@ CREASE = np.deg2rad(40.0)
 
 
 class Mesh(NamedTuple):
-    """Triangles of one colour, with a normal at each vertex.
+    """Triangles of one colour, with a normal at each vertex."""
 
-    Attributes:
-        points: Vertices [m], (V, 3).
-        normals: Unit normal at each vertex, (V, 3).
-        triangles: Indices of three vertices each, (F, 3).
-        colour: Colour in the file as "#rrggbb", or None.
-    """
-
-    points: FloatArray
-    normals: FloatArray
-    triangles: IndexArray
-    colour: str | None
+    points: FloatArray  # vertices [m], (V, 3)
+    normals: FloatArray  # unit normal at each vertex, (V, 3)
+    triangles: IndexArray  # indices of three vertices each, (F, 3)
+    colour: str | None  # colour in the file as "#rrggbb", or None
 
 
 def load_mesh(path: Path, scale: FloatArray) -> tuple[Mesh, ...]:
-    """Read a mesh, simplified to the resolution of a screen.
-
-    Args:
-        path: Path of the file.
-        scale: Scale along x, y and z, (3,).
-
-    Returns:
-        Its parts, one of each colour.
-
-    Raises:
-        ValueError: The scale is zero or far from one.
-        ExoidError: The file is not a mesh of finite numbers, or ends the process that reads it.
-    """
+    """Read a mesh, simplified to the resolution of a screen."""
     if not (np.isfinite(scale).all() and (np.abs(scale) >= SMALLEST_SCALE).all() and (np.abs(scale) <= 1e9).all()):
         raise ValueError(f"scale {' '.join(f'{each:g}' for each in scale)}")
     content = read_in_child(mesh_arrays, str(path.resolve()), scale=scale.tolist())
@@ -78,18 +59,7 @@ def load_mesh(path: Path, scale: FloatArray) -> tuple[Mesh, ...]:
 
 
 def mesh_arrays(file: str, scale: list[float]) -> Content:
-    """Read a mesh in this process, which a damaged file may end.
-
-    Args:
-        file: Path of the file.
-        scale: Scale along x, y and z.
-
-    Returns:
-        ``points k`` [m], (V, 3), ``normals k``, (V, 3), and ``triangles k``, (F, 3), of each part k, and ``colours``.
-
-    Raises:
-        ExoidError: The file is not a mesh of finite numbers.
-    """
+    """Read a mesh in this process, which a damaged file may end."""
     from trimesh.geometry import mean_vertex_normals  # noqa: PLC0415 - trimesh takes half a second
     from trimesh.graph import smooth_shade  # noqa: PLC0415
 

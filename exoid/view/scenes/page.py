@@ -19,18 +19,7 @@ from exoid.view.colours import MEASURED, PREDICTED, WEIGHT
 
 
 def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
-    """Render the page of a scene.
-
-    Args:
-        scene: Scene as :meth:`.Scene.to_json` describes it.
-        live: Whether the page receives poses from a server.
-
-    Returns:
-        Text of the page.
-
-    Raises:
-        ExoidError: meshcat is not installed, or its viewer is missing.
-    """
+    """Render the page of a scene."""
     data = json.dumps(scene, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     pieces = {
         "STYLE": _own_file("page.css"),

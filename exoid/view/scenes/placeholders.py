@@ -19,16 +19,7 @@ FEET = ("foot", "ankle", "toe", "sole")
 
 
 def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]:
-    """Make a joint housing, and bars to the next joints or through the centre of mass.
-
-    Args:
-        skeleton: Bodies of the leg.
-        body: Index of the body, from 1 on.
-        colour: Colour of the joint that carries it.
-
-    Returns:
-        Visuals in the body's frame.
-    """
+    """Make a joint housing, and bars to the next joints or through the centre of mass."""
     leg, size = skeleton.leg, _segment_length(skeleton)
     axis = skeleton.axes[body - 1]
     at_joint = homogeneous(np.zeros(3), align_z(axis))

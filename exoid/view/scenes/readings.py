@@ -25,34 +25,20 @@ GAP = 0.05
 
 
 class JointReadings(NamedTuple):
-    """Numbers of one joint, frame by frame; one frame for a leg that stands still.
+    """Numbers of one joint, frame by frame; one frame for a leg that stands still."""
 
-    Attributes:
-        name: Name of the joint.
-        path: Path of the joint's frame in the scene.
-        colour: Colour of the joint.
-        angle: Angle [deg], or displacement [mm] of a prismatic joint, (F,).
-        torque: Recorded torque, or the one that holds the leg against gravity [N·m, or N], (F,).
-        predicted: Torque that an estimate predicts [N·m, or N], (F,), not a number where none is known; or None.
-        measured: Whether the torque was recorded.
-        revolute: Whether the joint is revolute; otherwise it is prismatic.
-    """
-
-    name: str
-    path: str
-    colour: str
-    angle: FloatArray
-    torque: FloatArray
+    name: str  # name of the joint
+    path: str  # path of the joint's frame in the scene
+    colour: str  # colour of the joint
+    angle: FloatArray  # angle [deg], or displacement [mm] of a prismatic joint, (F,)
+    torque: FloatArray  # recorded torque, or the one that holds the leg against gravity [N·m, or N], (F,)
+    # torque that an estimate predicts [N·m, or N], (F,), not a number where none is known; or None
     predicted: FloatArray | None
-    measured: bool
-    revolute: bool
+    measured: bool  # whether the torque was recorded
+    revolute: bool  # whether the joint is revolute; otherwise it is prismatic
 
     def to_json(self) -> dict[str, Any]:
-        """Describe the numbers as data for the page.
-
-        Returns:
-            The attributes, with units as text and None for what is not a number.
-        """
+        """Describe the numbers as data for the page."""
         return {
             "name": self.name,
             "path": self.path,
@@ -69,17 +55,7 @@ class JointReadings(NamedTuple):
 def joint_readings(
     source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, replay: Replay | None
 ) -> Iterator[JointReadings]:
-    """Read angle and torque of each joint of a leg.
-
-    Args:
-        source: The leg, or an estimate, which predicts the torque.
-        geometry: The leg in the scene.
-        q: Pose of a leg that is not replayed [rad], (n,).
-        replay: The replay, or None.
-
-    Yields:
-        Numbers of each joint.
-    """
+    """Read angle and torque of each joint of a leg."""
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
     predicted = None
     if isinstance(source, Estimate) and replay is not None and trajectory.measured:

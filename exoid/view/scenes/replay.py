@@ -19,32 +19,15 @@ LONGEST = 600.0
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A recording at :data:`FRAMES_PER_SECOND`, with an optional second motion.
+    """A recording at :data:`FRAMES_PER_SECOND`, with an optional second motion."""
 
-    Attributes:
-        recording: Motion of the leg.
-        ghost: Motion of the translucent leg, or None.
-        time: Time of each frame [s], (F,).
-    """
-
-    recording: Recording
-    ghost: Recording | None
-    time: FloatArray
+    recording: Recording  # motion of the leg
+    ghost: Recording | None  # motion of the translucent leg, or None
+    time: FloatArray  # time of each frame [s], (F,)
 
     @classmethod
     def of(cls, recording: Recording, ghost: Recording | None = None) -> Replay:
-        """Choose the frames of a replay.
-
-        Args:
-            recording: Motion of the leg.
-            ghost: Motion of the translucent leg, or None.
-
-        Returns:
-            The replay, from the first sample of the recording to the last.
-
-        Raises:
-            ExoidError: The recording is too long, or the two motions have no time in common.
-        """
+        """Choose the frames of a replay."""
         if recording.duration > LONGEST:
             raise ExoidError(
                 f"a replay of {recording.duration:.0f} s; the longest is {LONGEST:.0f} s",

@@ -19,54 +19,32 @@ from .skeleton import Skeleton, pose_angles
 
 
 class Layer(NamedTuple):
-    """Objects that the legend shows and hides together.
+    """Objects that the legend shows and hides together."""
 
-    Attributes:
-        label: Name in the legend.
-        colours: Colours in the legend, one or several.
-        paths: Paths of the objects.
-        visible: Whether they are visible at first.
-        scale: What the length or radius of an arrow means; "" for objects that are no arrows.
-    """
-
-    label: str
-    colours: tuple[str, ...]
-    paths: tuple[str, ...]
-    visible: bool = True
-    scale: str = ""
+    label: str  # name in the legend
+    colours: tuple[str, ...]  # colours in the legend, one or several
+    paths: tuple[str, ...]  # paths of the objects
+    visible: bool = True  # whether they are visible at first
+    scale: str = ""  # what the length or radius of an arrow means; "" for objects that are no arrows
 
 
 class Camera(NamedTuple):
-    """Camera position, given by the volume to be seen; the page fits it to windows of any shape.
+    """Camera position, given by the volume to be seen; the page fits it to windows of any shape."""
 
-    Attributes:
-        centre: Centre of the volume [m].
-        direction: Direction from the centre to the camera.
-        half_width: Half the size of the volume across the picture [m].
-        half_height: Half its size upwards [m].
-        half_depth: Half its size towards the camera [m].
-    """
-
-    centre: tuple[float, float, float]
-    direction: tuple[float, float, float]
-    half_width: float
-    half_height: float
-    half_depth: float
+    centre: tuple[float, float, float]  # centre of the volume [m]
+    direction: tuple[float, float, float]  # direction from the centre to the camera
+    half_width: float  # half the size of the volume across the picture [m]
+    half_height: float  # half its size upwards [m]
+    half_depth: float  # half its size towards the camera [m]
 
 
 @dataclass(frozen=True, eq=False)
 class PosableLeg:
-    """A leg in a scene whose joints can be moved.
+    """A leg in a scene whose joints can be moved."""
 
-    Attributes:
-        skeleton: Bodies and joints.
-        root: Path of the torso.
-        joint_paths: Path of each joint's frame; its body is the child "body".
-    """
-
-    skeleton: Skeleton
-    root: str
-    joint_paths: tuple[str, ...]
+    skeleton: Skeleton  # bodies and joints
+    root: str  # path of the torso
+    joint_paths: tuple[str, ...]  # path of each joint's frame; its body is the child "body"
 
     def pose(self, q: FloatArray) -> list[Command]:
         """Commands that move the joints to angles [rad], (n,)."""

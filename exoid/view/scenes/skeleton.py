@@ -20,26 +20,17 @@ from .transforms import homogeneous
 
 
 class JointKeyframes(NamedTuple):
-    """Joint transforms of each frame, as three.js expects them.
+    """Joint transforms of each frame, as three.js expects them."""
 
-    Attributes:
-        quaternion: Rotation (x, y, z, w), (F, n, 4).
-        position: Translation [m], (F, n, 3).
-    """
-
-    quaternion: FloatArray
-    position: FloatArray
+    quaternion: FloatArray  # rotation (x, y, z, w), (F, n, 4)
+    position: FloatArray  # translation [m], (F, n, 3)
 
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Tree of the bodies of a leg. As in Pinocchio, joint j carries body j, and body 0 is the torso.
+    """Tree of the bodies of a leg. As in Pinocchio, joint j carries body j, and body 0 is the torso."""
 
-    Attributes:
-        leg: The leg.
-    """
-
-    leg: Leg
+    leg: Leg  # the leg
 
     @cached_property
     def links(self) -> tuple[dict[str, FloatArray], ...]:
@@ -147,18 +138,7 @@ def _with_descendants(links: set[str], pairs: list[tuple[str, str]]) -> set[str]
 
 
 def pose_angles(legs: Sequence[Leg], pose: Mapping[str, float]) -> list[FloatArray]:
-    """Angles of the joints of each leg, in their order; zero for joints that are not named.
-
-    Args:
-        legs: The legs.
-        pose: Angles by joint name [rad].
-
-    Returns:
-        Angles of each leg [rad], (n,).
-
-    Raises:
-        ExoidError: No leg has a joint of that name.
-    """
+    """Angles of the joints of each leg, in their order; zero for joints that are not named."""
     names = [name for leg in legs for name in leg.joint_names]
     unknown = sorted(set(pose) - set(names))
     if unknown:

@@ -21,38 +21,19 @@ from .replay import Replay
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """Pose of the base in the laboratory, z up, and the feet on the ground, frame by frame.
+    """Pose of the base in the laboratory, z up, and the feet on the ground, frame by frame."""
 
-    Attributes:
-        position: Position of the root link's origin [m], (F, 3).
-        rotation: Rotation matrices, laboratory from root link, (F, 3, 3).
-        floor: Height of the ground [m].
-        soles: Height of each foot's sole above the origin of its link [m], below zero for a sole beneath it.
-        sides: Sideward centre of each sole, from the origin of its link [m].
-        contacts: Frames in which each foot rests, (F,) each.
-    """
-
-    position: FloatArray
-    rotation: FloatArray
-    floor: float
+    position: FloatArray  # position of the root link's origin [m], (F, 3)
+    rotation: FloatArray  # rotation matrices, laboratory from root link, (F, 3, 3)
+    floor: float  # height of the ground [m]
+    # height of each foot's sole above the origin of its link [m], below zero for a sole beneath it
     soles: Mapping[str, float]
-    sides: Mapping[str, float]
-    contacts: Mapping[str, BoolArray]
+    sides: Mapping[str, float]  # sideward centre of each sole, from the origin of its link [m]
+    contacts: Mapping[str, BoolArray]  # frames in which each foot rests, (F,) each
 
     @classmethod
     def of(cls, geometry: LegGeometry, replay: Replay) -> Standing | None:
-        """Find the motion of the base in a replay.
-
-        Args:
-            geometry: The leg.
-            replay: The replay.
-
-        Returns:
-            The motion; None where the base does not float, the leg was not recorded, or nothing tells of the base.
-
-        Raises:
-            ExoidError: A link is unknown, or a wrench in the laboratory has no pose of the base.
-        """
+        """Find the motion of the base in a replay."""
         leg, recording = geometry.leg, replay.recording
         q = replay.angles(leg)
         if not leg.base_rows or q is None:
@@ -80,16 +61,7 @@ class Standing:
         return standing if pose is None else replace(standing, floor=_floor(geometry, q, standing))
 
     def place(self, leg: Leg, q: FloatArray, link: str) -> tuple[FloatArray, FloatArray]:
-        """Compute where a link is in the laboratory.
-
-        Args:
-            leg: The leg.
-            q: Joint angles [rad], (F, n).
-            link: Name of the link.
-
-        Returns:
-            Rotations (F, 3, 3), laboratory from link, and positions of its origin [m], (F, 3).
-        """
+        """Compute where a link is in the laboratory."""
         rotation, position = link_placements(leg, q, link)
         return self.rotation @ rotation, self.position + np.einsum("fij,fj->fi", self.rotation, position)
 
@@ -108,15 +80,7 @@ def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
 
 
 def level_points(geometry: LegGeometry, link: str) -> FloatArray:
-    """Find the drawn points of a link that rests flat.
-
-    Args:
-        geometry: Drawn bodies of the leg.
-        link: The link.
-
-    Returns:
-        Points from the origin of the link in level axes [m], (K, 3); one at the origin if nothing is drawn.
-    """
+    """Find the drawn points of a link that rests flat."""
     leg = geometry.leg
     body, placement = link_frame(leg.model, leg.description, link)
     corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
@@ -129,10 +93,8 @@ def level_points(geometry: LegGeometry, link: str) -> FloatArray:
 def _carried(
     leg: Leg, q: FloatArray, contacts: Mapping[str, BoolArray], soles: Mapping[str, float]
 ) -> tuple[FloatArray, FloatArray]:
-    """Rotation and position of a base whose resting feet stay where they are, on ground at z = 0.
-
-    Each foot rests where it was put down. In the air, and before the first contact, the base stands still.
-    """
+    """Rotation and position of a base whose resting feet stay where they are, on ground at z = 0."""
+    # Each foot rests where it was put down. In the air, and before the first contact, the base stands still.
     level = {link: level_rotation(leg, link) for link in contacts}
     inside = {link: link_placements(leg, q, link) for link in contacts}
     first = next(f for f in range(len(q)) if any(rests[f] for rests in contacts.values()))

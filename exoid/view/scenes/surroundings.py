@@ -41,15 +41,7 @@ def view_direction(geometries: Sequence[LegGeometry]) -> FloatArray:
 
 
 def camera(points: FloatArray, direction: FloatArray) -> Camera:
-    """Camera that sees all points.
-
-    Args:
-        points: Points to see [m], (k, 3).
-        direction: Direction from the points to the camera, (3,).
-
-    Returns:
-        The camera.
-    """
+    """Camera that sees all points."""
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     axes = align_z(direction, (0.0, 0.0, 1.0))  # to the right of the picture, upwards, to the camera
     extent = np.abs((points - centre) @ axes).max(axis=0)
@@ -58,16 +50,7 @@ def camera(points: FloatArray, direction: FloatArray) -> Camera:
 
 
 def draw_surroundings(points: FloatArray, direction: FloatArray, floor: float | None = None) -> Iterator[Command]:
-    """Commands that draw background and ground and set light and camera.
-
-    Args:
-        points: Points whose convex hull contains the legs [m], (k, 3).
-        direction: Direction from the legs to the camera, (3,).
-        floor: Height of the ground [m]; None for just below the lowest point.
-
-    Yields:
-        Commands.
-    """
+    """Commands that draw background and ground and set light and camera."""
     lower, upper = points.min(axis=0), points.max(axis=0)
     centre, size = 0.5 * (lower + upper), max(float(np.linalg.norm(upper - lower)), SMALLEST)
     for name, value in (("top_color", [1.0, 1.0, 1.0]), ("bottom_color", [0.9, 0.91, 0.93])):

@@ -17,15 +17,7 @@ def homogeneous(translation: ArrayLike, rotation: FloatArray | None = None) -> F
 
 
 def align_z(direction: ArrayLike, near_y: ArrayLike = (0.0, 1.0, 0.0)) -> FloatArray:
-    """Rotation whose z axis points along a direction and whose y axis is as close as possible to another.
-
-    Args:
-        direction: Direction of z, of any length, (3,).
-        near_y: Direction that y approximates, (3,); ignored if parallel to ``direction``.
-
-    Returns:
-        Rotation matrix, (3, 3).
-    """
+    """Rotation whose z axis points along a direction and whose y axis is as close as possible to another."""
     z = np.asarray(direction, dtype=np.float64)
     z = z / np.linalg.norm(z)
     y = np.asarray(near_y, dtype=np.float64)

@@ -41,31 +41,14 @@ REQUIRED = ("box", "color", "cylinder", "sphere")
 
 
 class LinkVisuals(NamedTuple):
-    """Visuals of links.
+    """Visuals of links."""
 
-    Attributes:
-        by_link: Visuals in the link's frame, by the name of each link that has any.
-        notes: One sentence for each visual that cannot be drawn.
-    """
-
-    by_link: dict[str, list[Visual]]
-    notes: tuple[str, ...]
+    by_link: dict[str, list[Visual]]  # visuals in the link's frame, by the name of each link that has any
+    notes: tuple[str, ...]  # one sentence for each visual that cannot be drawn
 
 
 def read_visuals(description: Description, links: Sequence[str], folder: Path | None) -> LinkVisuals:
-    """Read the ``<visual>`` elements of links.
-
-    Args:
-        description: The URDF.
-        links: Names of the requested links.
-        folder: Folder in which meshes are searched; see :func:`.mesh_search.find_mesh`.
-
-    Returns:
-        Visuals by link, and notes on missing meshes.
-
-    Raises:
-        ExoidError: An attribute of a ``<visual>`` is not a number.
-    """
+    """Read the ``<visual>`` elements of links."""
     by_link: dict[str, list[Visual]] = {}
     notes: list[str] = []
     root, unknown = _drawn_elements(description.parse(), links)
@@ -87,15 +70,7 @@ def read_visuals(description: Description, links: Sequence[str], folder: Path | 
 
 
 def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._Element, list[str]]:
-    """Copy materials and visuals of links, without all else, whose faults are of no consequence here.
-
-    Args:
-        root: Root of the URDF.
-        links: Names of the links.
-
-    Returns:
-        Root of a URDF with these elements, and the links of visuals without a known shape.
-    """
+    """Copy materials and visuals of links, without all else, whose faults are of no consequence here."""
     robot, unknown = etree.Element("robot", name=root.get("name", "")), []
     robot.extend(root.findall("material"))
     for link in [link for link in root.findall("link") if link.get("name") in links]:
@@ -119,19 +94,7 @@ def _read(root: etree._Element) -> yourdfpy.Robot:
 
 
 def _shapes(visual: yourdfpy.Visual, named: dict[str, yourdfpy.Material], folder: Path | None) -> Iterable[Visual]:
-    """Shapes of a visual, in its own frame.
-
-    Args:
-        visual: The visual.
-        named: Materials of the robot.
-        folder: Folder in which meshes are searched.
-
-    Returns:
-        The shapes: one, or one for each colour of a mesh.
-
-    Raises:
-        FileNotFoundError: The mesh is missing, or is not a mesh.
-    """
+    """Shapes of a visual, in its own frame."""
     material, geometry = _material(visual.material, named), visual.geometry
     if geometry.mesh is not None:
         return _mesh(geometry.mesh, material, folder)

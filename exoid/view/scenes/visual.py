@@ -23,19 +23,13 @@ Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 
 
 @dataclass(frozen=True)
 class Material:
-    """Surface of a visual.
+    """Surface of a visual."""
 
-    Attributes:
-        colour: Colour as "#rrggbb".
-        opacity: Opacity; 1 for solid.
-        finish: "gloss", "matte", or "flat" for a surface that looks the same in any light.
-        behind: Whether solid visuals at the same place hide it, as the leg hides the ghost.
-    """
-
-    colour: str
-    opacity: float = 1.0
+    colour: str  # colour as "#rrggbb"
+    opacity: float = 1.0  # opacity; 1 for solid
+    # "gloss", "matte", or "flat" for a surface that looks the same in any light
     finish: Literal["gloss", "matte", "flat"] = "gloss"
-    behind: bool = False
+    behind: bool = False  # whether solid visuals at the same place hide it, as the leg hides the ghost
 
     def to_threejs(self) -> dict[str, Any]:
         """Describe the material in three.js's format."""
@@ -52,19 +46,12 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """A geometry with a placement and a material, as the ``<visual>`` element of a URDF.
+    """A geometry with a placement and a material, as the ``<visual>`` element of a URDF."""
 
-    Attributes:
-        geometry: Geometry in three.js's format.
-        transform: Transform from the geometry's frame to the frame in which it is drawn, (4, 4); may scale.
-        material: Surface.
-        corners: Points of the geometry's frame whose convex hull contains it, (k, 3).
-    """
-
-    geometry: Mapping[str, Any]
-    transform: FloatArray
-    material: Material
-    corners: FloatArray
+    geometry: Mapping[str, Any]  # geometry in three.js's format
+    transform: FloatArray  # transform from the geometry's frame to the frame in which it is drawn, (4, 4); may scale
+    material: Material  # surface
+    corners: FloatArray  # points of the geometry's frame whose convex hull contains it, (k, 3)
 
     def placed(self, transform: FloatArray) -> Visual:
         """Return the visual in another frame, given the transform to that frame, (4, 4)."""
@@ -121,17 +108,7 @@ def torus(radius: float, tube_radius: float, arc: float, material: Material) -> 
 
 
 def triangle_mesh(points: FloatArray, normals: FloatArray, triangles: NDArray[np.int64], material: Material) -> Visual:
-    """Make a mesh of triangles.
-
-    Args:
-        points: Vertices [m], (V, 3).
-        normals: Normal at each vertex, (V, 3).
-        triangles: Indices of three vertices each, (F, 3).
-        material: Surface.
-
-    Returns:
-        The visual. Its coordinates are rounded to 1/8191 of its size.
-    """
+    """Make a mesh of triangles."""
     lower, upper = points.min(axis=0), points.max(axis=0)
     step = float(np.max(upper - lower)) / 8191.0 or 1.0  # small integers as coordinates make shorter files
     grid = np.rint((points - lower) / step).astype(int)
@@ -147,15 +124,7 @@ def triangle_mesh(points: FloatArray, normals: FloatArray, triangles: NDArray[np
 
 
 def to_threejs(visuals: Sequence[Visual], *, shadows: bool = True) -> dict[str, Any]:
-    """Describe visuals as one object in three.js's format; shared geometries and materials are written once.
-
-    Args:
-        visuals: The visuals.
-        shadows: Whether they cast and receive shadows.
-
-    Returns:
-        The object, as data for JSON.
-    """
+    """Describe visuals as one object in three.js's format; shared geometries and materials are written once."""
     geometries: dict[int, str] = {}
     materials: dict[Material, str] = {}
     children = [

@@ -222,23 +222,7 @@ def largest_amplification(
 def amplification_of_draws(
     loop: WornLoop, estimate: Estimate, covariance: FloatArray, share: float, draws: int, most: float, seed: int
 ) -> Amplification:
-    """Find the largest amplification over draws of the true parameters.
-
-    Args:
-        loop: Everything except the true leg.
-        estimate: Estimate whose values the controller uses.
-        covariance: Covariance of the truth around these values, (P, P).
-        share: Share of the draws that must be stable.
-        draws: Number of draws.
-        most: Largest amplification of the loop.
-        seed: Seed of the draws.
-
-    Returns:
-        Largest amplification with its evidence.
-
-    Raises:
-        ExoidError: Too few draws are physically possible, or the covariance is not finite.
-    """
+    """Find the largest amplification over draws of the true parameters."""
     model = estimate.model.loaded_by(estimate.values)
     drawn = draw_truths(model, estimate.values, covariance, draws, seed)
     legs = loop.legs(model, drawn.parameters)

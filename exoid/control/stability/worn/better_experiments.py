@@ -142,19 +142,7 @@ def better_experiments(
 
 
 def covariance_after(estimate: Estimate, experiment: Experiment, noise: TorqueNoise) -> FloatArray:
-    """Predict the covariance of an estimate after one more experiment.
-
-    Args:
-        estimate: The estimate.
-        experiment: The experiment; its torques are not used.
-        noise: Torque noise.
-
-    Returns:
-        Covariance, (P, P).
-
-    Raises:
-        ExoidError: A motion does not fit the leg, or is too short.
-    """
+    """Predict the covariance of an estimate after one more experiment."""
     model = estimate.model.loaded_by(estimate.values)
     data = _data(experiment)
     R, scores, _ = information_of(model, data, noise, estimate.preparation)

@@ -20,35 +20,15 @@ TRIES = 20
 
 
 class Draws(NamedTuple):
-    """Draws of true parameters.
+    """Draws of true parameters."""
 
-    Attributes:
-        parameters: Sets of parameters, (B, P).
-        rejected: Share of draws that no rigid bodies have.
-    """
-
-    parameters: FloatArray
-    rejected: float
+    parameters: FloatArray  # sets of parameters, (B, P)
+    rejected: float  # share of draws that no rigid bodies have
 
 
 def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, count: int, seed: int) -> Draws:
-    """Draw from N(values, covariance), without those whose mass matrix is not positive definite at random poses.
-
-    Viscous friction that is drawn negative becomes zero, as on the rig.
-
-    Args:
-        model: Leg and terms.
-        values: Estimated parameters, (P,).
-        covariance: Their covariance, (P, P).
-        count: Number of draws B.
-        seed: Seed; the same seed gives the same standard normal numbers for each covariance.
-
-    Returns:
-        Draws in a random order.
-
-    Raises:
-        ExoidError: A variance is infinite, or too few draws are physically possible.
-    """
+    """Draw from N(values, covariance), without those whose mass matrix is not positive definite at random poses."""
+    # Viscous friction that is drawn negative becomes zero, as on the rig.
     if not np.isfinite(covariance).all():
         unknown = [name for name, row in zip(model.names, covariance, strict=True) if not np.isfinite(row).all()]
         raise ExoidError(f"the covariance of {', '.join(unknown)} is not finite", remedy="record what determines them")

@@ -35,59 +35,26 @@ LawOf = Callable[[float], AnyLaw]
 
 @dataclass(frozen=True, eq=False)
 class LawTable:
-    """Linearised controllers at some amplifications α and poses.
+    """Linearised controllers at some amplifications α and poses."""
 
-    Between them the matrices are interpolated linearly in the share 1 − 1/α. This is exact for sensitivity
-    amplification, whose torque is linear in the share.
+    # Between them the matrices are interpolated linearly in the share 1 − 1/α. This is exact for sensitivity
+    # amplification, whose torque is linear in the share.
 
-    Attributes:
-        shares: Shares 1 − 1/α in increasing order, (G,).
-        poses: For each pose, matrices with G along the first axis.
-        delay: Delay of the readings in sampling periods.
-        scanned: Amplifications of the scan for the first unstable one, in increasing order.
-    """
-
-    shares: FloatArray
-    poses: tuple[LinearLaw, ...]
-    delay: int
-    scanned: FloatArray
+    shares: FloatArray  # shares 1 − 1/α in increasing order, (G,)
+    poses: tuple[LinearLaw, ...]  # for each pose, matrices with G along the first axis
+    delay: int  # delay of the readings in sampling periods
+    scanned: FloatArray  # amplifications of the scan for the first unstable one, in increasing order
 
     @classmethod
     def of(cls, laws: Sequence[AnyLaw], shares: FloatArray, poses: FloatArray, delay: int) -> LawTable:
-        """Linearise controllers.
-
-        Args:
-            laws: Controllers, (G,).
-            shares: Their shares, (G,).
-            poses: Poses [rad], (N, n).
-            delay: Delay of the readings in sampling periods.
-
-        Returns:
-            The table.
-
-        Raises:
-            ExoidError: A controller has no derivatives at a pose.
-        """
+        """Linearise controllers."""
         at = [[linear_law(law, q) for law in laws] for q in poses]
         stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))).without_last() for row in at)
         return cls(shares, stacked, delay, 1.0 / (1.0 - shares))
 
     @classmethod
     def of_amplifications(cls, law: LawOf, most: float, poses: FloatArray, delay: int) -> LawTable:
-        """Linearise a controller at amplifications between 1 and the largest.
-
-        Args:
-            law: Function that makes the controller from an amplification.
-            most: Largest amplification.
-            poses: Poses [rad], (N, n).
-            delay: Delay of the readings in sampling periods.
-
-        Returns:
-            The table.
-
-        Raises:
-            ExoidError: A controller has no derivatives at a pose.
-        """
+        """Linearise a controller at amplifications between 1 and the largest."""
         scanned = np.geomspace(1.0, most, SCANNED)
         ends = 1.0 - 1.0 / np.array([1.0, most])
         few = np.array([ends[0], ends.mean(), ends[1]])
@@ -98,41 +65,18 @@ class LawTable:
         return replace(table, scanned=scanned)
 
     def radius(self, legs: Sequence[HeldLeg], share: FloatArray) -> FloatArray:
-        """Compute the largest spectral radius over the poses.
-
-        Args:
-            legs: B legs at each pose.
-            share: Share of each leg, (B,).
-
-        Returns:
-            Spectral radius, (B,).
-        """
+        """Compute the largest spectral radius over the poses."""
         return np.asarray(np.max([np.abs(each).max(axis=-1) for each in self.eigenvalues(legs, share)], axis=0))
 
     def eigenvalues(self, legs: Sequence[HeldLeg], share: FloatArray) -> list[NDArray[np.complex128]]:
-        """Compute the eigenvalues of one period of the loop at each pose.
-
-        Args:
-            legs: B legs at each pose.
-            share: Share of each leg, (B,).
-
-        Returns:
-            Complex eigenvalues, (B, s) for each pose.
-        """
+        """Compute the eigenvalues of one period of the loop at each pose."""
         return [
             np.asarray(np.linalg.eigvals(loop_matrices(leg, self._law(table, share), self.delay)), dtype=np.complex128)
             for leg, table in zip(legs, self.poses, strict=True)
         ]
 
     def largest(self, legs: Sequence[HeldLeg]) -> FloatArray:
-        """Find the largest stable amplification: the first unstable one from 1 upward, by nodes and then by bisection.
-
-        Args:
-            legs: B legs at each pose.
-
-        Returns:
-            Amplifications, (B,): 0 if even 1 is unstable, inf if all nodes are stable.
-        """
+        """Find the first unstable amplification from 1 upward, by nodes and then by bisection."""
         count, last = len(legs[0].A), len(self.scanned)
         unstable = np.zeros(
             len(legs), dtype=np.int64

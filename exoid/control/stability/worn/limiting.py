@@ -36,24 +36,11 @@ def limiting_shares(
     largest: FloatArray,
     seed: int,
 ) -> FloatArray:
-    """Compute how much of the variance of the boundary each parameter explains.
-
-    The spectral radius is ρ(β, s) with the share s = 1 − 1/α. Its boundary ρ = 1 determines s(β) with the gradient
-    −(∂ρ/∂β)/(∂ρ/∂s). Shares of variance are the mean over the draws with the smallest amplifications. If no draw has a
-    boundary, draws with wider standard deviations tell which parameter would limit first.
-
-    Args:
-        loop: Everything except the true leg.
-        model: Leg and terms.
-        mean: Mean of the distribution, (P,).
-        covariance: Its covariance, (P, P).
-        draws: Draws, (B, P).
-        largest: Their largest amplifications, (B,).
-        seed: Seed of wider draws.
-
-    Returns:
-        Shares, (P,), see :func:`variance_shares`; zeros if nothing limits.
-    """
+    """Compute how much of the variance of the boundary each parameter explains."""
+    # The spectral radius is ρ(β, s) with the share s = 1 − 1/α. Its boundary ρ = 1 determines s(β) with the
+    # gradient −(∂ρ/∂β)/(∂ρ/∂s). Shares of variance are the mean over the draws with the smallest
+    # amplifications. If no draw has a boundary, draws with wider standard deviations tell which parameter would
+    # limit first.
     for factor in WIDER:
         if _bounded(largest).any() or not covariance.any():
             break
@@ -77,18 +64,9 @@ def limiting_shares(
 
 
 def variance_shares(gradient: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Compute by which share the variance of a linear function would fall if one parameter were known exactly.
-
-    This is r_i² = (Σ g)_i² / (Σ_ii gᵀ Σ g), the squared correlation of parameter and function. Correlated parameters
-    share what they explain, so the sum may exceed 1.
-
-    Args:
-        gradient: Gradient g of the function, (P,).
-        covariance: Covariance Σ of the parameters, (P, P).
-
-    Returns:
-        Shares, (P,); zero for parameters without variance.
-    """
+    """Compute by which share the variance of a linear function would fall if one parameter were known exactly."""
+    # This is r_i² = (Σ g)_i² / (Σ_ii gᵀ Σ g), the squared correlation of parameter and function. Correlated parameters
+    # share what they explain, so the sum may exceed 1.
     std = np.sqrt(np.diag(covariance))
     along = covariance @ gradient
     variance = float(gradient @ along)

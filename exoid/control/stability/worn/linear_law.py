@@ -23,28 +23,18 @@ SMOOTH = 1e-3
 
 
 class LinearLaw(NamedTuple):
-    """One step of a controller, linearised: δτ = F δy + H δm and δm⁺ = E δy + N δm.
+    """One step of a controller, linearised: δτ = F δy + H δm and δm⁺ = E δy + N δm."""
 
-    The reading is y = (q, v, interaction torque). The memory m has r numbers, the last n of which are the last torque.
+    # The reading is y = (q, v, interaction torque). The memory m has r numbers, the last n of which are the
+    # last torque.
 
-    Attributes:
-        F: Torque by reading, (n, 3 n).
-        H: Torque by memory, (n, r).
-        E: Next memory by reading, (r, 3 n).
-        N: Next memory by memory, (r, r).
-    """
-
-    F: FloatArray
-    H: FloatArray
-    E: FloatArray
-    N: FloatArray
+    F: FloatArray  # torque by reading, (n, 3 n)
+    H: FloatArray  # torque by memory, (n, r)
+    E: FloatArray  # next memory by reading, (r, 3 n)
+    N: FloatArray  # next memory by memory, (r, r)
 
     def without_last(self) -> LinearLaw:
-        """Take the last torque out of the memory if nothing depends on it.
-
-        Returns:
-            Such a controller; otherwise the same one. Matrices may have more axes in front.
-        """
+        """Take the last torque out of the memory if nothing depends on it."""
         n = self.F.shape[-2]
         if self.H[..., -n:].any() or self.N[..., -n:].any():
             return self
@@ -52,21 +42,9 @@ class LinearLaw(NamedTuple):
 
 
 def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
-    """Linearise a controller at a pose that is also its target.
-
-    As for :class:`LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
-    compensation is constant. Limits of torque and of its rate count as inactive.
-
-    Args:
-        law: Any controller of one leg.
-        q: Pose [rad], (n,).
-
-    Returns:
-        Derivatives of its step.
-
-    Raises:
-        ExoidError: The controller has no derivatives there.
-    """
+    """Linearise a controller at a pose that is also its target."""
+    # As for `LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
+    # compensation is constant. Limits of torque and of its rate count as inactive.
     full = stateful(law)
     first, second = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
     if np.abs(first - second).max() > SMOOTH * np.abs(first).max():

@@ -18,32 +18,18 @@ STEP = 1e-5
 
 
 class LinearLeg(NamedTuple):
-    """B legs linearised at a pose, M δa + D δv + K δq = δτ.
+    """B legs linearised at a pose, M δa + D δv + K δq = δτ."""
 
-    Coulomb friction has no slope while a joint moves. D is therefore the mean of the slopes at +0.5 and −0.5 rad/s
-    of all joints, in which Coriolis torques cancel.
+    # Coulomb friction has no slope while a joint moves. D is therefore the mean of the slopes at +0.5 and −0.5 rad/s
+    # of all joints, in which Coriolis torques cancel.
 
-    Attributes:
-        M: Mass matrices with rotors [kg·m²], (B, n, n).
-        D: Damping [N·m·s/rad], (B, n, n).
-        K: Stiffness of gravity and springs [N·m/rad], (B, n, n).
-    """
-
-    M: FloatArray
-    D: FloatArray
-    K: FloatArray
+    M: FloatArray  # mass matrices with rotors [kg·m²], (B, n, n)
+    D: FloatArray  # damping [N·m·s/rad], (B, n, n)
+    K: FloatArray  # stiffness of gravity and springs [N·m/rad], (B, n, n)
 
 
 def linear_leg(model: ControlModel, q: FloatArray) -> LinearLeg:
-    """Linearise one model.
-
-    Args:
-        model: Model of the leg.
-        q: Pose [rad], (n,).
-
-    Returns:
-        One leg, B = 1.
-    """
+    """Linearise one model."""
     around = _Neighbours.of(q)
     at, rate, still = (x.T for x in around)
     torque = model.inverse_dynamics(at, rate, still) + model.friction(at, rate, 0.0)
@@ -52,32 +38,14 @@ def linear_leg(model: ControlModel, q: FloatArray) -> LinearLeg:
 
 
 def linear_legs(model: TorqueModel, parameters: FloatArray, q: FloatArray) -> LinearLeg:
-    """Linearise a leg with each of many sets of parameters; the torque is linear in them.
-
-    Args:
-        model: Leg and terms.
-        parameters: Sets of parameters in the order of ``model.names``, (B, P).
-        q: Pose [rad], (n,).
-
-    Returns:
-        B legs.
-    """
+    """Linearise a leg with each of many sets of parameters; the torque is linear in them."""
     around = _Neighbours.of(q)
     D, K = around.slopes(model.regressor(*around) @ parameters.T)
     return LinearLeg(mass_matrices(model, parameters, q[None])[0], D, K)
 
 
 def mass_matrices(model: TorqueModel, parameters: FloatArray, poses: FloatArray) -> FloatArray:
-    """Compute mass matrices, rotors included, from the regressor.
-
-    Args:
-        model: Leg and terms.
-        parameters: Sets of parameters, (B, P).
-        poses: Poses [rad], (N, n).
-
-    Returns:
-        Mass matrices [kg·m²], (N, B, n, n).
-    """
+    """Compute mass matrices, rotors included, from the regressor."""
     count, n = poses.shape
     q = np.repeat(poses, n + 1, axis=0)
     a = np.tile(np.vstack([np.zeros(n), np.eye(n)]), (count, 1))

@@ -15,38 +15,19 @@ from .linear_leg import linear_leg
 
 
 class LinearWearer(NamedTuple):
-    """Limb of a wearer, M δa + D δv + K δq = −δτ_wearer, with muscles that hold it near its intention.
+    """Limb of a wearer, M δa + D δv + K δq = −δτ_wearer, with muscles that hold it near its intention."""
 
-    The torque on the leg is δτ_wearer = k (δq_limb − δq) + d (δv_limb − δv).
+    # The torque on the leg is δτ_wearer = k (δq_limb − δq) + d (δv_limb − δv).
 
-    Attributes:
-        M: Mass matrix of the limb [kg·m²], (n, n).
-        D: Damping by muscles [N·m·s/rad], (n, n).
-        K: Stiffness of gravity and muscles [N·m/rad], (n, n).
-        stiffness: Stiffness k of the cuffs [N·m/rad], (n,).
-        damping: Damping d of the cuffs [N·m·s/rad], (n,).
-    """
-
-    M: FloatArray
-    D: FloatArray
-    K: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
+    M: FloatArray  # mass matrix of the limb [kg·m²], (n, n)
+    D: FloatArray  # damping by muscles [N·m·s/rad], (n, n)
+    K: FloatArray  # stiffness of gravity and muscles [N·m/rad], (n, n)
+    stiffness: FloatArray  # stiffness k of the cuffs [N·m/rad], (n,)
+    damping: FloatArray  # damping d of the cuffs [N·m·s/rad], (n,)
 
 
 def linear_wearer(wearer: Wearer, q: FloatArray) -> LinearWearer:
-    """Linearise a wearer.
-
-    Args:
-        wearer: The wearer.
-        q: Pose of limb and leg [rad], (n,).
-
-    Returns:
-        Matrices of the limb.
-
-    Raises:
-        ExoidError: The limb has other joints than the pose, or the wearer is that of several rigs.
-    """
+    """Linearise a wearer."""
     if len(q) != len(wearer.limb.joint_names):
         raise ExoidError(
             f"a wearer with {len(wearer.limb.joint_names)} joints in a leg with {len(q)}",

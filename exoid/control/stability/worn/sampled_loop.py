@@ -16,43 +16,21 @@ from .linear_wearer import LinearWearer
 
 
 class HeldLeg(NamedTuple):
-    """One sampling period of B worn legs under held torques, x⁺ = A x + B δτ and y = C x.
+    """One sampling period of B worn legs under held torques, x⁺ = A x + B δτ and y = C x."""
 
-    The state is x = (δq, δv) of the leg, then of the limb.
+    # The state is x = (δq, δv) of the leg, then of the limb.
 
-    Attributes:
-        A: State matrices, (B, s, s).
-        B: Input matrices, (B, s, n).
-        C: Readings (q, v, interaction torque) by state, (3 n, s).
-    """
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
+    A: FloatArray  # state matrices, (B, s, s)
+    B: FloatArray  # input matrices, (B, s, n)
+    C: FloatArray  # readings (q, v, interaction torque) by state, (3 n, s)
 
     def take(self, rows: NDArray[np.intp]) -> HeldLeg:
-        """Select some legs.
-
-        Args:
-            rows: Indices.
-
-        Returns:
-            These legs.
-        """
+        """Select some legs."""
         return HeldLeg(self.A[rows], self.B[rows], self.C)
 
 
 def hold(leg: LinearLeg, wearer: LinearWearer | None, period: float) -> HeldLeg:
-    """Integrate worn legs exactly over one period of constant torque.
-
-    Args:
-        leg: B legs.
-        wearer: Wearer of all; None for none.
-        period: Sampling period [s].
-
-    Returns:
-        State and input matrices.
-    """
+    """Integrate worn legs exactly over one period of constant torque."""
     count, n, _ = leg.M.shape
     size = 2 * n if wearer is None else 4 * n
     one, inverse = np.eye(n), np.linalg.inv(leg.M)
@@ -79,18 +57,8 @@ def hold(leg: LinearLeg, wearer: LinearWearer | None, period: float) -> HeldLeg:
 
 
 def loop_matrices(leg: HeldLeg, law: LinearLaw, delay: int) -> FloatArray:
-    """Form the matrix of one period for the state (x_k, y_{k−1}, …, y_{k−d}, m_k).
-
-        x⁺ = A x + B (F y_{k−d} + H m),      m⁺ = E y_{k−d} + N m
-
-    Args:
-        leg: B legs.
-        law: Controller of all, or B controllers: matrices with a first axis.
-        delay: Delay d of the readings in sampling periods.
-
-    Returns:
-        Matrices, (B, s, s).
-    """
+    """Form the matrix of one period for the state (x_k, y_{k−1}, …, y_{k−d}, m_k)."""
+    #     x⁺ = A x + B (F y_{k−d} + H m),      m⁺ = E y_{k−d} + N m
     count, size, n = leg.B.shape
     F, H, E, N = (np.broadcast_to(each, (count, *each.shape[-2:])) for each in law)
     read = slice(None) if F[..., 2 * n :].any() or E[..., 2 * n :].any() else slice(2 * n)  # interaction or not

@@ -28,39 +28,18 @@ PHASES = 8
 
 @dataclass(frozen=True, eq=False)
 class WornLoop:
-    """Closed loops of one controller and one wearer about several poses; the worst pose counts.
+    """Closed loops of one controller and one wearer about several poses; the worst pose counts."""
 
-    Attributes:
-        table: The controller, linearised.
-        wearers: The wearer at each pose; None for none.
-        poses: Poses [rad], (N, n).
-        rate: Sampling rate [Hz].
-    """
-
-    table: LawTable
-    wearers: tuple[LinearWearer | None, ...]
-    poses: FloatArray
-    rate: float
+    table: LawTable  # the controller, linearised
+    wearers: tuple[LinearWearer | None, ...]  # the wearer at each pose; None for none
+    poses: FloatArray  # poses [rad], (N, n)
+    rate: float  # sampling rate [Hz]
 
     @classmethod
     def of_amplifications(
         cls, law: LawOf, wearer: Wearer | None, poses: FloatArray, delay: int, most: float
     ) -> WornLoop:
-        """Prepare loops with a controller at amplifications between 1 and the largest.
-
-        Args:
-            law: Function that makes the controller from an amplification.
-            wearer: The wearer; None for none.
-            poses: Poses [rad], (N, n).
-            delay: Delay of the readings in sampling periods.
-            most: Largest amplification.
-
-        Returns:
-            The loops.
-
-        Raises:
-            ExoidError: The delay is not a whole number ≥ 0, or a controller has no derivatives at a pose.
-        """
+        """Prepare loops with a controller at amplifications between 1 and the largest."""
         rate = law(1.0).rate
         _refuse(rate, delay)
         table = LawTable.of_amplifications(law, most, poses, delay)
@@ -68,44 +47,16 @@ class WornLoop:
 
     @classmethod
     def of_law(cls, law: AnyLaw, wearer: Wearer | None, poses: FloatArray, delay: int) -> WornLoop:
-        """Prepare loops with one controller, as of share 0.
-
-        Args:
-            law: The controller.
-            wearer: The wearer; None for none.
-            poses: Poses [rad], (N, n).
-            delay: Delay of the readings in sampling periods.
-
-        Returns:
-            The loops.
-
-        Raises:
-            ExoidError: The delay is not a whole number ≥ 0, or the controller has no derivatives at a pose.
-        """
+        """Prepare loops with one controller, as of share 0."""
         _refuse(law.rate, delay)
         return cls(LawTable.of([law], np.zeros(1), poses, delay), _wearers(wearer, poses), poses, law.rate)
 
     def legs(self, model: TorqueModel, parameters: FloatArray) -> list[HeldLeg]:
-        """Linearise and sample true legs.
-
-        Args:
-            model: Leg and terms.
-            parameters: Sets of parameters, (B, P).
-
-        Returns:
-            B worn legs at each pose.
-        """
+        """Linearise and sample true legs."""
         return self._held([linear_legs(model, parameters, q) for q in self.poses])
 
     def legs_of(self, truths: Sequence[ControlModel]) -> list[HeldLeg]:
-        """Linearise and sample true legs.
-
-        Args:
-            truths: Models of B legs.
-
-        Returns:
-            B worn legs at each pose.
-        """
+        """Linearise and sample true legs."""
         at = [[linear_leg(truth, q) for truth in truths] for q in self.poses]
         return self._held([LinearLeg(*map(np.concatenate, zip(*row, strict=True))) for row in at])
 
@@ -114,18 +65,7 @@ class WornLoop:
 
 
 def poses_of(leg: Leg, poses: ArrayLike | None) -> FloatArray:
-    """Take given poses, or poses along a stride.
-
-    Args:
-        leg: The leg.
-        poses: Poses [rad], (N, n) or (n,); None for those of :func:`exoid.experiments.gait.healthy_gait`.
-
-    Returns:
-        Poses [rad], (N, n).
-
-    Raises:
-        ExoidError: The poses do not fit the leg, or there is no gait for it.
-    """
+    """Take given poses, or poses along a stride."""
     if poses is None:
         gait = gait_for_leg(leg, healthy_gait(scale=1.0, period=1.0))
         return np.array([gait.at(k / PHASES).q[:, 0] for k in range(PHASES)])

@@ -27,35 +27,22 @@ LIMITS = ("least load", "most load", "friction", "centre of pressure", "torso", 
 
 
 class Demand(NamedTuple):
-    """What a motion demands, at N samples.
+    """What a motion demands, at N samples."""
 
-    Attributes:
-        columns: Regressor of the torques along the coordinates, (P, k, N).
-        margins: Relative margin to each limit, negative where it is exceeded: of each of :data:`LIMITS` one or several,
-            (C, N).
-    """
-
-    columns: FloatArray
+    columns: FloatArray  # regressor of the torques along the coordinates, (P, k, N)
+    # relative margin to each limit, negative where it is exceeded: of each of `LIMITS` one or several, (C, N)
     margins: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Demands:
-    """Demands of motions with one support.
+    """Demands of motions with one support."""
 
-    Attributes:
-        support: Feet that stand.
-        model: Torque model of the machine.
-        expected: Expected parameters, (P,).
-        torque: Largest torque of the joints [N·m], (n,).
-        limits: Limits of the ground force and of the feet.
-    """
-
-    support: StanceSupport
-    model: TorqueModel
-    expected: FloatArray
-    torque: FloatArray
-    limits: GroundLimits
+    support: StanceSupport  # feet that stand
+    model: TorqueModel  # torque model of the machine
+    expected: FloatArray  # expected parameters, (P,)
+    torque: FloatArray  # largest torque of the joints [N·m], (n,)
+    limits: GroundLimits  # limits of the ground force and of the feet
 
     @property
     def weight(self) -> float:
@@ -69,14 +56,7 @@ class Demands:
         return (0, 1, 2, 2, 3, 3, 4, 4, *(5,) * self.support.count, *(6,) * points)
 
     def at(self, states: States) -> Demand:
-        """Compute the demands of a motion.
-
-        Args:
-            states: Motion of the coordinates, (N, k).
-
-        Returns:
-            Its demands.
-        """
+        """Compute the demands of a motion."""
         support = self.support
         joints = support.joints(states)
         torso = support.torso(joints)

@@ -22,16 +22,7 @@ STATES = 400
 
 
 def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale: FloatArray) -> FloatArray:
-    """Find combinations of parameters that no motion with these supports determines.
-
-    Args:
-        demands: Demands of motions with each support.
-        limits: Limits of the coordinates of each.
-        scale: Scale of each parameter, (P,).
-
-    Returns:
-        Orthonormal combinations of scaled parameters, (P, K).
-    """
+    """Find combinations of parameters that no motion with these supports determines."""
     rng, rows = np.random.default_rng(0), []
     for one, box in zip(demands, limits, strict=True):
         even = rng.uniform(-1.0, 1.0, (3, STATES, len(box.lower)))
@@ -49,31 +40,13 @@ def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale
 
 
 def undetermined(names: Sequence[str], null: FloatArray) -> tuple[str, ...]:
-    """Name the parameters that are part of such combinations.
-
-    Args:
-        names: Names of the parameters, (P,).
-        null: Combinations of :func:`null_space`, (P, K).
-
-    Returns:
-        The names.
-    """
+    """Name the parameters that are part of such combinations."""
     part = np.linalg.norm(null, axis=1)
     return tuple(name for name, size in zip(names, part, strict=True) if size > INVOLVED)
 
 
 def missing_support(names: Sequence[str], loose: Sequence[str], added: Sequence[str], null: FloatArray) -> str:
-    """Say what motions with further supports would determine.
-
-    Args:
-        names: Names of the parameters, (P,).
-        loose: Parameters that are not determined now.
-        added: Names of the further supports.
-        null: Combinations that stay undetermined with them, (P, K).
-
-    Returns:
-        A sentence; empty if they determine none of them.
-    """
+    """Say what motions with further supports would determine."""
     still = set(undetermined(names, null))
     more = [name for name in loose if name not in still]
     if not more or not added:

@@ -41,29 +41,17 @@ AMPLITUDE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class StanceObjective:
-    """Same as :class:`..objective.Objective` for supports instead of torso tilts, with limits of the ground.
+    """Same as :class:`..objective.Objective` for supports instead of torso tilts, with limits of the ground."""
 
-    Attributes:
-        demands: What motions with each support demand.
-        basis: Basis functions of the motions.
-        limits: Limits of the coordinates of each support.
-        noise: Torque noise.
-        scale: Scale of each parameter, (P,).
-        seconds: Duration of each motion [s].
-        rate: Rate of the log [Hz].
-        prior_information: Information of other data about scaled parameters, (P, P).
-        reserve: Relative margin of what the ground limits, for values between samples.
-    """
-
-    demands: tuple[Demands, ...]
-    basis: Basis
-    limits: tuple[MotionLimits, ...]
-    noise: TorqueNoise
-    scale: FloatArray
-    seconds: float
-    rate: float
-    prior_information: FloatArray
-    reserve: float = CHECKED
+    demands: tuple[Demands, ...]  # what motions with each support demand
+    basis: Basis  # basis functions of the motions
+    limits: tuple[MotionLimits, ...]  # limits of the coordinates of each support
+    noise: TorqueNoise  # torque noise
+    scale: FloatArray  # scale of each parameter, (P,)
+    seconds: float  # duration of each motion [s]
+    rate: float  # rate of the log [Hz]
+    prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
+    reserve: float = CHECKED  # relative margin of what the ground limits, for values between samples
 
     @property
     def pitches(self) -> FloatArray:
@@ -99,44 +87,19 @@ class StanceObjective:
         return value, np.concatenate(gradient)
 
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
-        """Split coefficients.
-
-        Args:
-            x: Flattened coefficients.
-
-        Returns:
-            Views of the coefficients of each motion, (m, k) each.
-        """
+        """Split coefficients."""
         sizes = np.cumsum([self.basis.count * one.support.count for one in self.demands])
         return tuple(part.reshape(self.basis.count, -1) for part in np.split(x, sizes[:-1]))
 
     def excesses_of(self, number: int, states: States) -> FloatArray:
-        """Compute the mean squared excess over each limit.
-
-        Args:
-            number: Number of the motion.
-            states: Samples of its coordinates.
-
-        Returns:
-            Mean squares of the relative excesses, (10,).
-        """
+        """Compute the mean squared excess over each limit."""
         demands = self.demands[number]
         squares = (self._short(demands.at(states)) ** 2).mean(axis=1)
         boxes = [box.mean for box in self._boxes(number, states)]
         return np.array([*boxes, *np.bincount(demands.kinds, squares, len(LIMITS))])
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
-        """Draw small motions about poses that can be held.
-
-        Args:
-            rng: Generator of the draw.
-
-        Returns:
-            Flattened coefficients.
-
-        Raises:
-            ExoidError: No pose can be held.
-        """
+        """Draw small motions about poses that can be held."""
         parts = []
         for number, (limits, demands) in enumerate(zip(self.limits, self.demands, strict=True)):
             each = rng.standard_normal((self.basis.count, demands.support.count))
@@ -149,11 +112,7 @@ class StanceObjective:
         return np.concatenate(parts)
 
     def narrowed(self) -> StanceObjective:
-        """Narrow the limits by the reserve of the search.
-
-        Returns:
-            The objective with narrower limits.
-        """
+        """Narrow the limits by the reserve of the search."""
         return replace(self, limits=tuple(map(narrowed_limits, self.limits)), reserve=RESERVE)
 
     def _poses_held(self, number: int, rng: np.random.Generator) -> FloatArray:

@@ -199,18 +199,8 @@ def plan_stance(
 
 
 def stance_recording(demands: Demands, motion: FourierMotion, rate: float) -> Recording:
-    """Make the log of a machine that follows a motion exactly, with contacts and the expected torque.
-
-    Feet that stand bear the same load each.
-
-    Args:
-        demands: Feet that stand, and expected parameters.
-        motion: Motion of the coordinates.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        Log with angles, velocities, accelerations, torques and contacts.
-    """
+    """Make the log of a machine that follows a motion exactly, with contacts and the expected torque."""
+    # Feet that stand bear the same load each.
     support = demands.support
     time, states = motion.sampled(rate)
     along = np.einsum("pks,p->sk", demands.at(states).columns, demands.expected)

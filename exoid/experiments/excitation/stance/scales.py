@@ -19,18 +19,7 @@ from .demands import Demands
 
 
 def expected_parameters(model: TorqueModel, values: Mapping[str, float] | None) -> FloatArray:
-    """Take expected parameters of a machine.
-
-    Args:
-        model: Machine and terms.
-        values: Expected parameters by name; None for those of the machine, and zero for terms.
-
-    Returns:
-        Expected parameters, (P,).
-
-    Raises:
-        ExoidError: A name is unknown.
-    """
+    """Take expected parameters of a machine."""
     unknown = sorted(set(values or {}) - set(model.names))
     if unknown:
         raise ExoidError(
@@ -41,16 +30,7 @@ def expected_parameters(model: TorqueModel, values: Mapping[str, float] | None) 
 
 
 def stance_scales(model: TorqueModel, demands: Sequence[Demands], limits: Sequence[MotionLimits]) -> Scales:
-    """Compute the scales over random states of standing on each foot, see :class:`Scales`.
-
-    Args:
-        model: Machine and terms.
-        demands: Demands of standing on each foot.
-        limits: Limits of the coordinates of each.
-
-    Returns:
-        Scales of all parameters of the model.
-    """
+    """Compute the scales over random states of standing on each foot, see :class:`Scales`."""
     rng, tables = np.random.default_rng(0), []
     expected = demands[0].expected
     for one, box in zip(demands, limits, strict=True):

@@ -30,29 +30,21 @@ CONGRUENT = 1e-6
 
 
 class TorsoStates(NamedTuple):
-    """Motion of the torso over a foot that stands.
+    """Motion of the torso over a foot that stands."""
 
-    Attributes:
-        pose: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3); the middle of the sole is
-            the origin of the laboratory.
-        kinematics: What the equation of motion depends on.
-    """
-
+    # position forward and up [m] and pitch [rad] of the root link's origin, (N, 3); the middle of the sole is
+    # the origin of the laboratory
     pose: FloatArray
-    kinematics: BaseKinematics
+    kinematics: BaseKinematics  # what the equation of motion depends on
 
 
 class GroundRows(NamedTuple):
-    """Rows of the equation of motion while the machine hangs on one foot that stands.
+    """Rows of the equation of motion while the machine hangs on one foot that stands."""
 
-    Attributes:
-        wrench: Rows of force forward [N] and up [N] and moment about the ankle [N·m] on that foot, (p, 3, N), for the
-            parameters of rigid bodies.
-        torque: Rows of the joint torques if this foot bears everything, (P, n, N).
-    """
-
+    # rows of force forward [N] and up [N] and moment about the ankle [N·m] on that foot, (p, 3, N), for the
+    # parameters of rigid bodies
     wrench: FloatArray
-    torque: FloatArray
+    torque: FloatArray  # rows of the joint torques if this foot bears everything, (P, n, N)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,19 +247,7 @@ class StanceSupport:
 
 
 def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tuple[StanceSupport, ...]:
-    """Find several supports of a machine.
-
-    Args:
-        leg: The machine, on a floating base.
-        names: Name of each support.
-        soles: Sole of each foot.
-
-    Returns:
-        The supports.
-
-    Raises:
-        ExoidError: The base of the leg does not float, the machine is not planar, a name is unknown or repeated.
-    """
+    """Find several supports of a machine."""
     if not names or len(set(names)) < len(names):
         raise ExoidError(f"supports {', '.join(names) or 'none'}", remedy='name each once, e.g. ("both", "left")')
     plant = GroundPlant.build(leg, soles)
