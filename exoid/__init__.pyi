@@ -2,40 +2,31 @@
 
 from . import (
     actuators,
-    catalog,
     codegen,
     control,
-    datasets,
     errors,
     estimate,
     experiments,
-    exported,
-    ground,
     identification,
-    lift,
+    lab,
+    leg,
     online,
-    published,
-    reduction,
     regression,
-    reproduce,
     rig,
     signals,
-    study,
     torques,
     view,
-    wearer,
 )
-from .catalog import load_exo, load_leg
+from .control import wearer
+from .control.wearer import Interaction, interaction
 from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, joint_torques, validate
-from .findings import Finding
+from .estimate.finding import Finding
 from .identification import check, identify
-from .leg import Leg
-from .payload import Payload
-from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench
+from .lab import reproduce, study
+from .leg import Leg, Payload, TorsoMotion, catalog, lift, load_exo, load_leg, published, reduction
+from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench, datasets
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
-from .torso import TorsoMotion
-from .wearer import Interaction, interaction
 
 __version__: str
 
@@ -70,13 +61,13 @@ __all__ = [
     "errors",
     "estimate",
     "experiments",
-    "exported",
-    "ground",
     "ground_forces",
     "identification",
     "identify",
     "interaction",
     "joint_torques",
+    "lab",
+    "leg",
     "lift",
     "load_exo",
     "load_leg",

@@ -183,8 +183,8 @@ def tilted(log: Log, degrees: float, _: np.random.Generator) -> Log:
     model, angle_ = log.leg.model.copy(), np.deg2rad(degrees)
     model.gravity.linear = 9.81 * np.array([np.sin(angle_), 0.0, -np.cos(angle_)])
     one = log.recordings[0]
-    upright = exoid.dynamics.gravity_torque(log.leg.model, one.q)
-    return changed(log, tau=one.tau + exoid.dynamics.gravity_torque(model, one.q) - upright)
+    upright = exoid.leg.dynamics.gravity_torque(log.leg.model, one.q)
+    return changed(log, tau=one.tau + exoid.leg.dynamics.gravity_torque(model, one.q) - upright)
 
 
 def longer(log: Log, part: float, _: np.random.Generator) -> Log:

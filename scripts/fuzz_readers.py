@@ -19,7 +19,7 @@ import atheris
 
 with atheris.instrument_imports(include=["exoid"]):
     import exoid
-    from exoid.description import describe
+    from exoid.leg.description import describe
 
 SEEDS = {
     "csv": (

@@ -3,7 +3,7 @@
     python scripts/import_graph.py            # rewrites the two generated parts of the page
     python scripts/import_graph.py --print    # prints them only
 
-Needs grimp, which import-linter brings (``pip install -e '.[lint]'``). The floors are those of the import contract in
+Needs grimp, which import-linter brings (``pip install -e '.[lint]'``). The rooms are those of the import contract in
 pyproject.toml.
 """
 
@@ -26,20 +26,20 @@ PAGE = ROOT / "docs" / "architecture.md"
 PACKAGE = "exoid"
 
 NOT_DRAWN = "_typing"
-"""Names of array types, which nearly every floor imports."""
+"""Names of array types, which nearly every room imports."""
 
 Imports = Mapping[str, frozenset[str]]
-"""Floors that each floor imports from directly."""
+"""Rooms that each room imports from directly."""
 
 
-def floors() -> list[str]:
-    """Names of the floors, the top one first, from the first import contract."""
+def rooms() -> list[str]:
+    """Names of the rooms, the top one first, from the first import contract."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     return list(settings["tool"]["importlinter"]["contracts"][0]["layers"])
 
 
 def imports_between(names: Sequence[str]) -> Imports:
-    """Floors that each floor imports from, at least once in any of its files."""
+    """Rooms that each room imports from, at least once in any of its files."""
     graph = grimp.build_graph(PACKAGE)
     found: dict[str, set[str]] = {name: set() for name in names}
     for module in graph.modules:
@@ -76,14 +76,14 @@ def mermaid(names: Sequence[str], imports: Imports) -> str:
 
 
 def lines_of(name: str) -> int:
-    """Lines of the Python files of a floor, which is a package or a module."""
+    """Lines of the Python files of a room, which is a package or a module."""
     path = ROOT / PACKAGE / name
     files = path.rglob("*.py") if path.is_dir() else [path.with_suffix(".py")]
     return sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
 
 
 def table(names: Sequence[str], imports: Imports) -> str:
-    """Lines, share and direct imports of each floor, from the top."""
+    """Lines, share and direct imports of each room, from the top."""
     lines = {name: lines_of(name) for name in names}
     total = sum(lines.values())
     rows = [
@@ -92,8 +92,8 @@ def table(names: Sequence[str], imports: Imports) -> str:
     ]
     largest = max(names, key=lambda name: lines[name])
     share = 100 * lines[largest] / total
-    end = f"{total} lines in all. The largest floor is `{largest}` with {share:.1f} % of them."
-    head = ["| floor | package or module | lines | % | floors it imports from |", "|---|---|---|---|---|"]
+    end = f"{total} lines in all. The largest room is `{largest}` with {share:.1f} % of them."
+    head = ["| room | package or module | lines | % | rooms it imports from |", "|---|---|---|---|---|"]
     return "\n".join([*head, *rows, "", end])
 
 
@@ -111,7 +111,7 @@ def main() -> None:
     """Write both parts into the page, or print them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--print", action="store_true", dest="show", help="print instead of writing the page")
-    names = floors()
+    names = rooms()
     imports = imports_between(names)
     parts = {"imports": mermaid(names, reduced(imports)), "lines": table(names, imports)}
     if parser.parse_args().show:

@@ -1,4 +1,4 @@
-"""Write the URDFs in urdf/ from the published tables and the assumptions in exoid/published/*.toml.
+"""Write the URDFs in urdf/ from the published tables and the assumptions in exoid/leg/published/*.toml.
 
 python scripts/make_urdfs.py            writes them
 python scripts/make_urdfs.py --check    changes nothing; exit status 1 when a file differs

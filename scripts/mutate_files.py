@@ -145,7 +145,7 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
 def reader_of(kind: str) -> Callable[[Path], Any]:
     """Find the function that reads a file of a kind."""
     import exoid  # noqa: PLC0415
-    from exoid.exported import read_exported  # noqa: PLC0415
+    from exoid.leg.exported import read_exported  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
     if kind == "urdf":

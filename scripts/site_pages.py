@@ -111,7 +111,7 @@ def public_packages() -> dict[str, ModuleType]:
     found = {"exoid": exoid}
     for name in sorted(exoid.__all__):
         if isinstance(getattr(exoid, name), ModuleType):
-            module = importlib.import_module(f"exoid.{name}")
+            module = getattr(exoid, name)
             found[module.__name__] = module
             for inner in pkgutil.iter_modules(getattr(module, "__path__", ())):
                 if inner.ispkg and not inner.name.startswith("_"):

@@ -27,10 +27,10 @@ import exoid
 from exoid import published
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, SideBySide, sensitivity_amplification, simulate_many
-from exoid.control.stability import largest_amplification
-from exoid.control.stability.worn.draws import draw_truths
 from exoid.control.tracking import Tracking
 from exoid.experiments import Hold
+from exoid.lab.stability import largest_amplification
+from exoid.lab.stability.worn.draws import draw_truths
 from exoid.rig import Sensors, Wearer
 from exoid.torques import Coulomb, TorqueModel, Viscous
 

@@ -19,7 +19,7 @@ import numpy as np
 import exoid
 from exoid import Estimate, Leg, Recording
 from exoid._typing import FloatArray
-from exoid.tables import make_table, to_text
+from exoid.tools.tables import make_table, to_text
 from exoid.torques import Presliding
 
 RATE, SECONDS, SLOW = 100.0, 60.0, 0.1

@@ -28,8 +28,8 @@ import numpy as np
 import exoid
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, actuators_from_data, actuators_to_data, read_actuators
-from exoid.description import describe
 from exoid.experiments import Harmonics
+from exoid.leg.description import describe
 from exoid.rig import (
     CoupledMotors,
     CoupledStepper,
@@ -42,7 +42,7 @@ from exoid.rig import (
     SmoothStepper,
     simulate,
 )
-from exoid.tables import make_table, to_text
+from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
 
 FRICTION = {"c0_hip": 1.2, "c0_knee": 0.9, "c0_ankle": 0.5, "d_hip": 0.5, "d_knee": 0.3, "d_ankle": 0.2}

@@ -32,7 +32,7 @@ from joblib import Parallel, delayed
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.findings import Finding
+from exoid.estimate.finding import Finding
 
 TABLES = ("corruptions", "clean", "real", "disturbances")
 

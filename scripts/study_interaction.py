@@ -26,9 +26,9 @@ from study_bands import FORMS
 from study_bands import log as log_of_form
 
 import exoid
+from exoid.control.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
 from exoid.rig import Run, Wearer, plant_with_payloads, sandbags
-from exoid.tables import make_table, to_text
-from exoid.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
+from exoid.tools.tables import make_table, to_text
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from worn_rig import (

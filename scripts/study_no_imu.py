@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.catalog import load_exo
 from exoid.estimate import Estimate
-from exoid.ground import split
 from exoid.identification import identify
-from exoid.reproduce.stance import TERMS, true_values
-from exoid.reproduce.stance_logs import StanceExtent, run_stance
+from exoid.lab.reproduce.stance import TERMS, true_values
+from exoid.lab.reproduce.stance_logs import StanceExtent, run_stance
+from exoid.leg.catalog import load_exo
 from exoid.signals import Recording
+from exoid.torques.contacts import split
 
 SLIDES = 0.005
 """A foot that is faster than this slips [m/s]."""

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.catalog import URDFS, urdf_folder
+from exoid.leg.catalog import URDFS, urdf_folder
 
 STEP, CONTROL = 2.5e-4, 1e-3
 """Of the simulator and of the controller [s]."""

@@ -31,9 +31,9 @@ import scipy
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.datasets import ForceDataset
-from exoid.datasets.teststand import FOOT, RATE
 from exoid.signals import zero_phase
+from exoid.signals.datasets import ForceDataset
+from exoid.signals.datasets.teststand import FOOT, RATE
 
 CUTOFF, STRIDE = 5.0, 20
 """Cut-off of the low-pass [Hz], and stride of the samples that are used."""

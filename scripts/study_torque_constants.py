@@ -26,7 +26,7 @@ from exoid._typing import FloatArray
 from exoid.actuators import Motor
 from exoid.experiments import Harmonics, cuhk, run_motion
 from exoid.experiments.bench import Bench, stiff_servo
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, plant_with_payloads
 
 KT, RATIO, EFFICIENCY = (0.070, 0.050), 50.0, 0.85

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from exoid import load_leg, reproduce
-from exoid.control.stability import Amplification
-from exoid.reproduce.wear_models import worn_models
+from exoid.lab.reproduce.wear_models import worn_models
+from exoid.lab.stability import Amplification
 
 TRUE_BODIES = {"bleex": "identified", "cuhk": "nominal"}
 """Inertia set of the rig's bodies."""

@@ -16,7 +16,7 @@ import exoid
 from exoid.cli import main, progress
 from exoid.identification import ESTIMATORS
 from exoid.signals import PREPARATIONS
-from exoid.signals.formats import READERS
+from exoid.signals.readers import READERS
 from exoid.torques import TERMS
 
 progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero

@@ -107,7 +107,7 @@ def run(command: list[str], given: str, folder: Path) -> str:
         command, input=given, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False, timeout=600
     )
     if "cannot be downloaded" in done.stderr:
-        pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
+        pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/signals/datasets")
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from exoid.base_kinematics import BaseKinematics
-from exoid.model import configuration
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.model import configuration
 
 
 def free_flyer(leg) -> pin.Model:

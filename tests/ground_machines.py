@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import exoid
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.rig.ground import GroundPlant, GroundRun, Sole
 
 Array = NDArray[np.float64]

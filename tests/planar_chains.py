@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from exoid import Leg
-from exoid.description import Description, describe
+from exoid.leg.description import Description, describe
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from planar_chains import PLANES, Body, PlanarURDF, random_chain
 
 from exoid import Leg
-from exoid.description import describe
+from exoid.leg.description import describe
 
 Array = NDArray[np.float64]
 

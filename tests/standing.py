@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from exoid import Leg, Recording, Wrench
-from exoid.base_kinematics import BaseKinematics
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques import TorqueModel
 
 GRAVITY = 9.81

@@ -11,10 +11,10 @@ from one_joint import URDF, swing, write_urdf
 import exoid
 from exoid import Estimate, ExoidError, Leg
 from exoid.control import pd, simulate
-from exoid.description import describe
 from exoid.experiments import Hold
 from exoid.experiments.excitation import plan_excitation
-from exoid.lift import lift
+from exoid.leg.description import describe
+from exoid.leg.lift import lift
 from exoid.rig import Plant
 
 

@@ -32,9 +32,9 @@ RUN_BY = {
     "cc -std=c99 -Wall -Wextra -Wpedantic -O2 main.c law.c -lm -o law": "tests/codegen/test_microcontroller_page.py",
     "./leg": "tests/codegen/test_microcontroller_page.py",
     "./law": "tests/codegen/test_microcontroller_page.py",
-    "python scripts/study_teststand.py": "tests/datasets/test_study_of_teststand.py",
-    "python scripts/make_urdfs.py": "tests/test_urdfs.py",
-    "python scripts/make_bleex_swing.py": "tests/datasets/test_bleex_swing.py",
+    "python scripts/study_teststand.py": "tests/signals/datasets/test_study_of_teststand.py",
+    "python scripts/make_urdfs.py": "tests/leg/test_urdfs.py",
+    "python scripts/make_bleex_swing.py": "tests/signals/datasets/test_bleex_swing.py",
 }
 """Commands other than ``exoid``, each with the file in the repository that runs it."""
 

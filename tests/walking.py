@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from exoid import BaseMotion, Leg, Recording
-from exoid.base_kinematics import BaseKinematics
+from exoid.leg.base_kinematics import BaseKinematics
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Cluster, Poses, Recording, Recordings, central_difference, smooth_motion
 from exoid.signals.quantities import PREFIXES
 

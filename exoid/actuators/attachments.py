@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .drive import is_number
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 
 class UnknownConstant(NamedTuple):

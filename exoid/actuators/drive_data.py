@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable

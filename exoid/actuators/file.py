@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from exoid.errors import ExoidError
-from exoid.files import write_whole
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
+from exoid.tools.files import write_whole
 
 from .actuators import Actuators
 from .drive_data import actuators_from_data, actuators_to_data

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from exoid.description import Description
 from exoid.errors import ExoidError
+from exoid.leg.description import Description
 
 from .motor import Motor
 

@@ -14,7 +14,7 @@ import typer
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.tables import NARROWEST, WIDTH, line_width
+from exoid.tools.tables import NARROWEST, WIDTH, line_width
 
 from .messages import Amount, amount
 from .verbs import LazyVerbs, add_verbs

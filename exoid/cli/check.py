@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from exoid import identification
-from exoid.findings import Finding, finding_lines, findings_table, findings_to_json
-from exoid.tables import to_text
+from exoid.estimate.finding import Finding, finding_lines, findings_table, findings_to_json
+from exoid.tools.tables import to_text
 from exoid.torques import TERMS
 
 from .inputs import (

@@ -9,7 +9,7 @@ import typer
 
 from exoid import experiments
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.rig import Reference
 
 from .inputs import LogOptions, read_log

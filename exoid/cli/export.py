@@ -15,8 +15,8 @@ from exoid.codegen.laws import LawSource
 from exoid.codegen.ros2 import Ros2Package, refuse_foreign
 from exoid.errors import ExoidError
 from exoid.estimate import Export, MjcfExport
-from exoid.exported import sidecar_of
-from exoid.lift import MASS_FACTOR, PULL
+from exoid.leg.exported import sidecar_of
+from exoid.leg.lift import MASS_FACTOR, PULL
 
 from .inputs import AsJson
 from .law_options import USUAL_LAW, LawOptions

@@ -11,9 +11,9 @@ from exoid import identification
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
 from exoid.estimate.file import estimate_text
-from exoid.files import write_together
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Recording
+from exoid.tools.files import write_together
 from exoid.torques import Term
 
 

@@ -10,7 +10,7 @@ import typer
 
 from exoid.actuators import Actuators, read_actuators
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Column, Recording, WrenchFrame
 from exoid.signals.wrench_frame import frame_of_link
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import typer
 
 from exoid import estimate as estimates
-from exoid import wearer
+from exoid.control import wearer
 from exoid.errors import ExoidError
 from exoid.signals import Recording
 

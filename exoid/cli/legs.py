@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pinocchio as pin
 
-from exoid import datasets
-from exoid.catalog import SEGMENTS, load_exo, load_leg
-from exoid.description import read_description
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.leg_data import Base
+from exoid.leg.catalog import SEGMENTS, load_exo, load_leg
+from exoid.leg.description import read_description
+from exoid.leg.leg import Leg
+from exoid.leg.leg_data import Base
+from exoid.signals import datasets
 
 from .refusals import is_readable, refuse
 from .robots import how_to_name_one, is_robot, urdf_of_robot

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 
 from exoid.errors import ExoidError
-from exoid.files import refuse_input, refuse_unwritable
+from exoid.tools.files import refuse_input, refuse_unwritable
 
 
 def check_outputs(

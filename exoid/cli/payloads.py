@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from exoid.errors import ExoidError
-from exoid.payload import FORM, Payload
+from exoid.leg.payload import FORM, Payload
 
 PayloadOptions = Annotated[
     list[str] | None,

@@ -16,10 +16,10 @@ from exoid import view
 from exoid.errors import ExoidError
 from exoid.experiments import excitation
 from exoid.experiments.excitation import Assessment, Clearance, GroundLimits, MotionLimits, Plan, StancePlan
-from exoid.files import write_bytes
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.rig.ground import Sole
 from exoid.signals import Recording
+from exoid.tools.files import write_bytes
 from exoid.torques import Term
 
 from .inputs import (

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from exoid.files import make_folder
+from exoid.tools.files import make_folder
 
 from .inputs import AsJson, Report
 from .messages import note
@@ -31,7 +31,7 @@ def reproduce(
 
     Example: exoid reproduce cuhk --report cuhk.html
     """
-    from exoid import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
+    from exoid.lab import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     if figures is not None:

@@ -9,16 +9,17 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 
-from exoid import published, view
+from exoid import view
 from exoid._typing import FloatArray
-from exoid.catalog import load_leg
 from exoid.control import ControlModel, Law, gravity_friction_pd
-from exoid.control import stability as checks
-from exoid.control.stability import GainMargins, Regulations
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.files import write_bytes
+from exoid.lab import stability as checks
+from exoid.lab.stability import GainMargins, Regulations
+from exoid.leg import published
+from exoid.leg.catalog import load_leg
 from exoid.rig import Plant
+from exoid.tools.files import write_bytes
 
 from .inputs import AsJson
 from .messages import note
@@ -134,9 +135,9 @@ def _draw(path: str, runs: Regulations, margins: GainMargins) -> None:
     with view.paper():
         drawing = Figure(figsize=(7.0, 5.0))
         axes = drawing.subplot_mosaic([["error", "error"], ["energy", "margins"]])
-        view.plot_regulation_errors(axes["error"], runs.runs, 0, runs.runs[0].run.joint_names[0])
-        view.plot_lyapunov(axes["energy"], [run.lyapunov for run in runs.runs], [run.name for run in runs.runs])
-        view.plot_gain_margins(axes["margins"], margins)
+        checks.plot_regulation_errors(axes["error"], runs.runs, 0, runs.runs[0].run.joint_names[0])
+        checks.plot_lyapunov(axes["energy"], [run.lyapunov for run in runs.runs], [run.name for run in runs.runs])
+        checks.plot_gain_margins(axes["margins"], margins)
         image = BytesIO()
         drawing.savefig(image, format="png")
     write_bytes(path, [image.getvalue()])

@@ -10,14 +10,14 @@ import numpy as np
 import typer
 from threadpoolctl import threadpool_limits
 
-from exoid import study as studies
 from exoid.control import ControlModel
 from exoid.errors import ExoidError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
-from exoid.files import make_folder
-from exoid.leg import Leg
-from exoid.study import Protocol, TrackingTask
+from exoid.lab import study as studies
+from exoid.lab.study import Protocol, TrackingTask
+from exoid.leg.leg import Leg
+from exoid.tools.files import make_folder
 from exoid.torques import Term, TorqueModel
 
 from .inputs import ANY_LEG, AsJson, LegName, LegOptions, parse_numbers, parse_terms, split_names

@@ -9,17 +9,18 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 import typer
 
-from exoid import control, experiments, published
+from exoid import control, experiments
 from exoid._typing import FloatArray
-from exoid.catalog import load_leg
 from exoid.control import ControlModel, LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.files import make_folder
-from exoid.leg import Leg
+from exoid.leg import published
+from exoid.leg.catalog import load_leg
+from exoid.leg.leg import Leg
 from exoid.rig import Payload, Plant
-from exoid.tables import DataTable, to_text
+from exoid.tools.files import make_folder
+from exoid.tools.tables import DataTable, to_text
 
 from .courses import SCALE, MotionOptions, gait, logged, roles_of
 from .dry_run import DryRun
@@ -142,7 +143,7 @@ def track(
 
     Example: exoid track est.json --rate 50
     """
-    from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
+    from exoid.lab import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     if figures is not None:
@@ -183,7 +184,7 @@ def _flags(*groups: DocumentOptions | GainOptions | MotionOptions | RigOptions |
 
 def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, form: str, *, as_json: bool) -> None:
     """Write and print a dry run."""
-    from exoid.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - see above
+    from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - see above
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     if output is not None:
@@ -197,7 +198,7 @@ def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, fo
 
 def _of_document(document: DocumentOptions, seed: int, progress: Callable[[float], None]) -> Comparison:
     """Run document 2's comparison."""
-    from exoid import reproduce  # noqa: PLC0415 - see above
+    from exoid.lab import reproduce  # noqa: PLC0415 - see above
 
     inertia = {} if document.rotor is None else {"rotor": document.rotor}
     replay = reproduce.reproduce_cuhk_tracking(seed, wrong=document.wrong, progress=progress, **inertia)
@@ -220,7 +221,7 @@ def _of_leg(
     progress: Callable[[float], None],
 ) -> Comparison:
     """Run every controller on a leg."""
-    from exoid import reproduce  # noqa: PLC0415 - see above
+    from exoid.lab import reproduce  # noqa: PLC0415 - see above
 
     source = _source(what)
     model = ControlModel.of(source)

@@ -13,9 +13,9 @@ import typer
 
 from exoid import estimate as estimates
 from exoid import view as views
-from exoid.catalog import SEGMENTS
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.catalog import SEGMENTS
+from exoid.leg.leg import Leg
 from exoid.signals import Recording
 from exoid.view import Scene
 

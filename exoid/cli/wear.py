@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from exoid.estimate import Estimate
-from exoid.files import make_folder
+from exoid.tools.files import make_folder
 
 from .inputs import AsJson, Report
 from .messages import note
@@ -38,7 +38,7 @@ def wear(
 
     Example: exoid wear est.json --period 2.5
     """
-    from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
+    from exoid.lab import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     if figures is not None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .dialect import Dialect
 

@@ -13,9 +13,9 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import ExoidError
-from exoid.files import write_whole
-from exoid.fixed_base import refuse_floating_base
-from exoid.reduction.planar import GRAVITY
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.reduction.planar import GRAVITY
+from exoid.tools.files import write_whole
 from exoid.torques import TorqueModel
 
 from .constants import Constants, constants_of_bodies

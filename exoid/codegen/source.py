@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from exoid._typing import FloatArray
-from exoid.json_values import named
-from exoid.tables import to_text
+from exoid.tools.json_values import named
+from exoid.tools.tables import to_text
 from exoid.torques import TorqueModel
 
 from .dialect import Dialect

@@ -9,7 +9,7 @@ import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.model import configuration
+from exoid.leg.model import configuration
 
 from .model import ControlModel
 

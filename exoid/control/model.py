@@ -11,9 +11,9 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.fixed_base import refuse_floating_base
-from exoid.leg import Leg
-from exoid.model import configuration
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg import Leg
+from exoid.leg.model import configuration
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous

@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.lift.pseudo_inertia import make_consistent, pseudo_inertias
+from exoid.leg.leg import Leg
+from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 
 AXES = np.array([d for d in product((-1, 0, 1), repeat=3) if np.abs(d).sum() in (1, 2)], dtype=np.float64)
 """Directions of the places of a payload, (18, 3)."""

@@ -12,7 +12,7 @@ is a problem of non-negative least squares (C. L. Lawson, R. J. Hanson, Solving 
 Projection on a convex set never increases the distance to a point of the set in that metric. So the Lyapunov function
 of an adaptive controller decreases further by it (P. A. Ioannou, J. Sun, Robust Adaptive Control, 1996, sec. 4.4).
 
-All consistent bodies are the set of :mod:`exoid.lift`, which is larger and costs milliseconds. This one is an inner
+All consistent bodies are the set of :mod:`exoid.leg.lift`, which is larger and costs milliseconds. This one is an inner
 approximation by a few hundred places, which costs some tenths of a millisecond.
 """
 
@@ -25,8 +25,8 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
-from exoid.lift.pseudo_inertia import make_consistent, pseudo_inertias
+from exoid.leg.leg import Leg
+from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 
 from .parameter_change import AXES, point_masses
 

@@ -11,13 +11,13 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.experiments import follow_log
-from exoid.json_values import attributes
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
 from exoid.signals.source_location import SourceLocation
 from exoid.signals.timebase import refuse_gaps
-from exoid.tables import DataTable, to_text
+from exoid.tools.json_values import attributes
+from exoid.tools.tables import DataTable, to_text
 
 from .law import State
 from .limited import Limited

@@ -11,10 +11,10 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.errors import ExoidError
-from exoid.json_values import attributes
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
-from exoid.tables import DataTable, to_text
+from exoid.tools.json_values import attributes
+from exoid.tools.tables import DataTable, to_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.intervals import intervals
-from exoid.tables import DataTable, Report, make_table, with_error
+from exoid.tools.tables import DataTable, Report, make_table, with_error
 
 from .data import EstimateData
 

@@ -11,9 +11,9 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators
 from exoid.errors import ExoidError
-from exoid.findings import Finding, doubtful_parameters
-from exoid.leg import Leg
-from exoid.payload import Payload
+from exoid.leg.leg import Leg
+from exoid.leg.payload import Payload
+from exoid.leg.torso import MovingBase
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width
@@ -22,8 +22,8 @@ from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.with_columns import WithColumns
-from exoid.torso import MovingBase
 
+from .finding import Finding, doubtful_parameters
 from .model_error import ModelError
 from .motion_ranges import MotionRanges
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters

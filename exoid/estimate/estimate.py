@@ -8,8 +8,8 @@ from typing import Any
 
 from exoid.codegen import CSource, write_c
 from exoid.codegen.drives import with_form_in_c
-from exoid.lift import MASS_FACTOR, PULL
-from exoid.tables import to_html, to_text
+from exoid.leg.lift import MASS_FACTOR, PULL
+from exoid.tools.tables import to_html, to_text
 
 from .data import EstimateData
 from .export import Export, export_urdf
@@ -85,7 +85,7 @@ class Estimate(EstimateData):
         """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
 
         Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
-        (:func:`exoid.lift.lift`). Where none can exist with masses near the URDF's, the estimate moves: within its
+        (:func:`exoid.leg.lift.lift`). Where none can exist with masses near the URDF's, the estimate moves: within its
         errors, and towards the URDF's links as the pull says. Coulomb and
         viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
         stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is

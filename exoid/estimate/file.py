@@ -13,19 +13,19 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, actuators_from_data, actuators_to_data
-from exoid.description import describe
 from exoid.errors import ExoidError
-from exoid.files import refuse_content, write_whole
-from exoid.findings import findings_from_json, findings_to_json
-from exoid.leg import Leg
+from exoid.leg.description import describe
+from exoid.leg.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
+from exoid.tools.files import refuse_content, write_whole
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
 from .data import EstimateData, Input
+from .finding import findings_from_json, findings_to_json
 from .model_error import model_error_from_json, model_error_to_json
 from .motion_ranges import ranges_from_json, ranges_to_json
 from .nonlinear import NonlinearParameters

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import Stretch, contact_of, level_rotation, split, standing_base
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench, base_during
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.signals.noise_size import white_noise
+from exoid.torques.contacts import Stretch, contact_of, level_rotation, split, standing_base
 
 from .data import EstimateData
 from .torque_band import parameter_variance

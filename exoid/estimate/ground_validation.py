@@ -9,11 +9,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import LOOP, Stretch, SupportModel, eliminate, reference_axes, split
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
+from exoid.torques.contacts import LOOP, Stretch, SupportModel, eliminate, reference_axes, split
 
 from .data import EstimateData
 from .torque_band import parameter_variance

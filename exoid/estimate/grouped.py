@@ -11,13 +11,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.findings import Finding, finding_lines
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import DataTable, make_table, to_html, to_text
+from exoid.tools.tables import DataTable, make_table, to_html, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
 from .estimate import Estimate
+from .finding import Finding, finding_lines
 from .parameter import ParameterTable
 from .text import assumptions, condition, residual_sizes, written
 

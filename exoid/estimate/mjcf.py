@@ -11,11 +11,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.files import refuse_content, refuse_unwritable, write_whole
-from exoid.lift import MASS_FACTOR, PULL, Lift, MassChange
-from exoid.mjcf import JointNumbers, to_mjcf
-from exoid.model import with_dynamic_parameters
-from exoid.tables import to_text
+from exoid.leg.lift import MASS_FACTOR, PULL, Lift, MassChange
+from exoid.leg.mjcf import JointNumbers, to_mjcf
+from exoid.leg.model import with_dynamic_parameters
+from exoid.tools.files import refuse_content, refuse_unwritable, write_whole
+from exoid.tools.tables import to_text
 from exoid.torques import Armature, Coulomb, Term, Viscous
 
 from .data import EstimateData

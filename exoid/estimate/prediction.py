@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
-from exoid.payload import Payload
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.payload import Payload
+from exoid.leg.torso import MovingBase
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, base_during
-from exoid.torso import MovingBase
 
 from .data import EstimateData
 

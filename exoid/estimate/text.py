@@ -8,14 +8,14 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import describe_actuators
-from exoid.findings import finding_lines
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import ZeroPhase
-from exoid.tables import DataTable, with_error
+from exoid.tools.tables import DataTable, with_error
 
 from .data import EstimateData
+from .finding import finding_lines
 
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""

@@ -11,14 +11,14 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
-from exoid.findings import Finding, finding_lines, findings_to_json, ordered
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Preparation, Recording
-from exoid.tables import DataTable, Report, with_parts
+from exoid.tools.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
+from .finding import Finding, finding_lines, findings_to_json, ordered
 from .ground_validation import Compared, compare_on_ground, stands
 from .motion_ranges import MotionRanges
 from .torque_filter import TorqueFilter

@@ -8,11 +8,11 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.findings import Finding
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
+from .finding import Finding
 from .motion_ranges import MotionRanges
 
 BEYOND = 1.3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from exoid.findings import Finding
+from .finding import Finding
 
 Verdict = Literal["predicts", "predicts poorly", "does not predict"]
 

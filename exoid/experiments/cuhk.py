@@ -6,7 +6,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, TorqueModel, Viscous
 
 from .references import Harmonics

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.datasets import gait_norm
-from exoid.datasets.gait_norms import JOINTS
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
+from exoid.signals.datasets import gait_norm
+from exoid.signals.datasets.gait_norms import JOINTS
 
 from .fourier import fit_harmonics, from_coefficients
 from .references import Harmonics
@@ -56,7 +56,7 @@ def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
 
 
 def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> Harmonics:
-    """Make the flexion of hip, knee and ankle at a walking speed, see :func:`exoid.datasets.gait_norm`.
+    """Make the flexion of hip, knee and ankle at a walking speed, see :func:`exoid.signals.datasets.gait_norm`.
 
     Args:
         speed: Norm: "VerySlow", "Slow", "Free" or "Fast". It does not determine the period.

@@ -17,12 +17,12 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 from exoid.rig import Reference
 from exoid.signals import Approaches, Poses
 from exoid.signals.csv_writer import write_csv
 from exoid.signals.source import Source
-from exoid.torso import TorsoMotion
 
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.leg.torso import TorsoMotion
 from exoid.rig import Plant, Run, simulate
 from exoid.signals import Approaches, Poses
-from exoid.torso import TorsoMotion
 
 from .bench import Bench
 from .limits import refuse_poses_beyond_limits

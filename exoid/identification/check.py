@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from exoid.checks import signal_findings
 from exoid.errors import ExoidError
-from exoid.findings import Finding, ordered
-from exoid.leg import Leg
+from exoid.estimate.finding import Finding, ordered
+from exoid.leg.leg import Leg
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
@@ -18,6 +17,7 @@ from .checkup import check_group
 from .drive_constants import refuse_unknown_scale, with_found
 from .drives import DrivenGroups, Drives
 from .estimators import find_estimator
+from .findings import signal_findings
 from .fitting import Task
 from .group_rows import Group
 from .identify import fit_model, fit_on_ground

@@ -9,15 +9,15 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.checks import Checkup, FittedLeg, check_fit, torque_delays
 from exoid.errors import ExoidError
+from exoid.estimate.finding import Finding
 from exoid.estimate.model_error import ModelError
-from exoid.findings import Finding
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
+from .findings import Checkup, FittedLeg, check_fit, torque_delays
 from .fitting import Fitted, Task
 from .friction_form import friction_form_error, friction_rows
 from .group_rows import Group

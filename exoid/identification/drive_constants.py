@@ -13,7 +13,7 @@ from exoid.actuators import Actuators
 from exoid.actuators.constants import DriveConstant, recompute, unknown_constants, with_constants
 from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Cluster, Recording, Recordings

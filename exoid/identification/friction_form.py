@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.checks import FittedLeg
-from exoid.checks.sample import few_of, some_samples
 from exoid.errors import ExoidError
 from exoid.estimate.alternative_friction import COUNT, KINDS, with_alternatives
 from exoid.estimate.model_error import ModelError
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, decimated, form_rows, prepare
 from exoid.signals import Poses, Recording
+
+from .findings import FittedLeg
+from .findings.sample import few_of, some_samples
 
 SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 """Prior sizes of an alternative's torque, as parts of the RMS torque of its joint."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
 from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Cluster, Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
 from exoid.torques import Term, TorqueModel, nonlinear_settings

@@ -10,7 +10,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel

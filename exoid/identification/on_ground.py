@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.checks import signal_findings
 from exoid.errors import ExoidError
-from exoid.findings import Finding
-from exoid.ground import EDGE, SHORTEST, ImuErrors, Split, SupportModel, reference_axes, split
+from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
+from exoid.torques.contacts import EDGE, SHORTEST, ImuErrors, Split, SupportModel, reference_axes, split
 
+from .findings import signal_findings
 from .fitting import Fitted, Task
 from .group_rows import Group
 from .problem import Problem

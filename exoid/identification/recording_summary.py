@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.data import Input
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name

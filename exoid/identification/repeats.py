@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import BoolArray
-from exoid.checks import overlaps
-from exoid.findings import Finding
+from exoid.estimate.finding import Finding
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
+from .findings import overlaps
 from .group_rows import Data, Group
 from .recording_summary import RecordingSummary, summarize
 

@@ -12,15 +12,13 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.checks import Checkup
 from exoid.estimate.data import Input
 from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
+from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.estimate.support import Support
-from exoid.findings import Finding, ordered
-from exoid.ground import LOOP
 from exoid.regression.diagnostics import (
     Collinearity,
     JointNoise,
@@ -36,10 +34,12 @@ from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
+from exoid.torques.contacts import LOOP
 
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
 from .estimators import Estimator, name_of
+from .findings import Checkup
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
 from .sole_compliance import SoleCompliance

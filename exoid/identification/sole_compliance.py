@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.findings import Finding
-from exoid.ground import StandingBase, standing_base
+from exoid.estimate.finding import Finding
 from exoid.regression.row_data import Rows
 from exoid.signals import Cluster, Recording
+from exoid.torques.contacts import StandingBase, standing_base
 
 from .fitting import Fitted, Task
 from .group_rows import Group

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from exoid.errors import ExoidError
-from exoid.findings import Finding
-from exoid.leg import Leg
+from exoid.estimate.finding import Finding
+from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.torques import CoupledTerm, Term
 

@@ -11,8 +11,8 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.findings import Finding, ordered
-from exoid.leg import Leg
+from exoid.estimate.finding import Finding, ordered
+from exoid.leg.leg import Leg
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .advance import Recursion, advance, samples_of

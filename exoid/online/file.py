@@ -13,8 +13,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.files import write_whole
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
+from exoid.tools.files import write_whole
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
 from .intake import Intake

@@ -28,9 +28,9 @@ from exoid.codegen.forms import c_form
 from exoid.codegen.templates import fill
 from exoid.codegen.terms import torques_in_c
 from exoid.errors import ExoidError
-from exoid.files import write_together
-from exoid.reduction.planar import GRAVITY
-from exoid.tables import to_text
+from exoid.leg.reduction.planar import GRAVITY
+from exoid.tools.files import write_together
+from exoid.tools.tables import to_text
 from exoid.torques import DryFriction, Term
 
 from .advance import CHECKPOINT, FREED, SETTLED

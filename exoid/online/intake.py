@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.findings import Finding
+from exoid.estimate.finding import Finding
 
 from .settings import Settings
 

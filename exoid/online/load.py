@@ -10,8 +10,8 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.payload import Payload
+from exoid.leg.leg import Leg
+from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
 from .hypotheses import SPANNED

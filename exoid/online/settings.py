@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.fixed_base import refuse_floating_base
+from exoid.leg.fixed_base import refuse_floating_base
 from exoid.signals import FiniteDifference, Preparation, ZeroPhase
 from exoid.torques import DryFriction, TorqueModel
 

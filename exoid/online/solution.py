@@ -11,8 +11,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.data import Input
-from exoid.findings import Finding
-from exoid.lift import check, lift
+from exoid.estimate.finding import Finding
+from exoid.leg.lift import check, lift
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RFactor, solve, stack
 from exoid.regression.parameters import PriorKnowledge

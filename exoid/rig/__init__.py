@@ -1,9 +1,9 @@
 """Virtual rig: simulated legs with friction, actuators, sampled controllers and sensors, one or many at once."""
 
-from exoid.anthropometry import limb_of
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
+from .anthropometry import limb_of
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target, WornController
 from .coupled_stepper import CoupledMotors, CoupledStepper
 from .payload import leg_with_payloads, plant_with_payloads, sandbags

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.dynamics import inverse_dynamics
 from exoid.errors import ExoidError
+from exoid.leg.dynamics import inverse_dynamics
 
 from .controllers import Reference, Target
 from .planar_bodies import PlanarBodies

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.anthropometry import WINTER, refuse_stature
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.payload import Payload
+from exoid.leg.leg import Leg
+from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
+from .anthropometry import WINTER, refuse_stature
 from .plant import Plant
 
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.model import configuration
+from exoid.leg.model import configuration
 
 from .plant import Plant
 from .stepper import Equations, Step, spring_energy

@@ -1,7 +1,7 @@
 """Rigid-body dynamics of many planar legs at once: mass matrix and bias torque in array operations.
 
 With φ = S q + pitch the absolute angles, d_i the vector along segment i and h_j = Y_j − i X_j its mass moment at the
-zero pose (:mod:`exoid.reduction.planar`), the kinetic energy is ½ Σ M_ij φ̇_i φ̇_j and the potential g Σ Im H_j, where
+zero pose (`exoid.leg.reduction.planar`), the kinetic energy is ½ Σ M_ij φ̇_i φ̇_j and the potential g Σ Im H_j, where
 
     H_j = h_j e^{iφ_j},      M_jj = J_j,      M_ij = Re C_ij,      C_ij = conj(d_i) h_j e^{i(φ_j − φ_i)}  for i < j,
 
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.reduction.planar import GRAVITY
+from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import GRAVITY
 
 
 class PlanarBodies(NamedTuple):

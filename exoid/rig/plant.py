@@ -10,10 +10,10 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.exported import parameter_terms, read_exported
-from exoid.fixed_base import refuse_floating_base
-from exoid.leg import Leg
-from exoid.tables import DataTable, to_text, value_range
+from exoid.leg.exported import parameter_terms, read_exported
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg import Leg
+from exoid.tools.tables import DataTable, to_text, value_range
 
 STIFFNESS_DEGREE = 2
 """Degree of the polynomial spring at each joint."""
@@ -164,7 +164,7 @@ class Plant:
         that the rig does not have, such as those from outside exoid, are refused, or left out where that is asked for.
 
         Args:
-            path: The URDF; its sidecar is read too, see :func:`exoid.exported.read_exported`.
+            path: The URDF; its sidecar is read too, see :func:`exoid.leg.exported.read_exported`.
             joints: Joints that move, where there is no sidecar.
             pitch: See :meth:`build`.
             end_stops: See :meth:`build`.

@@ -13,9 +13,9 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators
 from exoid.actuators.part import DRIVE_CHANNELS
 from exoid.errors import ExoidError
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
-from exoid.tables import DataTable, to_text, value_range
-from exoid.torso import TorsoMotion
+from exoid.tools.tables import DataTable, to_text, value_range
 
 from .actuators import Actuator
 from .controllers import Controller, Reference, WornController

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.anthropometry import limb_of
 from exoid.errors import ExoidError
-from exoid.fixed_base import refuse_floating_base
-from exoid.leg import Leg
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg import Leg
 
+from .anthropometry import limb_of
 from .controllers import Reference
 
 CUFF_STIFFNESS = 1000.0

@@ -22,7 +22,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .muscles import Muscles, intended
 from .pinocchio_stepper import PinocchioStepper

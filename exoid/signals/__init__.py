@@ -1,5 +1,6 @@
 """Signals: recordings, log files, checks, filters and derivatives."""
 
+from . import datasets
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import BasePose, turn_upright
 from .cluster import Cluster
@@ -9,7 +10,6 @@ from .contacts import contacts_from_switch, contacts_from_wrench, settled
 from .default_preparation import ZeroPhase, choose_cutoff
 from .differentiation import Kinematics, central_difference, motion_edge, second_difference, smooth_motion
 from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
-from .formats import register_format
 from .link_wrenches import LinkPlacement, link_placement, refuse_unknown_links, wrench_on_link, wrenches_on_links
 from .moving_base import base_during
 from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
@@ -17,6 +17,7 @@ from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
+from .readers import register_format
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
@@ -54,6 +55,7 @@ __all__ = [
     "choose_cutoff",
     "contacts_from_switch",
     "contacts_from_wrench",
+    "datasets",
     "edge_length",
     "exponential_moving_average",
     "link_placement",

@@ -9,7 +9,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torso import TorsoMotion
+from exoid.leg.torso import TorsoMotion
 
 from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion

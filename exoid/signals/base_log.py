@@ -12,7 +12,7 @@ from exoid.errors import ExoidError
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
-from .formats import BASE_POSITION, Table, TextTable
+from .readers import BASE_POSITION, Table, TextTable
 
 ORIGIN = (0.0, 0.0, 0.0)
 

@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.torso import TorsoMotion
+from exoid.leg.torso import TorsoMotion
 
 from .source_location import SourceLocation
 

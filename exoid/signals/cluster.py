@@ -16,8 +16,8 @@ from exoid.errors import ExoidError
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .external_log import external_columns, external_of
-from .formats import QUANTITIES
 from .log import FIELDS, PARTIAL
+from .readers import QUANTITIES
 from .recording import Recording
 from .recordings import RecordingFile, Recordings, changed_item
 

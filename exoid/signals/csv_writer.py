@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.files import write_whole
+from exoid.tools.files import write_whole
 
 ROWS_AT_ONCE = 4096
 

@@ -12,7 +12,7 @@ from exoid.errors import ExoidError
 
 from .csv_writer import LogPart
 from .external import External
-from .formats import WRENCH, Table, TextTable
+from .readers import WRENCH, Table, TextTable
 from .wrench import ORIGIN, WRENCH_PARTS, Wrench
 from .wrench_frame import WrenchFrame, as_frames, frame_of_link
 

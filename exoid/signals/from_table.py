@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 
 from . import checks, timebase
 from .base_log import read_base
 from .column import Column
 from .external_log import read_external
-from .formats import Table
 from .log import payloads_of, read_log, read_mask
+from .readers import Table
 from .wrench_frame import WrenchFrame
 
 

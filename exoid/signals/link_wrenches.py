@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .recording import Recording
 from .wrench import Wrench

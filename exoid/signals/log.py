@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.payload import Payload, as_payloads
+from exoid.leg.payload import Payload, as_payloads
 
 from . import checks
 from .base_log import base_columns, matrix_headers
@@ -18,7 +18,7 @@ from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column
 from .external_log import external_columns, is_external, wrench_headers
-from .formats import QUANTITIES, TRANSLATIONS, Table, TextTable
+from .readers import QUANTITIES, TRANSLATIONS, Table, TextTable
 from .source import Source
 from .source_location import SourceLocation
 from .units import refuse_silent_unit

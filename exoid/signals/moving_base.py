@@ -8,8 +8,8 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
-from exoid.torso import MovingBase
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS, BasePose

@@ -17,9 +17,9 @@ from . import timebase
 from .base_motion import BaseMotion
 from .base_pose import turn_upright
 from .column import Column
-from .formats import Table, TextTable, open_table
 from .opensim_forces import UP, read_opensim_forces
 from .pose_motion import STANDARD_CUTOFF
+from .readers import Table, TextTable, open_table
 from .recording import Recording
 
 PELVIS_TURNS = ("pelvis_tilt", "pelvis_list", "pelvis_rotation")

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from . import checks, timebase
 from .base_pose import turn_upright
 from .filters import zero_phase
-from .formats import Table, open_table
+from .readers import Table, open_table
 from .recording import Recording
 from .source_location import SourceLocation
 from .wrench import Wrench

@@ -8,8 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.payload import Payload, as_payloads
-from exoid.torso import TorsoMotion
+from exoid.leg.payload import Payload, as_payloads
+from exoid.leg.torso import TorsoMotion
 
 from .source import Source
 

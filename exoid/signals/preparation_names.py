@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, overload
 
 from exoid.errors import ExoidError
-from exoid.registry import Registry
-from exoid.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
+from exoid.tools.registry import Registry
+from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
 from .default_preparation import ZeroPhase
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed

@@ -12,8 +12,8 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.payload import Payload
-from exoid.tables import html_table
+from exoid.leg.payload import Payload
+from exoid.tools.tables import html_table
 
 from . import checks, timebase
 from .base_log import log_of_base
@@ -22,9 +22,9 @@ from .contact_checks import refuse_contradictions
 from .csv_writer import LogPart, write_parts
 from .external import interpolate, select_rows
 from .external_log import log_of_external
-from .formats import PAYLOAD, ReadOptions, Table, open_table, read_text_table
 from .from_table import LogOptions, fields_of
 from .quantities import PREFIXES, UNITS, USUAL
+from .readers import PAYLOAD, ReadOptions, Table, open_table, read_text_table
 from .recording_data import RecordingData, absent_columns
 from .source_location import SourceLocation
 from .wrench_frame import WrenchFrame

@@ -9,8 +9,8 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.payload import Payload, as_payloads
-from exoid.torso import TorsoMotion
+from exoid.leg.payload import Payload, as_payloads
+from exoid.leg.torso import TorsoMotion
 
 from . import checks
 from .base_checks import refuse_unfit_base

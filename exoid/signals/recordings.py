@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Literal, NamedTuple, overload
 
 from exoid.errors import ExoidError
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 
 from . import checks
 from .column import Column
-from .formats import READERS
 from .poses import Poses
+from .readers import READERS
 from .recording import Recording
 from .wrench_frame import WrenchFrame
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .model import Regrouped, TorqueModel, regroup
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.payload import Payload
+from exoid.leg.leg import Leg
+from exoid.leg.payload import Payload
+from exoid.leg.torso import MovingBase
 from exoid.signals import Wrench
-from exoid.torso import MovingBase
 
 from .nonlinear import nonlinear_settings, with_settings
 from .payloads import payload_torque

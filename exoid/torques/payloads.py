@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.model import with_dynamic_parameters
-from exoid.payload import Payload
+from exoid.leg.leg import Leg
+from exoid.leg.model import with_dynamic_parameters
+from exoid.leg.payload import Payload
 
 from .term import Motion
 

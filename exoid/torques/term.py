@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.torso import MovingBase, TorsoMotion
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.leg import Leg
+from exoid.leg.torso import MovingBase, TorsoMotion
 
 from .internal_state import InternalState
 

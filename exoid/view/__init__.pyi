@@ -8,7 +8,6 @@ from .parameters import plot_correlation, plot_parameters
 from .plans import plot_planned_motion, plot_precision
 from .residuals import plot_prediction, plot_residual_trend
 from .scenes import Scene, SceneServer, scene
-from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors
@@ -22,20 +21,17 @@ __all__ = [
     "plot_coverage",
     "plot_excitation",
     "plot_friction",
-    "plot_gain_margins",
     "plot_gait_profile",
     "plot_inertial_torque",
     "plot_interaction",
     "plot_law_replay",
     "plot_law_torques",
-    "plot_lyapunov",
     "plot_parameters",
     "plot_peak_errors",
     "plot_planned_motion",
     "plot_precision",
     "plot_prediction",
     "plot_reference",
-    "plot_regulation_errors",
     "plot_residual_trend",
     "plot_stiffness",
     "plot_torques",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from exoid.files import make_folder, write_bytes
+from exoid.tools.files import make_folder, write_bytes
 
 from .style import paper
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
-from exoid.wearer import GaitProfile
+from exoid.control.wearer import GaitProfile
 
 from .colours import GUIDE, MEASURED, WEARER, joint_colour
 from .style import legend_above

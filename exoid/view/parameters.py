@@ -10,7 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.tables import with_error
+from exoid.tools.tables import with_error
 
 from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, RESIDUAL
 from .style import legend_above

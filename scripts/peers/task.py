@@ -14,7 +14,7 @@ from lxml import etree
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.catalog import urdf_folder
+from exoid.leg.catalog import urdf_folder
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import make_bleex_swing as virtual_leg  # the script beside this folder

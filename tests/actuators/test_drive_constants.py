@@ -18,7 +18,7 @@ from exoid.actuators import (
 )
 from exoid.actuators.constants import at_start, unknown_constants, with_constants
 from exoid.errors import ExoidError
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
 from exoid.torques import Armature, Coulomb, LoadFriction, Motion, NonlinearParameter, Offset, TorqueModel, Viscous

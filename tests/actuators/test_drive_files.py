@@ -184,7 +184,7 @@ URDF = """<robot name="one"><link name="base"/><link name="thigh"><inertial><mas
 
 def one_joint(ratio="100", joint='<joint name="hip"/>', more=""):
     text = URDF.format(ratio=ratio, joint=joint, more=more)
-    return exoid.Leg.from_description(exoid.description.describe(text, "one.urdf"))
+    return exoid.Leg.from_description(exoid.leg.description.describe(text, "one.urdf"))
 
 
 def test_transmissions_give_ratio_and_efficiency():

@@ -60,7 +60,7 @@ def test_arms_of_both_sides_are_alike_and_keep_their_sign_within_the_limits() ->
 
 def test_a_sliding_joint_has_the_same_equations() -> None:
     leg = exoid.Leg.from_description(
-        exoid.description.describe(
+        exoid.leg.description.describe(
             """<robot name="slider"><link name="base"/><link name="cart"><inertial><mass value="2"/>
             <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
             <joint name="rail" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 0 1"/>

@@ -10,7 +10,7 @@ import pinocchio as pin
 from turns import best_of_turns, show
 
 import exoid
-from exoid.dynamics import segment_placements
+from exoid.leg.dynamics import segment_placements
 
 SAMPLES, ROUNDS, FLOOR = 20_000, 3, 8.0
 """The ratio is about 16 on a busy machine."""

@@ -14,7 +14,7 @@ import pytest
 from turns import best_of_turns, show
 
 import exoid
-from exoid.catalog import URDFS, urdf_folder
+from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.rig import PlanarStepper, Plant
 
 RIGS, STEPS, ROUNDS, DT = 256, 400, 5, 5e-4

@@ -19,8 +19,8 @@ from public_robots import urdf_of
 from turns import best_of_turns, show
 
 import exoid
-from exoid.catalog import URDFS, urdf_folder
-from exoid.reduction import BaseSamples, Tree, fill_tree_regressor, numeric
+from exoid.leg.catalog import URDFS, urdf_folder
+from exoid.leg.reduction import BaseSamples, Tree, fill_tree_regressor, numeric
 
 SAMPLES, MANY, CHECKED, ROUNDS = 25_000, 100_000, 500, 2
 EXTRA_MEMORY = 200e6

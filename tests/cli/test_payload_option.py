@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 from exoid.signals import Recording
 from exoid.torques import Motion
 from exoid.torques.payloads import payload_torque

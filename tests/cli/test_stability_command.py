@@ -1,4 +1,4 @@
-"""``exoid stability`` prints what exoid.control.stability finds, draws it, and refuses what it cannot judge."""
+"""``exoid stability`` prints what exoid.lab.stability finds, draws it, and refuses what it cannot judge."""
 
 from __future__ import annotations
 

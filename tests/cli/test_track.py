@@ -8,9 +8,9 @@ import pytest
 
 import exoid
 from exoid import control, published, reproduce
-from exoid.description import describe
 from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
+from exoid.leg.description import describe
 from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous

@@ -128,5 +128,5 @@ def test_python_gets_an_exoid_error_too(refused, tmp_path, place):
 def test_standard_output_in_a_file_is_no_output(tmp_path, refused, monkeypatch):
     """It would be replaced, and the table that is printed there lost."""
     with (tmp_path / "table.txt").open("w", encoding="utf-8") as file:
-        monkeypatch.setattr("exoid.files.STANDARD_OUTPUT", file.fileno())
+        monkeypatch.setattr("exoid.tools.files.STANDARD_OUTPUT", file.fileno())
         assert "it is the standard output" in refused("identify", "one.urdf", "log.csv", "-o", "table.txt")

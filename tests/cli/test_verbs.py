@@ -37,7 +37,7 @@ def test_no_verb_is_imported_before_one_is_called(arguments, code):
     assert status == code
     assert not modules & set(HEAVY)
     assert {name for name in modules if name.startswith("exoid")} == {
-        *("exoid", "exoid._version", "exoid.errors", "exoid.tables"),
+        *("exoid", "exoid._version", "exoid.errors", "exoid.tools", "exoid.tools.tables"),
         *("exoid.cli", "exoid.cli.app", "exoid.cli.messages", "exoid.cli.verbs"),
     }
 

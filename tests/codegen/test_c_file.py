@@ -16,8 +16,8 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous, codegen
 from exoid.codegen import c_source, write_c
-from exoid.description import describe
 from exoid.estimate import Input
+from exoid.leg.description import describe
 from exoid.torques import LoadFriction, Stribeck, TorqueModel
 
 CUHK = exoid.load_leg("cuhk")

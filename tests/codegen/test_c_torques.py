@@ -10,7 +10,8 @@ from compiled import EVERY_TERM, CompiledLeg, made_up, needs_compiler, source_of
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
-from exoid import Armature, Coulomb, Offset, Stiffness, Viscous, dynamics
+from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
+from exoid.leg import dynamics
 from exoid.torques import Stribeck
 
 pytestmark = needs_compiler

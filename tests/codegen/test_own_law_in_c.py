@@ -18,7 +18,7 @@ from exoid.codegen import Dialect
 from exoid.codegen.laws import REFERENCE, ArrayInC, LawInC, Safety
 from exoid.control import Limited, State, gravity_friction_pd, pd
 from exoid.control.in_c import c_source, law_in_c, register_law_in_c, write_c
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.torques import LoadFriction
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import Arm
-from legs import LEG, cuhk_plant, exact_estimate, frictionless
+from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless
 from scipy.integrate import solve_ivp
 
 import exoid
@@ -31,7 +31,7 @@ from exoid.control.torque_prediction import SETTLED
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
-from exoid.lift import check, lift
+from exoid.leg.lift import check, lift
 from exoid.rig import Payload, Target, plant_with_payloads
 
 KP, KD = (22.0, 55.0), (2.2, 5.5)

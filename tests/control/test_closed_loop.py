@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from legs import cuhk_plant, frictionless
+from controlled_legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
+from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
 from scipy.integrate import solve_ivp
 
 from exoid.control import SMOOTH, ControlModel, State, computed_torque, feedforward_pd, pd

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, true_torque
+from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, true_torque
 
 import exoid
 from exoid.control import ControlModel

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
+from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
 
 from exoid.control import (
     AHEAD,

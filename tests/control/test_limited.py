@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from legs import cuhk_plant
+from controlled_legs import cuhk_plant
 
 from exoid.control import Limited, SideBySide, State, pd, simulate
 from exoid.errors import ExoidError

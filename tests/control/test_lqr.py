@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy
-from legs import LEG, cuhk_plant, exact_estimate, frictionless, random_target
+from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless, random_target
 
 from exoid import load_leg
 from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from legs import cuhk_plant, exact_estimate
+from controlled_legs import cuhk_plant, exact_estimate
 
 import exoid
 from exoid import Coulomb, Stiffness

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant, exact_estimate
+from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 from exoid.control import (
     ControlModel,

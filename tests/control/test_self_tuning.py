@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant, estimate_of, exact_estimate
+from controlled_legs import LEG, cuhk_plant, estimate_of, exact_estimate
 
 import exoid
 from exoid.control import (

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant
+from controlled_legs import LEG, cuhk_plant
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Motor

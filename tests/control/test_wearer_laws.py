@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from legs import LEG, cuhk_plant, exact_estimate
+from controlled_legs import LEG, cuhk_plant, exact_estimate
 from worn_legs import GAIT, LIMB, PASSIVE, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
 
 from exoid.control import (

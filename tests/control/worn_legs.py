@@ -1,7 +1,7 @@
 """A worn CUHK-EXO that the tests of laws for wearers share: hardware as the leg, a wearer of 1.70 m and 65 kg in it."""
 
 import numpy as np
-from legs import LEG
+from controlled_legs import LEG
 
 from exoid.experiments import healthy_gait
 from exoid.rig import Plant, Wearer, limb_of

@@ -15,11 +15,11 @@ from lxml import etree
 
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Leg, Viscous
-from exoid.catalog import URDFS, urdf_folder
-from exoid.description import describe
-from exoid.lift import MASS_FACTOR, PULL, lift
-from exoid.lift.pseudo_inertia import margins
-from exoid.rewriting import read_inertials
+from exoid.leg.catalog import URDFS, urdf_folder
+from exoid.leg.description import describe
+from exoid.leg.lift import MASS_FACTOR, PULL, lift
+from exoid.leg.lift.pseudo_inertia import margins
+from exoid.leg.rewriting import read_inertials
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -10,7 +10,7 @@ from lxml import etree
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Recording, Viscous
 from exoid.cli import main
-from exoid.exported import read_exported
+from exoid.leg.exported import read_exported
 from exoid.torques import LoadFriction
 
 ROTOR = 0.05
@@ -132,7 +132,7 @@ def arm(right_angle):
         '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>'
     )
     root = etree.fromstring(text)
-    return Leg.from_description(exoid.description.describe(etree.tostring(root, encoding="unicode"), "arm.urdf"))
+    return Leg.from_description(exoid.leg.description.describe(etree.tostring(root, encoding="unicode"), "arm.urdf"))
 
 
 @pytest.mark.parametrize("right_angle", ["1.5708", "1.570796", "1.57", "1.57080001", "1.5709"])

@@ -13,11 +13,11 @@ from lxml import etree
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
-from exoid.catalog import URDFS, urdf_folder
-from exoid.description import describe
-from exoid.lift.lumping import distribute_bodies
-from exoid.lift.pseudo_inertia import margins
-from exoid.rewriting import read_inertials
+from exoid.leg.catalog import URDFS, urdf_folder
+from exoid.leg.description import describe
+from exoid.leg.lift.lumping import distribute_bodies
+from exoid.leg.lift.pseudo_inertia import margins
+from exoid.leg.rewriting import read_inertials
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -313,7 +313,7 @@ def test_the_sidecar_has_what_the_urdf_has_no_place_for(tmp_path):
     assert data["values"] == dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     assert data["merged"] == {"Ia_hip": {"J1": pytest.approx(1.0)}}
     assert data["terms"][0]["smoothing"] == SMOOTHING
-    assert data["urdf"] == {"name": "my.leg.urdf", "sha256": exoid.description.read_description(export.urdf).sha256}
+    assert data["urdf"] == {"name": "my.leg.urdf", "sha256": exoid.leg.description.read_description(export.urdf).sha256}
     assert data["estimate"]["urdf"]["sha256"] == leg.description.sha256
     for name in data["only_here"]:
         assert name in str(export)

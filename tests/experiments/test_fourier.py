@@ -121,7 +121,7 @@ def write_norms(folder, monkeypatch, *, known=True):
     path.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
     monkeypatch.setenv("EXOID_DATA_DIR", str(folder))
     if known:
-        monkeypatch.setattr("exoid.datasets.gait_norms.SHA256", hashlib.sha256(path.read_bytes()).hexdigest())
+        monkeypatch.setattr("exoid.signals.datasets.gait_norms.SHA256", hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def test_a_norm_becomes_a_reference(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ from ground_machines import spatial_plant
 from exoid import ExoidError
 from exoid.experiments.ground import bleex_machine
 from exoid.experiments.ground.posture import centre_of_mass, planar_legs, total_mass
-from exoid.link_frames import link_frame
+from exoid.leg.link_frames import link_frame
 
 PLANT = bleex_machine()
 BASES = np.array([[0.0, 0.9, 0.0], [0.3, 0.8, -0.4], [-0.2, 0.75, 0.2]])

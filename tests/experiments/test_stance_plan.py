@@ -24,9 +24,9 @@ from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
-from exoid.ground import eliminate, standing_base
 from exoid.rig.ground import BLEEX_SOLES, Sole
 from exoid.torques import DEFAULT_TERMS, TorqueModel
+from exoid.torques.contacts import eliminate, standing_base
 
 EXO = exoid.load_exo("bleex", base="floating")
 MODEL = TorqueModel(EXO, DEFAULT_TERMS)

@@ -16,7 +16,7 @@ FRESH = """
 import json, sys
 import numpy as np
 import exoid
-from exoid.exported import parameter_terms, read_exported
+from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
 
 est = exoid.Estimate.load("est.json")

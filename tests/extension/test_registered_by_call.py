@@ -19,12 +19,12 @@ from exoid import Coulomb, Estimate, ExoidError, Recording, Viscous
 from exoid.codegen.forms import FORMS
 from exoid.control import ControlModel
 from exoid.experiments import Harmonics
-from exoid.exported import read_exported
 from exoid.identification import register_estimator
 from exoid.identification.estimators import ClosedLoop, OutputError, wls
+from exoid.leg.exported import read_exported
 from exoid.rig import Plant, ProportionalDerivative
 from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
-from exoid.signals.formats import ArrayTable
+from exoid.signals.readers import ArrayTable
 from exoid.torques import NonlinearParameter, Stiffness, Term, TorqueModel, register_term, term_from_json, term_to_json
 
 LEG = exoid.load_leg("cuhk")

@@ -53,7 +53,7 @@ def test_legs_with_other_parameters(leg, two):
 def test_legs_of_other_lengths(leg, two):
     text = leg.description.text.replace("-0.43", "-0.40")
     assert text != leg.description.text
-    longer = exoid.Leg.from_description(exoid.description.describe(text, "longer"), leg.joint_names)
+    longer = exoid.Leg.from_description(exoid.leg.description.describe(text, "longer"), leg.joint_names)
     with pytest.raises(ExoidError, match="legs of a and b are not of one design"):
         identify({"a": leg, "b": longer}, two, TERMS)
     apart = identify({"a": leg, "b": longer}, two, TERMS, own=(*leg.parameter_names, "offset"))

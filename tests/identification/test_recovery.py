@@ -10,8 +10,8 @@ from unchecked import identify
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
-from exoid.catalog import urdf_folder
 from exoid.identification import ESTIMATORS
+from exoid.leg.catalog import urdf_folder
 from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel

@@ -8,7 +8,6 @@ import pytest
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Offset, Recording, Viscous
-from exoid.exported import read_exported, sidecar_of
 from exoid.identification import Candidate, select_terms
 from exoid.identification.selection import per_joint
 from exoid.identification.selection.design import base_model, form_design
@@ -24,6 +23,7 @@ from exoid.identification.selection.patterns import (
     zeros_of,
 )
 from exoid.identification.selection.per_joint import Search, fast_fold, search_joint_by_joint
+from exoid.leg.exported import read_exported, sidecar_of
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import ZeroPhase
 from exoid.torques import JointMotion, LoadFriction, Presliding, Stribeck, TorqueModel

@@ -22,15 +22,15 @@ def script():
 
 
 def test_the_picture_is_up_to_date(script):
-    floors = script["floors"]()
-    picture = script["mermaid"](floors, script["reduced"](script["imports_between"](floors)))
+    rooms = script["rooms"]()
+    picture = script["mermaid"](rooms, script["reduced"](script["imports_between"](rooms)))
     assert picture in PAGE.read_text(encoding="utf-8"), "run scripts/import_graph.py"
 
 
-def test_the_table_names_every_floor(script):
+def test_the_table_names_every_room(script):
     page = PAGE.read_text(encoding="utf-8")
-    for number, floor in enumerate(script["floors"](), 1):
-        assert f"| {number} | `{floor}` |" in page
+    for number, room in enumerate(script["rooms"](), 1):
+        assert f"| {number} | `{room}` |" in page
 
 
 def test_arrows_that_follow_from_others_are_left_out(script):

@@ -17,9 +17,9 @@ from lxml import etree
 
 import exoid
 from exoid import Estimate, ExoidError, Leg, Recording
-from exoid.catalog import urdf_folder
-from exoid.description import describe
-from exoid.exported import read_exported
+from exoid.leg.catalog import urdf_folder
+from exoid.leg.description import describe
+from exoid.leg.exported import read_exported
 
 HEADERS = ("time", "q_hip", "q_knee", "v_hip", "v_knee", "tau_hip", "tau_knee", "a_hip", "mode", "", "q_", "time ", "#")
 ODD = (

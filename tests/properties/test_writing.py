@@ -17,7 +17,7 @@ import pytest
 
 import exoid
 from exoid import Estimate, ExoidError, Leg, Recording
-from exoid.exported import read_exported
+from exoid.leg.exported import read_exported
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 

@@ -11,11 +11,11 @@ import exoid
 from exoid import Coulomb, Offset, Recording, Viscous
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
+from exoid.leg.torso import TorsoMotion
 from exoid.regression import rows as rows_module
 from exoid.regression.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
 from exoid.signals import FiniteDifference, MovingAverage, ParallelFilter, Poses, ZeroPhase
 from exoid.torques import TorqueModel
-from exoid.torso import TorsoMotion
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 60.0)
 WITH_GAPS = (Coulomb(dead_band=0.1), Viscous(), Offset())

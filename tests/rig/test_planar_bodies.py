@@ -9,7 +9,7 @@ from planar_chains import random_chain, random_motion
 
 import exoid
 from exoid import ExoidError, Leg
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.rig.planar_bodies import PlanarBodies
 
 B = 30

@@ -9,7 +9,7 @@ from rigs import BLEEX, EVERYTHING, FRICTION, POSE, Hold, Swing
 
 import exoid
 from exoid import ExoidError, Leg
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.rig import (
     HydraulicServo,
     IdealTorque,

@@ -8,7 +8,7 @@ from rigs import BLEEX, EVERYTHING, FRICTION, POSE, torque, zeros
 
 import exoid
 from exoid import ExoidError
-from exoid.catalog import URDFS, urdf_folder
+from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.rig import PinocchioStepper, PlanarStepper, Plant
 
 STEPPERS = pytest.mark.parametrize("stepper", [PlanarStepper, PinocchioStepper])

@@ -12,9 +12,9 @@ from rigs import BLEEX, EVERYTHING, POSE
 from scipy.integrate import solve_ivp
 
 import exoid
-from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
+from exoid.leg.description import describe
 from exoid.rig import (
     HydraulicServo,
     IdealTorque,

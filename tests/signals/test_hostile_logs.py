@@ -19,8 +19,8 @@ from log_writers import WRITERS, messages, write_bag, write_bag1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
-from exoid.reader_process import bounds, child, memory, read_in_child
-from exoid.signals.formats.bounds import MOST_COLUMNS
+from exoid.signals.readers.bounds import MOST_COLUMNS
+from exoid.tools.reader_process import bounds, child, memory, read_in_child
 
 if sys.platform != "win32":
     import resource
@@ -107,7 +107,7 @@ def test_where_the_system_bounds_no_memory_the_caller_looks_at_it(monkeypatch):
 def test_the_system_bounds_the_memory_beyond_the_present_one(platform):
     """In a process of its own; other systems than Linux bound addresses."""
     code = (
-        "import sys, numpy; from exoid.reader_process.memory import limited_memory; sys.platform = sys.argv[1]\n"
+        "import sys, numpy; from exoid.tools.reader_process.memory import limited_memory; sys.platform = sys.argv[1]\n"
         "with limited_memory(2**27):\n"
         "    numpy.ones(2**20)\n"
         "    try: numpy.ones(2**25)\n"
@@ -190,7 +190,7 @@ def test_a_fork_of_the_caller_has_a_child_of_its_own():
 def test_the_child_ends_with_its_caller(tmp_path):
     WRITERS["log.mat"](tmp_path / "log.mat", swing())
     code = (
-        "import sys, exoid, os; from exoid.reader_process import child;"
+        "import sys, exoid, os; from exoid.tools.reader_process import child;"
         "exoid.Recording.from_file(sys.argv[1]); print(child._CHILDREN[0]._process.pid); sys.stdout.flush();"
         "os.kill(os.getpid(), 9) if sys.argv[2] == 'killed' else None"
     )
@@ -309,8 +309,8 @@ def test_millions_of_blank_lines_are_refused_after_the_first_million(end, tmp_pa
 
 
 def test_a_blank_line_after_each_line_is_no_obstacle(tmp_path, monkeypatch):
-    monkeypatch.setattr("exoid.signals.formats.text.MOST_BLANK_LINES", 10)
-    monkeypatch.setattr("exoid.signals.formats.text.BLOCK", 64)
+    monkeypatch.setattr("exoid.signals.readers.text.MOST_BLANK_LINES", 10)
+    monkeypatch.setattr("exoid.signals.readers.text.BLOCK", 64)
     rows = "".join(f"{k}.0,0.5\r\r\n" for k in range(40))
     (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}", newline="")
     recording = Recording.from_file(tmp_path / "log.csv")

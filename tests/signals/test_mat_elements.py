@@ -15,7 +15,7 @@ import scipy
 
 from exoid import ExoidError
 from exoid.signals import Recording
-from exoid.signals.formats.mat_elements import readable_variables
+from exoid.signals.readers.mat_elements import readable_variables
 
 TIME = np.arange(12) / 100.0
 COLUMNS = {"time": TIME[:, None], "q_hip": np.sin(TIME)[:, None], "tau_hip": np.cos(TIME)[:, None]}

@@ -11,7 +11,7 @@ from log_writers import write_mot, write_opensim
 
 import exoid
 from exoid import ExoidError, Recording
-from exoid.catalog import urdf_folder
+from exoid.leg.catalog import urdf_folder
 from exoid.signals import Column, read_opensim, read_opensim_forces, read_opensim_pelvis, wrenches_on_links
 
 TIME = np.arange(200) / 100.0

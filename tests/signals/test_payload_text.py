@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exoid.errors import ExoidError
-from exoid.payload import Payload
+from exoid.leg.payload import Payload
 from exoid.signals import Recording, Recordings
 
 PAYLOAD = Payload("knee", 3.0, (0.0, 0.01, -0.3), 0.05)

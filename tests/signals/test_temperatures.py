@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.checks.sample import averaged
+from exoid.identification.findings.sample import averaged
 from exoid.identification.recording_summary import evidence
 from exoid.signals import Column, ZeroPhase
 

@@ -11,7 +11,7 @@ from walking import IMU, Walk
 
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Recording, Wrench
-from exoid.checks.sample import averaged
+from exoid.identification.findings.sample import averaged
 from exoid.signals import ZeroPhase, turn_upright
 
 N = 400

@@ -14,10 +14,10 @@ from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.codegen import c_source
 from exoid.control import ControlModel
 from exoid.control.linearise import linearise
-from exoid.control.stability import check_properties
-from exoid.exported import parameter_terms, read_exported
 from exoid.identification.estimators.closed_loop import as_plant
 from exoid.identification.selection import Candidate, select_terms
+from exoid.lab.stability import check_properties
+from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
 from exoid.torques import TERMS as KNOWN
 from exoid.torques import (

@@ -9,12 +9,12 @@ from unchecked import identify
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.model import configuration
-from exoid.payload import Payload
+from exoid.leg.model import configuration
+from exoid.leg.payload import Payload
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Recording
 from exoid.torques import Coulomb, LoadFriction, Motion, Offset, Viscous
 from exoid.torques.payloads import payload_torque
-from exoid.torso import TorsoMotion
 
 LOADS = (Payload("hip", 2.0, (0.05, 0.1, -0.2), 0.04), Payload("left_knee", 1.5, (-0.02, 0.0, -0.3)))
 ARM = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.1)]

@@ -8,7 +8,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.torques import DEFAULT_TERMS, LoadFriction, Regrouped, Term, TorqueModel
 from exoid.torques.linearised import linearise
 from exoid.torques.model import BLOCK

@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.control import LawReplay, Tracking
-from exoid.control.stability import GainMargins, Lyapunov
+from exoid.lab.stability import GainMargins, Lyapunov, plot_gain_margins, plot_lyapunov
+from exoid.lab.stability.figure import CYCLING_COLOURS
 from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
@@ -17,11 +18,9 @@ from exoid.view import (
     plot_coverage,
     plot_excitation,
     plot_friction,
-    plot_gain_margins,
     plot_inertial_torque,
     plot_law_replay,
     plot_law_torques,
-    plot_lyapunov,
     plot_parameters,
     plot_peak_errors,
     plot_prediction,
@@ -32,7 +31,6 @@ from exoid.view import (
     plot_tracking_errors,
 )
 from exoid.view.colours import MEASURED, joint_colour
-from exoid.view.stability import CYCLING_COLOURS
 from exoid.view.style import COLUMN
 
 NAMES = ("hip", "knee", "ankle")

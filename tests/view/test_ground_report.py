@@ -10,7 +10,7 @@ from standing import GRAVITY, mirrored, standing
 import exoid
 from exoid import Viscous
 from exoid.estimate.ground_prediction import GroundForce
-from exoid.tables import DataTable
+from exoid.tools.tables import DataTable
 from exoid.view.ground import plot_ground_force
 from exoid.view.report import Picture, identification_report
 from exoid.view.report.ground_pictures import _centre_half, ground_blocks

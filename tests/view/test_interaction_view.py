@@ -9,9 +9,9 @@ from worn import log, push, swing, unworn_estimate
 
 import exoid
 from exoid import ExoidError
+from exoid.control.wearer.gait import profile
 from exoid.view import plot_gait_profile, plot_interaction, scene
 from exoid.view.report import interaction_report
-from exoid.wearer.gait import profile
 
 
 @pytest.fixture(scope="module")

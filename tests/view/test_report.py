@@ -11,7 +11,7 @@ from exoid.experiments.excitation import assess
 from exoid.regression import Prior
 from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
-from exoid.tables import DataTable
+from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
 from exoid.view.report import EmbeddedPage, Page, Section, Text, draw_picture, identification_report
 from exoid.view.report.pictures import prediction_pictures

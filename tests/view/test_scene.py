@@ -15,7 +15,7 @@ from planar_chains import random_chain
 
 import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
 from exoid.view.scenes.inertias import STEEL

@@ -13,7 +13,7 @@ from drawings import meshes, objects
 
 import exoid
 from exoid import ExoidError, Leg
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.scenes.mesh_search import find_mesh
 from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, mesh_arrays

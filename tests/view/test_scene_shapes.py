@@ -12,7 +12,7 @@ from drawings import meshes, objects, places
 
 import exoid
 from exoid import Leg
-from exoid.description import describe
+from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.scenes.mesh_search import find_mesh
 from exoid.view.scenes.meshes import load_mesh

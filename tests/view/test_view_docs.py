@@ -33,6 +33,8 @@ def test_the_table_is_what_the_study_prints(capsys):
         runpy.run_path(str(ROOT / "scripts" / "study_prediction.py"), run_name="__main__")
     except Exception as error:
         if "cannot be downloaded" in str(error):
-            pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
+            pytest.skip(
+                "the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/signals/datasets"
+            )
         raise
     assert capsys.readouterr().out in (ROOT / PAGE.name).read_text("utf-8")

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "rigid_bodies", "mass_matrix"]
 """Functions of the leg that a law may call; see :class:`LegInC`."""

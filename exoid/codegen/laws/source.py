@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.codegen.dialect import Dialect
-from exoid.tables import to_text
+from exoid.tools.tables import to_text
 
 from .law_in_c import LawInC
 from .operations import Operations

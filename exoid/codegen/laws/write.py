@@ -16,8 +16,8 @@ from exoid.codegen.constants import Constants, constants_of_bodies
 from exoid.codegen.dialect import Dialect, identifier
 from exoid.codegen.templates import fill
 from exoid.errors import ExoidError
-from exoid.files import write_whole
-from exoid.reduction.planar import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
+from exoid.tools.files import write_whole
 
 from .law_in_c import ArrayInC, LawInC, LegInC
 from .operations import count_operations

@@ -18,7 +18,7 @@ from exoid.codegen.laws.safety import per_joint
 from exoid.codegen.laws.write import ABSURD, describe_safety
 from exoid.codegen.templates import fill
 from exoid.errors import ExoidError
-from exoid.tables import to_text
+from exoid.tools.tables import to_text
 
 SCHEMA = "exoid-ros2-package-1"
 

@@ -12,7 +12,7 @@ from exoid.control.friction import WIDTH
 from exoid.control.parameter_cone import INSIDE
 from exoid.control.torque_prediction import SETTLED, SLIDING, TorquePrediction
 from exoid.errors import ExoidError
-from exoid.reduction.planar import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 
 from .forms import register_law_in_c
 from .leg import leg_in_c

@@ -12,8 +12,8 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.control.model import ControlModel
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.model import configuration
+from exoid.leg.leg import Leg
+from exoid.leg.model import configuration
 
 SLOW = 0.05
 """Velocity at which the level of dry friction is read [rad/s]."""

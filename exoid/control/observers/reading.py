@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.tables import make_table, to_text
+from exoid.tools.tables import make_table, to_text
 
 
 class ObserverReading(NamedTuple):

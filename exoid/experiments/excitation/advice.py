@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
-from exoid.torso import TorsoMotion
 
 from .limits import MotionLimits
 from .noise import TorqueNoise

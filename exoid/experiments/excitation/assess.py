@@ -9,10 +9,10 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
-from exoid.fixed_base import refuse_floating_base
-from exoid.leg import Leg
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
-from exoid.tables import to_text
+from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .advice import Advice, advise

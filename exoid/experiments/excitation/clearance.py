@@ -8,8 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.torso import TorsoMotion
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 
 STEP = 1e-6
 """Step of the central difference of a distance [rad]."""

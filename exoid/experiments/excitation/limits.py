@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .clearance import Clearance
 

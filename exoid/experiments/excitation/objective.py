@@ -9,8 +9,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.leg.torso import TorsoMotion
 from exoid.torques import TorqueModel
-from exoid.torso import TorsoMotion
 
 from .fourier import Basis, States
 from .limits import MotionLimits

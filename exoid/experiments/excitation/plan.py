@@ -10,12 +10,12 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.fixed_base import refuse_floating_base
-from exoid.leg import Leg
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Preparation, Recording
-from exoid.tables import to_text
+from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
-from exoid.torso import TorsoMotion
 
 from .fourier import FourierMotion
 from .limits import MotionLimits

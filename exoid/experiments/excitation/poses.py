@@ -6,9 +6,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses
 from exoid.torques import TorqueModel
-from exoid.torso import TorsoMotion
 
 from .limits import MotionLimits
 from .noise import TorqueNoise

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.ground import SupportModel
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
 from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 from exoid.torques import TorqueModel
+from exoid.torques.contacts import SupportModel
 
 from .noise import TorqueNoise
 from .scales import Scales

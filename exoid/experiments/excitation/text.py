@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from exoid.tables import DataTable, make_table
+from exoid.tools.tables import DataTable, make_table
 
 from .precision import Precision
 

@@ -9,9 +9,9 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
-from exoid.link_frames import link_frame
-from exoid.reduction import GRAVITY
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.link_frames import link_frame
+from exoid.leg.reduction import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundPlant
 
 ARM = 0.1

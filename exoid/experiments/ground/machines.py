@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exoid.catalog import load_exo
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.catalog import load_exo
+from exoid.leg.leg import Leg
 from exoid.rig.ground import BLEEX_SOLES, GroundPlant
 
 RESISTANCES = {"c0": (2.0, 1.5, 0.5), "d": (0.3, 0.2, 0.1), "Ia": (0.1, 0.1, 0.03)}

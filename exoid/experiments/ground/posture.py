@@ -9,8 +9,8 @@ import pinocchio as pin
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.link_frames import link_frame
-from exoid.reduction import Limb
+from exoid.leg.link_frames import link_frame
+from exoid.leg.reduction import Limb
 from exoid.rig.ground import GroundPlant
 
 JOINTS = 3

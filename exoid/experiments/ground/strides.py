@@ -9,7 +9,7 @@ from exoid._typing import FloatArray
 from exoid.experiments.fourier import fit_harmonics
 from exoid.experiments.gait import gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.references import Harmonics
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 
 from .posture import PlanarLeg
 from .waves import rise

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
-from exoid.reduction import GRAVITY
+from exoid.leg.reduction import GRAVITY
 from exoid.rig import Rates
 from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
 
@@ -45,7 +45,7 @@ class Gait:
     """Gait of a machine.
 
     Attributes:
-        speed: Norm of healthy gait, see :func:`exoid.datasets.gait_norm`: "VerySlow", "Slow", "Free" or "Fast".
+        speed: Norm of healthy gait, see :func:`exoid.signals.datasets.gait_norm`: "VerySlow", "Slow", "Free" or "Fast".
             None for the stride of :func:`exoid.experiments.healthy_gait`, which needs no file.
         period: Time of a stride [s].
         scale: Factor of the amplitudes about the mean.

@@ -7,8 +7,8 @@ from typing import TypeVar, overload
 
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.registry import Registry
 from exoid.regression.fit import Fit, ols, wls
+from exoid.tools.registry import Registry
 
 from .gls import gls
 from .huber import huber

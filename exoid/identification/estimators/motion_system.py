@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.leg.torso import MovingBase
 from exoid.torques import Motion, TorqueModel
-from exoid.torso import MovingBase
 
 from .bordered import BorderedRows, ReducedSystem, eliminate
 from .linearised_rows import LinearisedRows, linearised_block

@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.identification.identify import identify
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Term
 

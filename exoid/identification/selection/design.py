@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Preparation, Recording
 from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Preparation, Recording
 from exoid.torques import Term
 

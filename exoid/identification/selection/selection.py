@@ -24,12 +24,12 @@ from exoid.identification.recording_summary import (
     unmeasured_joints,
 )
 from exoid.identification.unmeasured import terms_where_measured
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording
 from exoid.signals.default_preparation import highest_cutoff
 from exoid.signals.preparation_names import preparation_to_json
-from exoid.tables import DataTable, make_table, to_text
+from exoid.tools.tables import DataTable, make_table, to_text
 from exoid.torques import Term, TorqueModel, term_to_json
 
 from .by_joint import JointFriction, fit_candidate, select_by_joint

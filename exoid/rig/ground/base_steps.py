@@ -9,7 +9,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
+from exoid.leg.base_kinematics import BaseKinematics
 
 
 @dataclass(frozen=True, eq=False, repr=False)

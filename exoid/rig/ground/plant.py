@@ -10,9 +10,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.link_frames import link_frame
-from exoid.reduction import Plane
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
+from exoid.leg.reduction import Plane
 
 from .sole import Sole
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.signals import Recording, Wrench
 
 from .audit import Audit

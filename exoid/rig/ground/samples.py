@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
-from exoid.reduction import GRAVITY
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.reduction import GRAVITY
 from exoid.signals import Wrench
 
 from .audit import Audit

@@ -9,8 +9,8 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.signals import BaseMotion, BasePose, Wrench
 
 from .motion import per_joint

@@ -10,7 +10,7 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
-from exoid.tables import with_error
+from exoid.tools.tables import with_error
 
 from .page import Text
 from .text import IDENTIFIABILITY, sentence

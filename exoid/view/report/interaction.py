@@ -8,17 +8,17 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from exoid.control.wearer import Interaction
+from exoid.control.wearer.interaction import HEADERS
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.findings import finding_lines, findings_table
+from exoid.estimate.finding import finding_lines, findings_table
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
-from exoid.tables import DataTable
+from exoid.tools.tables import DataTable
 from exoid.view.interaction import plot_gait_profile, plot_interaction
 from exoid.view.scenes import scene
 from exoid.view.style import decimation
-from exoid.wearer import Interaction
-from exoid.wearer.interaction import HEADERS
 
 from .page import Block, EmbeddedPage, Page, Section, Text, draw_picture
 from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS, shown_part

@@ -16,8 +16,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from exoid._version import __version__
-from exoid.files import write_whole
-from exoid.tables import DataTable
+from exoid.tools.files import write_whole
+from exoid.tools.tables import DataTable
 from exoid.view.style import paper
 
 UNQUOTED = " /:;=,+()!*$@?"

@@ -8,11 +8,11 @@ import numpy as np
 
 from exoid.actuators import describe_actuators
 from exoid.estimate import Estimate
+from exoid.estimate.finding import finding_lines, findings_table
 from exoid.estimate.text import assumptions, compared_table, influences, parameter_rows
 from exoid.estimate.verdict import verdict_line
-from exoid.findings import finding_lines, findings_table
 from exoid.regression.trends import trend_warnings
-from exoid.tables import DataTable
+from exoid.tools.tables import DataTable
 
 from .page import Block, Text
 from .recording_prediction import RecordingPrediction

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.wearer import Interaction
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Recording
-from exoid.wearer import Interaction
 
 from .commands import set_animation
 from .interaction_arrows import with_interaction
@@ -50,7 +50,7 @@ def scene(
 
     Args:
         *legs: Legs that share a torso. An estimate shows the leg that it belongs to, with CAD inertias and identified
-            inertias (:func:`exoid.lift.lift`).
+            inertias (:func:`exoid.leg.lift.lift`).
         pose: Angles by joint name [rad]; zero for joints that are not named.
         recording: Motion to replay in real time, and torques if it has any. Legs without recorded joints stand still.
         ghost: Motion of a second, translucent leg on the same time axis: a reference, or a prediction

@@ -11,9 +11,9 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.ground_prediction import ground_forces
-from exoid.ground import level_rotation
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals.link_wrenches import wrenches_on_links
+from exoid.torques.contacts import level_rotation
 from exoid.view.colours import MEASURED, PREDICTED
 
 from .arrows import SMALLEST_SCALE, straight_arrow

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
+from exoid.control.wearer import Interaction
+from exoid.leg.leg import Leg
 from exoid.view.colours import WEARER
-from exoid.wearer import Interaction
 
 from .arrows import circular_arrow, torque_scale
 from .commands import Command, Tracks, set_object, set_transform

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
-from exoid.torso import TorsoMotion
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 
 from .replay import Replay
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.view.colours import PREDICTED, WEIGHT
 
 from .commands import Command, Tracks, child_path, set_transform

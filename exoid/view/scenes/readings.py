@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, validate
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
 
 from .leg_geometry import LegGeometry

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
+from exoid.leg.leg import Leg
 from exoid.signals import Recording
 
 from .commands import FRAMES_PER_SECOND

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from exoid._typing import FloatArray
-from exoid.files import write_whole
+from exoid.tools.files import write_whole
 
 from .commands import Command, set_transform
 from .page import write_page

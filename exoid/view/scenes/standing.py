@@ -10,10 +10,10 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import contact_of, level_rotation, link_placements
-from exoid.leg import Leg
-from exoid.link_frames import link_frame
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
 from exoid.signals.link_wrenches import refuse_unknown_links, wrenches_on_links
+from exoid.torques.contacts import contact_of, level_rotation, link_placements
 
 from .leg_geometry import LegGeometry
 from .replay import Replay

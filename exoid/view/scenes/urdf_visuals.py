@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from lxml import etree
 
-from exoid.description import Description, check_numbers
+from exoid.leg.description import Description, check_numbers
 
 from .mesh_search import find_mesh
 from .meshes import load_mesh

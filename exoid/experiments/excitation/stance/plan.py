@@ -19,11 +19,11 @@ from exoid.experiments.excitation.scales import Scales
 from exoid.experiments.excitation.search import search
 from exoid.experiments.excitation.series import series
 from exoid.experiments.excitation.text import identifiability_lines, precision_table
-from exoid.leg import Leg
-from exoid.link_frames import link_frame
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import BLEEX_SOLES, Sole
 from exoid.signals import Preparation, Recording
-from exoid.tables import to_text
+from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .demands import LIMITS, Demands

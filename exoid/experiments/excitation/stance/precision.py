@@ -10,10 +10,10 @@ from exoid.errors import ExoidError
 from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.precision import Information, Precision, information_of
 from exoid.experiments.excitation.scales import Scales
-from exoid.ground import SupportModel, reference_axes, split
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.torques import TorqueModel
+from exoid.torques.contacts import SupportModel, reference_axes, split
 
 MANY = 2000
 """Samples that the reference of closed chains is chosen for."""

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
 from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
-from exoid.leg import Leg
-from exoid.reduction import GRAVITY
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.leg import Leg
+from exoid.leg.reduction import GRAVITY
 from exoid.rig.ground import GroundPlant, Sole
 
 BOTH = "both"
@@ -205,7 +205,7 @@ class StanceSupport:
 
         A force f and a moment m about a point r have the moment m + Im{conj(r − p) f} about p. The base rows are about
         the hip in axes that turn with the torso. They give the wrench on the foot, whose moments about the joints of
-        the leg are taken off the rows of these. This is :func:`exoid.ground.eliminate` for a planar machine.
+        the leg are taken off the rows of these. This is :func:`exoid.torques.contacts.eliminate` for a planar machine.
 
         Args:
             states: Motion of all joints, (N, n).

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid.signals import Source
-from exoid.signals.formats import ArrayTable
+from exoid.signals.readers import ArrayTable
 
 TO_SI = {"s": 1.0, "ms": 1e-3, "rad": 1.0, "deg": np.pi / 180.0, "Nm": 1.0}
 QUANTITIES = {"angle": "q", "torque": "tau"}

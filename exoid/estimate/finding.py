@@ -1,0 +1,135 @@
+"""Findings: faults of a log or a model, with their size, what they mean and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.tools.tables import DataTable, make_table
+
+Severity = Literal["info", "warning", "error"]
+
+SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
+"""Severities, the worst first."""
+
+HEADERS = ("finding", "joint", "value", "95 % from", "to", "unit", "severity")
+"""Columns of :func:`findings_table`."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One fault that a check found; prints itself.
+
+    Attributes:
+        kind: Kind of fault, such as "torque-delay"; ``docs/checks.md`` lists all kinds.
+        joint: Joint whose channel has the fault; "" where it concerns all joints.
+        value: Size of the fault, in :attr:`unit`.
+        unit: Unit of the value.
+        severity: "error" (do not use the result), "warning" (named parameters are doubtful) or "info".
+        message: Meaning, one or two sentences.
+        remedy: Advice on what to do.
+        interval: 95 % interval of the value; None where there is none.
+        parameters: Names of the parameters that the fault makes doubtful.
+        recording: Name of the recording; "" where it concerns all recordings.
+    """
+
+    kind: str
+    joint: str
+    value: float
+    unit: str
+    severity: Severity
+    message: str
+    remedy: str
+    interval: tuple[float, float] | None = None
+    parameters: tuple[str, ...] = ()
+    recording: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that numbers are finite and the severity exists."""
+        numbers = (self.value, *(self.interval or ()))
+        if self.severity not in SEVERITIES or not np.isfinite(numbers).all():
+            raise ExoidError(
+                f"finding {self.kind} with severity {self.severity!r} and numbers {numbers}", remedy="identify again"
+            )
+
+    def __str__(self) -> str:
+        """Print in one line."""
+        where = f" at {self.joint}" if self.joint else ""
+        source = f" in {self.recording}" if self.recording else ""
+        return f"{self.severity}: {self.kind}{where}{source}: {self.message}; {self.remedy}"
+
+    def affecting(self, names: Sequence[str]) -> Finding:
+        """Return the same finding with the parameters that it makes doubtful.
+
+        Args:
+            names: Names of the parameters.
+
+        Returns:
+            The finding.
+        """
+        return replace(self, parameters=tuple(names))
+
+
+def ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Sort findings, the worst first; findings of one severity stay in order."""
+    return tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity)))
+
+
+def doubtful_parameters(findings: Sequence[Finding]) -> frozenset[str]:
+    """Collect the parameters that findings make doubtful."""
+    return frozenset(name for finding in findings if finding.severity != "info" for name in finding.parameters)
+
+
+def findings_table(findings: Sequence[Finding]) -> DataTable:
+    """Make a table of findings."""
+    rows = []
+    for finding in findings:
+        low, high = ("", "") if finding.interval is None else (f"{end:.4g}" for end in finding.interval)
+        value = f"{finding.value:.4g}"
+        rows.append((finding.kind, finding.joint or "all", value, low, high, finding.unit, finding.severity))
+    return make_table(HEADERS, rows)
+
+
+def finding_lines(findings: Sequence[Finding]) -> Iterator[str]:
+    """Write each finding in one line."""
+    yield from map(str, findings)
+
+
+def findings_to_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Turn findings into JSON objects."""
+    return [
+        {
+            **asdict(finding),
+            "interval": None if finding.interval is None else list(finding.interval),
+            "parameters": list(finding.parameters),
+        }
+        for finding in findings
+    ]
+
+
+def findings_from_json(data: Sequence[Mapping[str, Any]]) -> tuple[Finding, ...]:
+    """Read findings that :func:`findings_to_json` wrote."""
+    return tuple(_finding(**item) for item in data)
+
+
+def _finding(
+    kind: str,
+    joint: str,
+    value: float,
+    unit: str,
+    severity: Severity,
+    message: str,
+    remedy: str,
+    interval: Sequence[float] | None,
+    parameters: Sequence[str],
+    recording: str,
+) -> Finding:
+    """Convert the fields of a JSON object."""
+    ends = None if interval is None else (float(interval[0]), float(interval[1]))
+    names = tuple(str(name) for name in parameters)
+    text = (str(message), str(remedy))
+    return Finding(str(kind), str(joint), float(value), str(unit), severity, *text, ends, names, str(recording))

@@ -1,0 +1,179 @@
+"""Replay of document 1: experiments on a virtual BLEEX, the document's identification, and a joint estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.estimate import Estimate
+from exoid.experiments import bleex
+from exoid.identification import identify
+from exoid.leg.catalog import load_leg
+from exoid.leg.leg import Leg
+from exoid.leg.published import bleex_parameters
+from exoid.signals import Poses, Recording, Smoothed
+from exoid.torques import Coulomb, Stiffness, TorqueModel
+
+from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
+from .replicates import refuse_no_replicates
+from .sequential import SequentialEstimate
+from .sequential import bleex as steps
+from .torque_error import by_name, nrmse_text, torque_nrmse
+
+SIDES = ("left", "right")
+
+JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15))
+"""Terms of the joint estimate; samples near a velocity reversal are left out, never filtered across it."""
+
+JOINT_PREPARATION = Smoothed(cutoff=8.0)
+"""Preparation of the joint estimate."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SideReplay:
+    """One leg, identified by several methods.
+
+    Attributes:
+        leg: Leg with CAD inertias.
+        truth: True parameters of the rig by name.
+        data: Measurements.
+        sequential: Estimate by the document's procedure.
+        one_sided: Estimate by the same procedure from A⁺ alone, without averaging.
+        coarse: Estimate by the same procedure with an encoder of 2^12 counts.
+        joint: Estimate from all rows at once, torso tilts included.
+        upright_condition: Condition number of the joint estimate without the tilts.
+        cad: Parameters of Table V, without friction and stiffness.
+        nrmse: Torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each.
+    """
+
+    leg: Leg
+    truth: Mapping[str, float]
+    data: Measurements
+    sequential: SequentialEstimate
+    one_sided: SequentialEstimate
+    coarse: SequentialEstimate
+    joint: Estimate
+    upright_condition: float
+    cad: Mapping[str, float]
+    nrmse: Mapping[str, FloatArray]
+
+    def __repr__(self) -> str:
+        """Name the leg; write the torque errors."""
+        return f"SideReplay({', '.join(self.leg.joint_names)}: NRMSE {nrmse_text(self.nrmse)})"
+
+
+@dataclass(frozen=True, eq=False)
+class BleexReplay:
+    """Replay of document 1 for both legs.
+
+    Attributes:
+        left: Left leg.
+        right: Right leg.
+        seed: Seed of poses and noise.
+    """
+
+    left: SideReplay
+    right: SideReplay
+    seed: int
+
+
+def reproduce_bleex(
+    seed: int = 0,
+    replicates: int = 1,
+    progress: Callable[[float], None] | None = None,
+    extent: Extent | None = None,
+) -> list[BleexReplay]:
+    """Run all experiments of document 1 on virtual rigs and identify both legs.
+
+    Args:
+        seed: Seed of random poses and sensor noise.
+        replicates: Number of replicates with independent noise.
+        progress: Function that receives the completed share, 0 to 1.
+        extent: Duration of the motions and number of poses; None for those of the document.
+
+    Returns:
+        One replay for each replicate.
+
+    Raises:
+        ExoidError: The number of replicates is below one, or the measurements are too few.
+    """
+    refuse_no_replicates(replicates)
+    report, extent = progress or (lambda _: None), extent or Extent()
+    rng = np.random.default_rng(seed)
+    measured = {}
+    for k, side in enumerate(SIDES):
+        report_side = partial(_report_part, report, 0.48 * k, 0.48)
+        measured[side] = measure_bleex(side, rng, replicates, extent, report_side)
+    replays = []
+    for k in range(replicates):
+        left, right = (_identify_side(side, measured[side][k]) for side in SIDES)
+        replays.append(BleexReplay(left, right, seed))
+    report(1.0)
+    return replays
+
+
+def identify_bleex(
+    seed: int = 0, progress: Callable[[float], None] | None = None, extent: Extent | None = None
+) -> Estimate:
+    """Identify the left leg from all its rows at once, without the other methods and the other leg."""
+    report, rng = progress or (lambda _: None), np.random.default_rng(seed)
+    data = measure_bleex("left", rng, 1, extent or Extent(), report)[0]
+    return _joint_estimate(load_leg("bleex", side="left"), data)
+
+
+def _joint_estimate(leg: Leg, data: Measurements) -> Estimate:
+    """Identify from all rows at once, torso tilts included."""
+    recordings = [recording for swings in data.swings for recording in swings]
+    rows: list[Recording | Poses] = [data.upright.averaged, *data.tilted, *recordings]
+    return identify(leg, rows, JOINT_TERMS, preparation=JOINT_PREPARATION)
+
+
+def _report_part(report: Callable[[float], None], done: float, part: float, share: float) -> None:
+    report(done + part * share)
+
+
+def _identify_side(side: str, data: Measurements) -> SideReplay:
+    """Identify one leg by all methods."""
+    leg = load_leg("bleex", side=side)
+    model = steps.document_model(leg)
+    recordings = [recording for swings in data.swings for recording in swings]
+    upright = data.upright.averaged
+    joint = _joint_estimate(leg, data)
+    no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
+    sequential = sequential_bleex(model, data.sets, upright, data.swings)
+    truth, cad = truth_values(side), bleex_parameters("cad")
+    models = {"sequential": sequential.as_dict(), "joint": by_name(joint), "cad": cad, "truth": truth}
+    return SideReplay(
+        leg=leg,
+        truth=truth,
+        data=data,
+        sequential=sequential,
+        one_sided=sequential_bleex(model, data.sets, data.upright.below, data.swings),
+        coarse=sequential_bleex(model, data.sets, upright, data.coarse),
+        joint=joint,
+        upright_condition=no_tilt.condition_number,
+        cad=cad,
+        nrmse={name: torque_nrmse(model, values, data.validation) for name, values in models.items()},
+    )
+
+
+def sequential_bleex(
+    model: TorqueModel, sets: bleex.StaticSets, poses: Poses, swings: tuple[tuple[Recording, ...], ...]
+) -> SequentialEstimate:
+    """Identify by all steps of document 1: statics of ankle, knee and hip, then inertias, then kinetic friction."""
+    ankle, knee, pairs, random = sets.split(poses)
+    known = steps.stiffness_coefficients(model, SequentialEstimate(), ankle, sets.ankle_set, steps.ANKLE)
+    known = steps.ankle_offset(model, known, pairs)
+    known = steps.mass_moments(model, known, random, steps.ANKLE)
+    known = steps.stiffness_coefficients(model, known, knee, sets.knee_set, steps.KNEE)
+    known = steps.mass_moments(model, known, random, steps.KNEE)
+    known = steps.mass_moments(model, known, random, steps.HIP)
+    known = steps.inertia(model, known, swings[steps.KNEE], 3)
+    known = steps.inertia(model, known, swings[steps.HIP], 2)
+    known = steps.inertia(model, known, swings[steps.HIP], 1)
+    known = steps.kinetic_friction(model, known, swings[steps.ANKLE], steps.ANKLE)
+    return steps.kinetic_friction(model, known, swings[steps.KNEE], steps.KNEE)

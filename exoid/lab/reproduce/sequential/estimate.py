@@ -1,0 +1,132 @@
+"""Estimate of a sequential identification, and the least-squares step that extends it.
+
+Each step of both documents explains the torque of one joint by known parameters β_k of earlier steps and a few new ones
+β_n: τ − W_k β_k = W_n β_n. The uncertainty of β_k is propagated:
+
+    cov β_n = s² (W_nᵀ W_n)⁻¹ + G cov(β_k) Gᵀ,    cov(β_n, β_k) = −G cov(β_k),    G = (W_nᵀ W_n)⁻¹ W_nᵀ W_k.
+
+This holds if no two steps use the same torque samples, which is true in both documents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.tools.tables import DataTable, to_text, with_error
+
+from .rows import JointRows
+
+DEPENDENT = 1e-9
+"""Fraction of the largest singular value below which a singular value counts as zero."""
+
+HEADERS = ("parameter", "value", "± std")
+"""Headers of a printed estimate."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SequentialEstimate:
+    """Parameters identified so far.
+
+    Attributes:
+        names: Names in the order of identification.
+        values: Values, (p,).
+        covariance: Covariance, (p, p).
+    """
+
+    names: tuple[str, ...] = ()
+    values: FloatArray = field(default_factory=lambda: np.zeros(0))
+    covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __repr__(self) -> str:
+        """Count the parameters."""
+        return f"SequentialEstimate({len(self.names)} parameters: {', '.join(self.names) or 'none'})"
+
+    def __str__(self) -> str:
+        """Print as a table, one line a parameter."""
+        rows = [(name, *with_error(*each)) for name, *each in zip(self.names, self.values, self.std, strict=True)]
+        return to_text(DataTable(f"Sequential estimate of {len(rows)} parameters", HEADERS, rows))
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (p,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the values by name.
+
+        Returns:
+            Values in SI units.
+        """
+        return dict(zip(self.names, self.values.tolist(), strict=True))
+
+    def std_as_dict(self) -> dict[str, float]:
+        """Return the standard deviations by name.
+
+        Returns:
+            Standard deviations in SI units.
+        """
+        return dict(zip(self.names, self.std.tolist(), strict=True))
+
+    def fit(self, rows: JointRows, names: Sequence[str], nuisance: FloatArray | None = None) -> SequentialEstimate:
+        """Identify parameters from the torque of one joint, with known parameters fixed and all others zero.
+
+        Args:
+            rows: Rows of the joint; columns that are neither known nor named have no effect.
+            names: Parameters to identify.
+            nuisance: Columns of nuisance parameters, which are fitted and discarded, (M, r).
+
+        Returns:
+            Estimate with the new parameters.
+
+        Raises:
+            ExoidError: A parameter is already known, the rows do not determine it, or the rows are too few.
+        """
+        again = [name for name in names if name in self.names]
+        if again:
+            raise ExoidError(f"{', '.join(again)} is known already", remedy="start from an earlier estimate")
+        W_new = np.column_stack([rows.columns[name] for name in names])
+        W = W_new if nuisance is None else np.column_stack([W_new, nuisance])
+        dof = len(rows.tau) * rows.independent_fraction - W.shape[1]
+        if dof <= 0.0:
+            raise ExoidError(
+                f"too few measurements for {', '.join(names)}: {len(rows.tau)}", remedy="measure more poses or longer"
+            )
+        inverse = _pseudo_inverse(W, names)
+        rest = rows.tau - rows.explained(self.as_dict())
+        fitted = inverse @ rest
+        variance = float(np.sum((rest - W @ fitted) ** 2)) / dof  # per independent row
+        return self._extended(rows, names, fitted, inverse, variance)
+
+    def _extended(
+        self, rows: JointRows, names: Sequence[str], fitted: FloatArray, inverse: FloatArray, variance: float
+    ) -> SequentialEstimate:
+        """Append the fitted parameters without nuisance, and propagate the uncertainty of the known ones."""
+        index = [k for k, name in enumerate(self.names) if name in rows.columns]
+        acting = [rows.columns[self.names[k]] for k in index]
+        W_known = np.column_stack(acting) if acting else np.zeros((len(rows.tau), 0))
+        p = len(names)
+        gain = (inverse @ W_known)[:p]
+        cross = -gain @ self.covariance[index]
+        own = variance * (inverse @ inverse.T)[:p, :p] + gain @ self.covariance[np.ix_(index, index)] @ gain.T
+        return SequentialEstimate(
+            (*self.names, *names),
+            np.concatenate([self.values, fitted[:p]]),
+            np.block([[self.covariance, cross.T], [cross, own]]),
+        )
+
+
+def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
+    scale = np.linalg.norm(W, axis=0)
+    scale[scale == 0.0] = 1.0
+    U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
+    if sigma[-1] <= DEPENDENT * sigma[0]:
+        raise ExoidError(
+            f"the measurements do not determine {', '.join(names)} one by one",
+            remedy="choose poses or motions in which their effects differ",
+        )
+    return np.asarray((Vt.T / sigma) @ U.T / scale[:, None])

@@ -1,0 +1,62 @@
+"""What a controller may know of a worn leg: its CAD model, an identified model, and the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from exoid.control import ControlModel
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.lab.stability.worn.draws import draw_truths
+from exoid.leg.catalog import load_leg
+from exoid.leg.leg import Leg
+from exoid.leg.published import cuhk_cad_parameters
+from exoid.rig import Plant
+
+from .bleex import identify_bleex
+from .bleex_measurements import truth_values
+from .cuhk import identify_cuhk, truth_with_rotor
+
+
+class WornModels(NamedTuple):
+    """Three models of one leg."""
+
+    cad: Leg  # CAD model, without friction, springs and rotors
+    identified: Estimate  # identified model
+    truth: Plant  # the true leg, without end stops
+
+
+def worn_models(source: str | Estimate | WornModels, seed: int, progress: Callable[[float], None]) -> WornModels:
+    """Provide CAD, identified model and true leg."""
+    # * "bleex": the rig and the joint estimate of the document's replay; CAD is Table V.
+    # * "cuhk": the rig of the document's replay and the estimate from a multisine; CAD is
+    #   `exoid.leg.published.cuhk_cad_parameters`.
+    # * An estimate: the rig is drawn from its distribution, CAD is its URDF.
+    # * Models: they are taken as they are.
+    if isinstance(source, WornModels):
+        return source
+    if isinstance(source, Estimate):
+        return WornModels(source.model.leg, source, _drawn(source, seed))
+    if source == "bleex":
+        estimate = identify_bleex(seed, progress)
+        cad = load_leg("bleex", side="left", inertias="cad")
+        return WornModels(cad, estimate, _plant(estimate.model.leg, truth_values("left")))
+    if source == "cuhk":
+        estimate, design = identify_cuhk(seed, progress), cuhk_cad_parameters()
+        leg = load_leg("cuhk")
+        cad = leg.with_parameters([design[name] for name in leg.parameter_names])
+        return WornModels(cad, estimate, _plant(estimate.model.leg, truth_with_rotor()))
+    raise ExoidError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
+
+
+def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:
+    """Build the true leg, which walks between its end stops."""
+    return Plant.build(leg, truth, end_stops=False)
+
+
+def _drawn(estimate: Estimate, seed: int) -> Plant:
+    """Draw a true leg from the distribution of an estimate."""
+    model = estimate.model.loaded_by(estimate.values)
+    drawn = draw_truths(model, estimate.values, estimate.covariance, 1, seed)
+    return ControlModel.of_parameters(estimate.model, drawn.parameters[0]).plant(end_stops=False)

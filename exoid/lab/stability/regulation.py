@@ -1,0 +1,271 @@
+"""Document 2's regulation problem with partial, exact and excessive friction compensation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.control.closed_loop import simulate, simulate_many
+from exoid.control.friction import FrictionCompensation
+from exoid.control.gravity_friction_pd import gravity_friction_pd
+from exoid.control.law import RATE, Law, gains
+from exoid.control.side_by_side import SideBySide
+from exoid.control.tracking import Tracking
+from exoid.errors import ExoidError
+from exoid.experiments import Hold
+from exoid.rig import Plant
+from exoid.tools.json_values import attributes, json_value
+from exoid.tools.tables import make_table, to_text
+
+from .equilibrium import Equilibrium, find_equilibrium
+from .limit_cycle import LimitCycle, find_limit_cycle
+from .lyapunov import TOLERANCE, Lyapunov, lyapunov
+
+SHARES = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5)
+"""Compensated shares of the leg's friction."""
+
+DURATION = 20.0
+"""Duration of a run [s]."""
+
+STILL = 1e-6
+"""Velocity below which a joint rests [rad/s]."""
+
+RESTING = 0.1
+"""Share of the run, at its end, during which a stopped leg rests."""
+
+LAST = 0.25
+"""Share of the run, at its end, that is searched for oscillations."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Regulation:
+    """One run from rest towards a constant target.
+
+    Attributes:
+        name: Friction compensation of this run.
+        run: The run.
+        lyapunov: Lyapunov function along the run, at every moment of the log.
+        equilibrium: Predicted rest position.
+        cycle: Oscillation at the end.
+    """
+
+    name: str
+    run: Tracking
+    lyapunov: Lyapunov
+    equilibrium: Equilibrium
+    cycle: LimitCycle
+
+    @property
+    def final_error_deg(self) -> FloatArray:
+        """Distance from the target at the end [deg], (n,)."""
+        return np.asarray(np.rad2deg(self.run.error[-1]))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the leg rests during the whole last part, and not only for a moment as it reverses."""
+        begin = int((1.0 - RESTING) * len(self.run.time))
+        return bool((np.abs(self.run.v[begin:]) < STILL).all())
+
+    @property
+    def outcome(self) -> str:
+        """Outcome in two or three words."""
+        if self.stopped:
+            return "stops" if self.equilibrium.holds(self.run.q[-1]) else "stops elsewhere"
+        return "limit cycle" if self.cycle.exists else "still settling"
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert the results of the run to JSON types.
+
+        Returns:
+            Values by name.
+        """
+        energy = self.lyapunov.sampled()
+        return {
+            "never_increases": energy.never_increases(),
+            **attributes(energy, "largest_increase", "share_increasing"),
+            **attributes(self, "outcome", "final_error_deg"),
+            "band_deg": json_value(np.rad2deg(self.equilibrium.band)),
+            **attributes(self.cycle, "peak_to_peak_deg"),
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Regulations:
+    """Several regulation runs; prints itself as a table.
+
+    Attributes:
+        runs: One run without any friction, then one for each compensated share.
+        kp: Gains Kp [N·m/rad], (n,).
+        kd: Gains Kd [N·m·s/rad], (n,).
+        rate: Sampling rate of the controller [Hz].
+    """
+
+    runs: tuple[Regulation, ...]
+    kp: FloatArray
+    kd: FloatArray
+    rate: float
+
+    def __getitem__(self, name: str) -> Regulation:
+        """Look up a run by its name.
+
+        Args:
+            name: Name such as "× 0.5", or "no friction".
+
+        Returns:
+            The run.
+
+        Raises:
+            ExoidError: There is no run of that name.
+        """
+        for run in self.runs:
+            if run.name == name:
+                return run
+        raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert the table to JSON types.
+
+        Returns:
+            Gains, rate, and the results of each run by its name.
+        """
+        return {
+            **attributes(self, "kp", "kd"),
+            "rate_hz": self.rate,
+            "tolerance": TOLERANCE,
+            "runs": {run.name: run.to_json() for run in self.runs},
+        }
+
+    def __repr__(self) -> str:
+        """Name outcomes."""
+        return f"Regulations({', '.join(f'{run.name}: {run.outcome}' for run in self.runs)})"
+
+    def __str__(self) -> str:
+        """Print as a table."""
+        rows = [
+            (
+                run.name,
+                f"{run.lyapunov.sampled().largest_increase:.1e}",
+                f"{100.0 * run.lyapunov.sampled().share_increasing:.1f}",
+                run.outcome,
+                " / ".join(f"{x:.2f}" for x in run.final_error_deg),
+                " / ".join(f"{x:.2f}" for x in np.rad2deg(run.equilibrium.band)),
+                " / ".join(f"{x:.1f}" for x in run.cycle.peak_to_peak_deg),
+            )
+            for run in self.runs
+        ]
+        headers = (
+            *("friction", "V rises ≤ [V₀]", "at [%]", "outcome"),
+            *("last error [deg]", "band [deg]", "swing [deg p-p]"),
+        )
+        first = self.runs[0]
+        away = " / ".join(f"{x:.0f}°" for x in np.rad2deg(-first.run.error[0]))
+        kp, kd = (" / ".join(f"{x:g}" for x in values) for values in (self.kp, self.kd))
+        return to_text(
+            f"{' / '.join(first.run.joint_names)}: from {away} off the target in {first.run.time[-1]:g} s",
+            f"PD with exact gravity and × friction compensation: Kp {kp} N·m/rad, Kd {kd} N·m·s/rad, {self.rate:g} Hz",
+            make_table(headers, rows),
+            f"V of doc. 2, eq. (29), at the controller's samples, V₀ = {first.lyapunov.value[0]:.4g} J; band: c0 / Kp",
+        )
+
+
+def regulate(
+    plant: Plant,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    target: ArrayLike,
+    away: ArrayLike,
+    *,
+    shares: Sequence[float] = SHARES,
+    rate: float = RATE,
+    duration: float = DURATION,
+    log_rate: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Regulations:
+    """Regulate a leg to a target under PD with exact gravity compensation and several shares of friction compensation.
+
+    Friction is compensated with the sign function of the measured velocity, as doc. 2, eq. (25), prints it. Doc. 2
+    proves stability for exact compensation of gravity and friction, in continuous time. With stiction and exact or
+    less compensation, V falls and the leg stops within c0 / Kp of the target. With too much, it never stops.
+
+    Args:
+        plant: The true leg, one rig with friction.
+        kp: Kp [N·m/rad], a number or one for each joint.
+        kd: Kd [N·m·s/rad].
+        target: Constant target θ_d [rad], (n,).
+        away: Start minus target [rad], (n,).
+        shares: Compensated shares of the friction.
+        rate: Sampling rate of the controller [Hz].
+        duration: Duration of each run [s].
+        log_rate: Rate of the log [Hz], a multiple of the rate; None for at least 100.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        All runs; the first, "no friction", is that of the leg without friction.
+
+    Raises:
+        ExoidError: The plant has several rigs, or a setting is invalid.
+    """
+    stiffness, damping = (np.broadcast_to(gains(x, name), plant.n) for x, name in ((kp, "kp"), (kd, "kd")))
+    aim = np.array(target, dtype=np.float64).reshape(-1)
+    start = aim + np.asarray(away, dtype=np.float64).reshape(-1)
+    zero = np.zeros_like(plant.coulomb)
+    smooth = replace(plant, coulomb=zero, static=zero, viscous=zero)
+    names = ("no friction", *(f"× {share:g}" for share in shares))
+    plants = (smooth, *(plant for _ in shares))
+    laws: list[Law] = [gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)]
+    laws += [
+        gravity_friction_pd(plant, stiffness, damping, friction=FrictionCompensation(width=0.0, scale=share), rate=rate)
+        for share in shares
+    ]
+    log = rate * ceil(100.0 / rate) if log_rate is None else log_rate
+    runs = _simulate(plants, laws, aim, start, duration, log, names, progress)
+    return Regulations(
+        tuple(
+            Regulation(
+                name,
+                run,
+                lyapunov(run, each, stiffness, damping),
+                find_equilibrium(each, law, aim),
+                find_limit_cycle(run, LAST),
+            )
+            for name, run, each, law in zip(names, runs, plants, laws, strict=True)
+        ),
+        stiffness,
+        damping,
+        rate,
+    )
+
+
+def _simulate(
+    plants: Sequence[Plant],
+    laws: Sequence[Law],
+    target: FloatArray,
+    start: FloatArray,
+    duration: float,
+    log_rate: float,
+    names: Sequence[str],
+    progress: Callable[[float], None] | None,
+) -> tuple[Tracking, ...]:
+    """Simulate planar legs in one run, others one by one."""
+    reference = Hold(target[:, None])
+    if plants[0].leg.chain is not None:
+        together, side_by_side = Plant.concatenate(plants), SideBySide(tuple(laws))
+        return simulate_many(
+            together,
+            side_by_side,
+            reference,
+            duration,
+            start=start[:, None],
+            log_rate=log_rate,
+            names=tuple(names),
+            progress=progress,
+        )
+    return tuple(
+        simulate(plant, law, reference, duration, start=start, log_rate=log_rate, name=name)
+        for plant, law, name in zip(plants, laws, names, strict=True)
+    )

@@ -1,0 +1,303 @@
+"""Design of a study: what it varies, and how it is divided into chunks."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.identification.estimators import ESTIMATORS
+from exoid.leg.description import describe
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
+from exoid.tools.json_values import attributes, json_value, named
+from exoid.torques import Term, TorqueModel, term_to_json
+
+from .noise import Noise
+from .protocol import Protocol
+from .tracking_task import TrackingTask
+
+SCHEMA = "exoid-study-1"
+
+MOST_REPLICATES = 10**7
+"""Largest number of replicates of each protocol and noise."""
+
+FOLLOWED = ("exactly", "by a rig")
+
+WITHOUT_MODEL = "pd"
+"""Controller that needs no model of the leg."""
+
+TRUTH = "truth"
+"""True parameters, as the source of a controller's model."""
+
+
+class LegText(NamedTuple):
+    """A leg as text, which can be sent to workers.
+
+    Attributes:
+        urdf: Text of the URDF.
+        name: Name of the file.
+        joints: Joints that move.
+        locked: Positions of other joints, by name.
+        cumulative: See :class:`exoid.Leg`.
+    """
+
+    urdf: str
+    name: str
+    joints: tuple[str, ...]
+    locked: tuple[tuple[str, float], ...]
+    cumulative: bool
+
+    @classmethod
+    def of(cls, leg: Leg) -> LegText:
+        """Describe a leg.
+
+        Args:
+            leg: The leg.
+
+        Returns:
+            Its description.
+
+        Raises:
+            ExoidError: The base of the leg moves.
+        """
+        about = leg.description
+        if leg.base != "fixed":
+            raise ExoidError("studies simulate legs on a fixed base", where=about.name, remedy='use base="fixed"')
+        return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
+
+
+class TrackingCase(NamedTuple):
+    """A controller, and the source of its parameters.
+
+    Attributes:
+        law: Name of the controller.
+        knows: Source of the parameters: an estimator, "truth", or "nothing" for PD.
+    """
+
+    law: str
+    knows: str
+
+
+class Chunk(NamedTuple):
+    """Some replicates of one protocol under one noise.
+
+    Attributes:
+        protocol: Index of the protocol.
+        noise: Index of the noise.
+        first: Number of the first replicate.
+        replicates: Number of replicates.
+    """
+
+    protocol: int
+    noise: int
+    first: int
+    replicates: int
+
+
+@dataclass(frozen=True)
+class Study:
+    """Many virtual identifications.
+
+    Every replicate has different noise. Its seed depends only on the seed of the study and the number of the replicate.
+    All estimators use the same data.
+
+    Attributes:
+        leg: The leg.
+        terms: Terms of the true and of the identified model.
+        truth: True parameters in SI units, in the order of the model's names.
+        protocols: Motions of the identification.
+        noises: Torque noise.
+        estimators: Names of estimators, as in :func:`exoid.identify`.
+        replicates: Number of replicates of each protocol and noise.
+        seed: Seed of all random numbers.
+        rate: Rate of the log [Hz].
+        cutoff: Cut-off frequency of the parallel filter [Hz].
+        followed: "exactly" (motion as commanded, so all errors are due to noise), or "by a rig" (simulated with servo,
+            stiction and encoder, so model errors appear as bias).
+        chunk: Number of replicates of a chunk; a rig's are simulated in parallel.
+        course: Tracking task of controllers that use the estimates on the same leg; None for none.
+    """
+
+    leg: LegText
+    terms: tuple[Term, ...]
+    truth: tuple[float, ...]
+    protocols: tuple[Protocol, ...]
+    noises: tuple[Noise, ...]
+    estimators: tuple[str, ...] = ("wls",)
+    replicates: int = 100
+    seed: int = 0
+    rate: float = 100.0
+    cutoff: float = 8.0
+    followed: str = "exactly"
+    chunk: int = 20
+    course: TrackingTask | None = None
+
+    def __post_init__(self) -> None:
+        """Check the settings before anything runs."""
+        unknown = [name for name in self.estimators if name not in ESTIMATORS]
+        if unknown or not self.estimators:
+            raise ExoidError(
+                f"no estimator {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(ESTIMATORS)}"
+            )
+        if len(set(self.estimators)) < len(self.estimators):
+            raise ExoidError(f"estimators {', '.join(self.estimators)}", remedy="name each once")
+        if self.followed not in FOLLOWED:
+            raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
+        if self.replicates > MOST_REPLICATES:
+            raise ExoidError(f"{self.replicates} replicates", remedy=f"ask for at most {MOST_REPLICATES:.0e}")
+        if self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises:
+            raise ExoidError(
+                f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
+                f"{len(self.protocols)} protocols, {len(self.noises)} noises",
+                remedy="at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
+            )
+        names, joints = self.model.names, len(self.leg.joints)
+        if len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises):
+            raise ExoidError(
+                f"{len(self.truth)} true parameters and noise of {', '.join(str(len(n.std)) for n in self.noises)} "
+                f"joints for a leg of {joints}",
+                remedy=f"give one value for each of {', '.join(names)} and noise for each joint",
+            )
+        if self.course is not None:
+            self.course.check_leg(self.model, np.array(self.truth))
+
+    @property
+    def model(self) -> TorqueModel:
+        """Leg and terms."""
+        return _model(self.leg, self.terms)
+
+    @cached_property
+    def chunks(self) -> tuple[Chunk, ...]:
+        """All chunks, in the order of their numbers."""
+        firsts = range(0, self.replicates, self.chunk)
+        return tuple(
+            Chunk(protocol, noise, first, min(self.chunk, self.replicates - first))
+            for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
+        )
+
+    @cached_property
+    def tracking_cases(self) -> tuple[TrackingCase, ...]:
+        """Runs of the tracking task: each controller with the true parameters and with those of each estimator."""
+        laws = () if self.course is None else self.course.laws
+        sources = {law: ("nothing",) if law == WITHOUT_MODEL else (TRUTH, *self.estimators) for law in laws}
+        return tuple(TrackingCase(law, source) for law in laws for source in sources[law])
+
+    def generator(self, chunk: Chunk, replicate: int) -> np.random.Generator:
+        """Make the random generator of one replicate, the same in any process.
+
+        Args:
+            chunk: A chunk of the replicate's protocol and noise.
+            replicate: Number of the replicate.
+
+        Returns:
+            The generator.
+        """
+        return np.random.default_rng([self.seed, chunk.protocol, chunk.noise, replicate])
+
+    def torso(self, protocol: Protocol, motion: int) -> TorsoMotion | None:
+        """Find the tilt of the torso during a motion.
+
+        Args:
+            protocol: The protocol.
+            motion: Index of the motion.
+
+        Returns:
+            The tilt; None for an upright torso.
+        """
+        pitch = protocol.pitches[motion]
+        return TorsoMotion(pitch=pitch) if pitch else None
+
+    def information(self, protocol: int, noise: int) -> FloatArray:
+        """Compute the Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions.
+
+        Args:
+            protocol: Index of the protocol.
+            noise: Index of the noise.
+
+        Returns:
+            Information matrix in inverse squared units of the parameters, (P, P).
+        """
+        model, motions = self.model, self.protocols[protocol]
+        rows = (
+            model.regressor(*motions.states(k, self.rate), self.torso(motions, k)) for k in range(len(motions.motions))
+        )
+        return np.asarray(sum(self.noises[noise].information(W, self.rate) for W in rows))
+
+    def bound(self, protocol: int, noise: int) -> FloatArray:
+        """Compute the Cramér–Rao bound of unbiased estimates from unfiltered rows.
+
+        Args:
+            protocol: Index of the protocol.
+            noise: Index of the noise.
+
+        Returns:
+            Smallest standard deviations, in units of the parameters, (P,).
+        """
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.information(protocol, noise)))))
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe the study completely: equal descriptions have equal results.
+
+        Returns:
+            Description in JSON types.
+        """
+        return {
+            "schema": SCHEMA,
+            "leg": {**json_value(self.leg), "locked": dict(self.leg.locked)},
+            "terms": [term_to_json(term) for term in self.terms],
+            "truth": named(self.model.names, self.truth),
+            "protocols": [protocol.to_json() for protocol in self.protocols],
+            **attributes(self, "noises", "estimators", "replicates", "seed", "rate", "cutoff", "followed"),
+            "piece": self.chunk,
+            **({} if self.course is None else {"course": self.course.to_json()}),
+        }
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the description."""
+        return hashlib.sha256(json.dumps(self.to_json(), sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _model(leg: LegText, terms: tuple[Term, ...]) -> TorqueModel:
+    return TorqueModel(
+        Leg.from_description(
+            describe(leg.urdf, leg.name), leg.joints, locked=dict(leg.locked), cumulative=leg.cumulative
+        ),
+        terms,
+    )
+
+
+def plausible_truth(
+    model: TorqueModel, typical: FloatArray, values: Mapping[str, float] | None = None
+) -> tuple[float, ...]:
+    """Choose parameters of virtual legs: the URDF's, and resistances of some percent of each joint's typical torque.
+
+    Args:
+        model: Leg and terms.
+        typical: Typical torque of each joint [N·m], (n,).
+        values: Other values, by name.
+
+    Returns:
+        Parameters in SI units, in the order of ``model.names``, P of them.
+    """
+    share = {"c0": 0.03, "d": 0.01, "Ia": 0.01, "offset": 0.01}
+    joints = dict(zip(model.leg.joint_labels, typical.tolist(), strict=True))
+    known = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True))
+    for name in model.names[len(known) :]:
+        symbol, _, joint = name.partition("_")
+        known[name] = share.get(symbol, 0.0) * joints.get(joint, 0.0)  # a coupling has no joint of its own
+    return (
+        tuple(known[name] for name in model.names)
+        if not values
+        else tuple(float(values.get(name, known[name])) for name in model.names)
+    )

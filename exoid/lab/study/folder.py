@@ -1,0 +1,80 @@
+"""Finished chunks of a study on disk, from which a study that was killed is resumed."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.tools.files import write_bytes, write_whole
+
+from .design import Study
+from .replicates import Outcomes
+from .tracking_runs import MEASURES
+
+ABOUT = "study.json"
+
+TRACKING = "driven"
+"""Key of the tracking metrics in the file of a chunk."""
+
+
+class Folder:
+    """A folder with ``study.json`` and a file for each finished chunk; each is written whole or not at all."""
+
+    def __init__(self, path: Path, study: Study) -> None:
+        """Open or make the folder."""
+        self.path, self._study = path, study
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
+        except OSError as error:
+            raise ExoidError(
+                f"is no folder for results ({error.strerror or error})", where=str(path), remedy="name a new folder"
+            ) from None
+        about = path / ABOUT
+        if about.exists():  # checked after the chunks, because it is written before them
+            self._refuse_another(about)
+        elif found:
+            raise ExoidError("holds other files", where=str(path), remedy="name a new folder for the results")
+        else:
+            described = {"sha256": study.sha256, **study.to_json()}
+            write_whole(about, [json.dumps(described, indent=1, ensure_ascii=False), "\n"])
+
+    def read(self, number: int) -> Outcomes | None:
+        """Read a chunk."""
+        study, replicates = self._study, self._study.chunks[number].replicates
+        shape = (len(study.estimators), replicates, len(study.truth))
+        tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
+        try:
+            with np.load(self._name(number), allow_pickle=False) as file:
+                outcomes = Outcomes(file["values"], file["std"], file["inside"], file[TRACKING])
+            fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
+            numbers = all(array.dtype.kind == kind for array, kind in zip(outcomes, "ffbf", strict=True))
+            return outcomes if fits and numbers and np.isfinite(outcomes.values).all() else None
+        except Exception:  # a damaged archive raises errors of many kinds; the chunk is run again
+            return None
+
+    def write(self, number: int, outcomes: Outcomes) -> None:
+        """Write a chunk."""
+        content = io.BytesIO()
+        arrays = outcomes._asdict()
+        np.savez(content, **{TRACKING: arrays.pop("tracking"), **arrays})
+        write_bytes(self._name(number), [content.getvalue()])
+
+    def _name(self, number: int) -> Path:
+        return self.path / f"piece-{number:05d}.npz"
+
+    def _refuse_another(self, about: Path) -> None:
+        try:
+            known = json.loads(about.read_text(encoding="utf-8"))["sha256"]
+        except (OSError, ValueError, KeyError, TypeError):
+            known = ""
+        if known != self._study.sha256:
+            raise ExoidError(
+                "holds the results of another study",
+                where=str(self.path),
+                remedy="ask for the same leg, protocols, noise, estimators, replicates and seed, or name a new folder",
+            )

@@ -1,0 +1,125 @@
+"""Motions of the virtual legs of a study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.experiments import Harmonics, bleex, cuhk
+from exoid.experiments.excitation import Plan
+from exoid.experiments.excitation.fourier import States
+from exoid.leg.leg import Leg
+from exoid.tools.json_values import attributes
+
+
+@dataclass(frozen=True, eq=False)
+class Protocol:
+    """Motions of one leg, one after the other.
+
+    Attributes:
+        name: Name in results.
+        motions: Motions of one rig each.
+        seconds: Duration of each motion [s].
+        pitches: Tilt of the torso in each motion [rad].
+    """
+
+    name: str
+    motions: tuple[Harmonics, ...]
+    seconds: float
+    pitches: tuple[float, ...]
+
+    def states(self, motion: int, rate: float) -> States:
+        """Sample a motion.
+
+        Args:
+            motion: Index of the motion.
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Angles, velocities and accelerations [rad, rad/s, rad/s²], (N, n) each.
+        """
+        m = self.motions[motion]
+        time = np.arange(round(self.seconds * rate) + 1) / rate
+        frequency, phase = np.broadcast_to(m.frequency, m.amplitude.shape), np.broadcast_to(m.phase, m.amplitude.shape)
+        argument = np.multiply.outer(time, frequency[..., 0]) + phase[..., 0]
+        size, omega = m.amplitude[..., 0], frequency[..., 0]
+        s, c = np.sin(argument), np.cos(argument)
+        return States(
+            m.centre[:, 0] + (size * s).sum(axis=1),
+            (size * omega * c).sum(axis=1),
+            -(size * omega**2 * s).sum(axis=1),
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe the protocol completely.
+
+        Returns:
+            Description in JSON types.
+        """
+        motions = [motion_to_json(motion) for motion in self.motions]
+        return {**attributes(self, "name", "seconds", "pitches"), "motions": motions}
+
+
+def motion_to_json(motion: Harmonics) -> dict[str, Any]:
+    """Describe a motion of one leg completely."""
+    shape = motion.amplitude.shape
+    return {
+        "centre": motion.centre[:, 0].tolist(),
+        "amplitude": motion.amplitude[..., 0].tolist(),
+        "frequency": np.broadcast_to(motion.frequency, shape)[..., 0].tolist(),
+        "phase": np.broadcast_to(motion.phase, shape)[..., 0].tolist(),
+    }
+
+
+def planned(plan: Plan, name: str = "planned") -> Protocol:
+    """Make a protocol of the motions of a plan.
+
+    Args:
+        plan: Plan of :func:`exoid.experiments.excitation.plan_excitation`.
+        name: Name in results.
+
+    Returns:
+        The protocol.
+    """
+    motions = plan.motions
+    return Protocol(name, tuple(m.reference for m in motions), motions[0].duration, tuple(m.pitch for m in motions))
+
+
+def document(leg: Leg, duration: float) -> Protocol:
+    """Make a protocol of the dynamic experiments of a built-in leg's document, shortened to a duration.
+
+    BLEEX: fifteen swings, each joint at five frequencies. CUHK-EXO: the random multisine of the replay, because the
+    swings of Table II do not determine every parameter.
+
+    Args:
+        leg: The leg, with the joint names of a built-in one.
+        duration: Duration of all motions together [s].
+
+    Returns:
+        The protocol.
+
+    Raises:
+        ExoidError: The joints have other names.
+    """
+    if leg.joint_labels == ("hip", "knee", "ankle"):
+        every = bleex.dynamic_motions()
+        motions = tuple(_rig(every, rig) for rig in range(bleex.VALIDATION))
+    elif leg.joint_labels == ("hip", "knee"):
+        motions = (cuhk.multisine(leg, np.random.default_rng(0)),)
+    else:
+        raise ExoidError(
+            f"no document moved {', '.join(leg.joint_names)}", remedy="study the protocol 'planned', or a built-in leg"
+        )
+    return Protocol("document", motions, duration / len(motions), (0.0,) * len(motions))
+
+
+def _rig(motions: Harmonics, rig: int) -> Harmonics:
+    return Harmonics(
+        motions.centre[:, rig : rig + 1],
+        motions.amplitude[..., rig : rig + 1],
+        motions.frequency[..., rig : rig + 1],
+        motions.phase[..., rig : rig + 1],
+    )

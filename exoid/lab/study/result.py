@@ -1,0 +1,153 @@
+"""Results of a study."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.tools.json_values import attributes, named
+from exoid.tools.tables import DataTable, make_table, to_text
+
+from .design import Study
+from .tracking_statistics import TrackingStatistics, statistics_table
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Combination:
+    """Statistics of one protocol, noise and estimator.
+
+    Attributes:
+        protocol: Name of the protocol.
+        noise: Name of the noise.
+        estimator: Name of the estimator.
+        names: Names of the parameters, (P,).
+        units: Units of the parameters, (P,).
+        bias: Mean error, (P,).
+        std: Standard deviation of the estimates, (P,).
+        stated: Root mean square of the standard deviations that the estimates state, (P,).
+        coverage: Share of 95 % intervals that contain the truth, (P,).
+        bound: Smallest standard deviation of an unbiased estimate (Cramér–Rao), (P,).
+        replicates: Number of identifications.
+    """
+
+    protocol: str
+    noise: str
+    estimator: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    bias: FloatArray
+    std: FloatArray
+    stated: FloatArray
+    coverage: FloatArray
+    bound: FloatArray
+    replicates: int
+
+    @property
+    def efficiency(self) -> FloatArray:
+        """Squared Cramér–Rao bound divided by the mean squared error, (P,); 1 is best."""
+        return np.asarray(self.bound**2 / (self.std**2 + self.bias**2))
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert the statistics to JSON types.
+
+        Returns:
+            Names, and statistics by parameter.
+        """
+        figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
+        rows = np.transpose([getattr(self, name) for name in figures])
+        about = attributes(self, "protocol", "noise", "estimator", "replicates")
+        return {**about, "parameters": {name: named(figures, row) for name, row in zip(self.names, rows, strict=True)}}
+
+    def __str__(self) -> str:
+        """Print as a table, one line for each parameter."""
+        rows = zip(
+            self.names, self.bias, self.std, self.stated, self.coverage, self.efficiency, self.units, strict=True
+        )
+        table = make_table(
+            ["parameter", "bias", "std", "stated", "coverage %", "efficiency", "unit"],
+            [
+                (name, f"{bias:+.2g}", f"{std:.3g}", f"{stated:.3g}", f"{100.0 * cover:.1f}", f"{part:.2f}", unit)
+                for name, bias, std, stated, cover, part, unit in rows
+            ],
+        )
+        return to_text(f"{self.protocol}, {self.noise} noise, {self.estimator}", table)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """All combinations of a study; prints itself.
+
+    Attributes:
+        study: The study.
+        combinations: Statistics by protocol, noise and estimator.
+        laws: Tracking statistics by protocol, noise and case; empty without a tracking task.
+    """
+
+    study: Study
+    combinations: tuple[Combination, ...]
+    laws: tuple[TrackingStatistics, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert all statistics to JSON types.
+
+        Returns:
+            Hash and settings of the study, and statistics of each combination and controller.
+        """
+        return {
+            **attributes(self.study, "sha256", "seed", "followed"),
+            "combinations": [combination.to_json() for combination in self.combinations],
+            **({"laws": [each.to_json() for each in self.laws]} if self.laws else {}),
+        }
+
+    def __str__(self) -> str:
+        """Print as a table, one line for each combination: means over parameters, and the worst parameter."""
+        rows = []
+        for each in self.combinations:
+            far, low = int(np.argmax(np.abs(each.coverage - 0.95))), int(np.argmin(each.efficiency))
+            bias = np.abs(each.bias) / each.std
+            rows.append(
+                (
+                    f"{each.protocol}, {each.noise}, {each.estimator}",
+                    f"{100.0 * each.coverage.mean():.1f}",
+                    f"{100.0 * each.coverage[far]:.1f} ({each.names[far]})",
+                    f"{each.efficiency.mean():.2f}",
+                    f"{each.efficiency[low]:.2f} ({each.names[low]})",
+                    f"{bias.max():.2f} ({each.names[int(np.argmax(bias))]})",
+                )
+            )
+        table = make_table(["combination", "coverage %", "farthest", "efficiency", "lowest", "bias / std"], rows)
+        study = self.study
+        error = 100.0 * math.sqrt(0.95 * 0.05 / study.replicates)
+        head = f"{study.replicates} identifications of each, motions followed {study.followed}, seed {study.seed}"
+        closing = (
+            f"Coverage of 95 % intervals: mean over parameters and farthest from 95; Monte-Carlo error ± {error:.1f} "
+            f"of each parameter, ± {1.0 / math.sqrt(study.replicates):.2f} of bias / std."
+        )
+        return to_text(head, table, closing, *self._laws_text())
+
+    def _laws_text(self) -> list[DataTable | str]:
+        """Make a table of the controllers for each protocol and noise."""
+        course = self.study.course
+        if course is None:
+            return []
+        parts: list[DataTable | str] = [""]
+        for (protocol, noise), each in itertools.groupby(self.laws, lambda one: (one.protocol, one.noise)):
+            parts.append(statistics_table(f"Controllers on the same leg: {protocol}, {noise} noise", each))
+        lost = [f"{one.law} ({one.knows}): {one.diverged}" for one in self.laws if one.diverged]
+        parts += [f"Diverged, and not counted: {', '.join(lost)}."] if lost else []
+        gains = ", ".join(
+            f"{label} {p:.3g} / {d:.3g}"
+            for label, p, d in zip(self.study.model.leg.joint_labels, course.kp, course.kd, strict=True)
+        )
+        closing = (
+            f"{course.periods} periods of {course.period:g} s at {course.rate:g} Hz, the first not counted; "
+            f"Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}. Root mean square and peak of the tracking error, rms torque: "
+            "mean, standard deviation and worst over replicates; excess of the rms error over that of the same "
+            "controller with the true parameters and the same sensor noise."
+        )
+        return [*parts, closing]

@@ -1,0 +1,250 @@
+"""Reading a URDF that may be malicious: size, encoding, entities and structure are checked before it is parsed."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from collections import Counter
+from collections.abc import Container, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from lxml import etree
+
+from exoid.errors import ExoidError
+
+from .rounded_angles import exact_angles
+
+LARGEST_URDF = 20_000_000
+"""Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
+
+MOST_LINKS = 1000
+"""Largest number of links. Humanoids with hands have about 150; thousands overflow the stack of Pinocchio's parser."""
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+LARGEST_NUMBER = 1e9
+"""Largest number of an inertia, a place or friction in SI units; with larger ones arithmetic overflows."""
+
+UNBOUNDED = ("limit",)
+"""Elements whose numbers may be larger, because they mean that there is no limit."""
+
+SHORTEST_AXIS = 1e-6
+"""Smallest length of a joint axis."""
+
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+"""A decimal number. Each text matches in one way only, so that long ones take no longer than they are."""
+
+LONGEST_TEXT = 80
+"""Number of characters of an attribute in messages."""
+
+NUMBERS: Mapping[str, Mapping[str, int]] = {
+    "link/inertial/mass": {"value": 1},
+    "link/inertial/inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "link/inertial/origin": {"xyz": 3, "rpy": 3},
+    "joint/origin": {"xyz": 3, "rpy": 3},
+    "joint/axis": {"xyz": 3},
+    "joint/dynamics": {"damping": 1, "friction": 1},
+    "joint/limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
+}
+"""Number of values in each attribute. Pinocchio's parser drops a whole <inertial> if one of them is not a number."""
+
+REQUIRED = ("mass", "inertia")
+"""Elements that must have all of these attributes."""
+
+
+@dataclass(frozen=True)
+class Description:
+    """URDF as text, with the name and hash that identify it in results."""
+
+    text: str = field(repr=False)  # XML of the URDF
+    name: str  # file name, for messages and reports
+    sha256: str  # hash of the text, hexadecimal
+
+    @cached_property
+    def child_links(self) -> dict[str, str]:
+        """Name of the link that each joint carries."""
+        joints = self.parse().findall("joint")
+        return {j.get("name", ""): c.get("link", "") for j in joints if (c := j.find("child")) is not None}
+
+    @cached_property
+    def root_link(self) -> str:
+        """Name of the link that no joint carries."""
+        carried = set(self.child_links.values())
+        return next(name for link in self.parse().findall("link") if (name := link.get("name", "")) not in carried)
+
+    @property
+    def plain(self) -> str:
+        """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space."""
+        # Angles of joints in few digits become exact, see `exoid.leg.rounded_angles.exact_angle`. Shapes are left out,
+        # as the parser prints about those that it does not understand.
+        root = self.parse()
+        for link in root.findall("link"):
+            for shape in [*link.findall("visual"), *link.findall("collision")]:
+                link.remove(shape)
+        for path, attributes in NUMBERS.items():
+            for element in root.findall(path):
+                for attribute in attributes.keys() & element.keys():
+                    element.set(attribute, " ".join(element.get(attribute, "").split()))
+        for origin in root.findall("joint/origin[@rpy]"):
+            origin.set("rpy", exact_angles(origin.get("rpy", "")))
+        return etree.tostring(root, encoding="unicode")
+
+    def parse(self) -> etree._Element:
+        """Parse the text into a new tree, with comments, which the caller may change."""
+        return etree.fromstring(self.text.encode(), _parser())
+
+
+def read_description(path: str | Path) -> Description:
+    """Read a URDF file."""
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_URDF + 1)
+    except (OSError, ValueError) as error:  # a path with a null byte is a ValueError
+        raise ExoidError(
+            f"the URDF cannot be read ({getattr(error, 'strerror', None) or error})",
+            where=str(path),
+            remedy="give the path of a readable URDF file, or the name of a built-in leg ('bleex', 'cuhk')",
+        ) from error
+    if len(content) > LARGEST_URDF:
+        raise ExoidError(
+            f"larger than {LARGEST_URDF / 1e6:.0f} MB, which no URDF needs",
+            where=str(path),
+            remedy="refer to meshes by file name instead of embedding them",
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ExoidError(
+            f"not UTF-8 text (byte {error.start})", where=str(path), remedy="save the URDF as UTF-8 XML"
+        ) from error
+    return describe(text, name=path.name)
+
+
+def describe(text: str, name: str = "URDF") -> Description:
+    """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree."""
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise ExoidError(
+            "declares a document type or entities, which can expand without bound",
+            where=name,
+            remedy="remove the <!DOCTYPE ...> block and write the values out",
+        )
+    try:
+        root = etree.fromstring(text.encode(), _parser())
+    except (etree.XMLSyntaxError, ValueError) as error:
+        raise ExoidError(f"not well-formed XML ({error})", where=name, remedy="correct the XML") from error
+    if root.tag != "robot":
+        raise ExoidError(f"the root element is <{root.tag}>, not <robot>", where=name, remedy="give a URDF file")
+    if any(element.prefix == "xacro" for element in root.iter()):
+        raise ExoidError("contains xacro commands", where=name, remedy="expand it first: xacro leg.xacro > leg.urdf")
+    _check_structure(root, name)
+    _check_inertias(root, name)
+    check_numbers(root, NUMBERS, REQUIRED, name)
+    _check_axes(root, name)
+    return Description(text, name, hashlib.sha256(text.encode()).hexdigest())
+
+
+def _check_structure(root: etree._Element, name: str) -> None:
+    links = [link.get("name", "") for link in root.findall("link")]
+    joints = [joint.get("name", "") for joint in root.findall("joint")]
+    if max(len(links), len(joints)) > MOST_LINKS:
+        raise ExoidError(
+            f"{len(links)} links and {len(joints)} joints: more than {MOST_LINKS}",
+            where=name,
+            remedy="give the URDF of one robot",
+        )
+    repeated = sorted(n for names in (links, joints) for n, count in Counter(names).items() if count > 1)
+    if repeated:
+        raise ExoidError(f"names occur twice: {', '.join(repeated)}", where=name, remedy="rename one of each")
+    if not joints:
+        raise ExoidError("has no joints", where=name, remedy="give the URDF of a leg with at least one joint")
+    for joint in root.findall("joint"):
+        place = f"{name}, joint {joint.get('name', '')!r}"
+        if joint.get("type") not in JOINT_TYPES:
+            raise ExoidError(
+                f"unknown type {joint.get('type')!r}", where=place, remedy=f"use one of {', '.join(JOINT_TYPES)}"
+            )
+        for role in ("parent", "child"):
+            end = joint.find(role)
+            link = None if end is None else end.get("link")
+            if link not in links:
+                raise ExoidError(
+                    f"its <{role}> {link!r} is not a link", where=place, remedy=f"links are {', '.join(links)}"
+                )
+    _check_tree(root, links, name)
+
+
+def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
+    carried = Counter(child.get("link", "") for child in root.findall("joint/child"))
+    shared = [link for link, count in carried.items() if count > 1]
+    if shared:
+        raise ExoidError(
+            f"link {shared[0]!r} is the child of {carried[shared[0]]} joints",
+            where=name,
+            remedy="a URDF is a tree: cut the loop",
+        )
+    roots = [link for link in links if link not in carried]
+    if len(roots) != 1:
+        found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} are children of no joint"
+        raise ExoidError(found, where=name, remedy="join all links to one tree with one root")
+
+
+def check_numbers(
+    root: etree._Element, counts: Mapping[str, Mapping[str, int]], required: Container[str], name: str
+) -> None:
+    """Check that attributes are finite decimal numbers of plausible size."""
+    for path, attributes in counts.items():
+        for element in root.findall(path):
+            for attribute, count in attributes.items():
+                text = element.get(attribute)
+                if text is None and element.tag not in required:
+                    continue
+                words = (text or "").split()
+                if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
+                    raise ExoidError(
+                        f"<{element.tag} {attribute}={_short(text)}> is not {count} finite number{'s' * (count > 1)}",
+                        where=_place(element, name),
+                        remedy="write decimal numbers, separated by spaces",
+                    )
+                if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
+                    raise ExoidError(
+                        f"<{element.tag} {attribute}={_short(text)}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
+                        where=_place(element, name),
+                        remedy="correct the number",
+                    )
+
+
+def _check_inertias(root: etree._Element, name: str) -> None:
+    for inertial in root.findall("link/inertial"):
+        if any(inertial.find(element) is None for element in REQUIRED):
+            place = _place(inertial, name)
+            raise ExoidError("its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither")
+
+
+def _check_axes(root: etree._Element, name: str) -> None:
+    for joint in root.findall("joint"):
+        axis = joint.find("axis")
+        if axis is None or joint.get("type") in ("fixed", "floating"):
+            continue
+        if axis.get("xyz") is None:  # the parser takes it as zero
+            raise ExoidError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
+        if math.hypot(*map(float, axis.get("xyz", "").split())) < SHORTEST_AXIS:
+            raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
+
+
+def _short(text: str | None) -> str:
+    return repr(text if text is None or len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}…")
+
+
+def _place(element: etree._Element, name: str) -> str:
+    """Name the link or joint that an element belongs to."""
+    while element.tag not in ("link", "joint") and (above := element.getparent()) is not None:
+        element = above
+    return f"{name}, {element.tag} {element.get('name', '')!r}"
+
+
+def _parser() -> etree.XMLParser:
+    return etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)

@@ -1,0 +1,181 @@
+"""Denavit-Hartenberg tables as URDFs, for robots that come without one.
+
+The transform of row i is, with θ = q + offset,
+
+* standard (Denavit and Hartenberg 1955): Rz(θ) Tz(d) Tx(a) Rx(α), and joint i turns about z of frame i − 1;
+* modified (Craig 1986): Rx(α) Tx(a) Rz(θ) Tz(d), and joint i turns about z of frame i.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape  # xml.sax.saxutils would load urllib and ssl
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+
+from .description import Description, describe
+
+Convention = Literal["standard", "modified"]
+
+LONGEST = 10.0
+"""Largest length of a row [m]; larger ones are millimetres."""
+
+LARGEST_ANGLE = 2.0 * math.pi
+"""Largest angle of a row [rad]; larger ones are degrees."""
+
+
+class DHRow(NamedTuple):
+    """One row of a Denavit-Hartenberg table, of a revolute joint."""
+
+    a: float  # length of the common normal [m]
+    alpha: float  # twist about it [rad]
+    d: float  # offset along the joint axis [m]
+    offset: float = 0.0  # joint angle θ of the table at q = 0 [rad]
+
+
+class DHBody(NamedTuple):
+    """Inertia of the link that carries frame i."""
+
+    mass: float = 1.0  # mass [kg]
+    center: Sequence[float] = (0.0, 0.0, 0.0)  # centre of mass in frame i [m], (3,)
+    inertia: ArrayLike = np.eye(3) * 1e-2  # inertia about the centre of mass in the axes of frame i [kg·m²], (3, 3)
+
+
+def describe_dh(
+    table: Sequence[DHRow] | ArrayLike,
+    convention: Convention,
+    joint_names: Sequence[str] | None = None,
+    *,
+    bodies: Sequence[DHBody] | None = None,
+    base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
+    name: str = "dh",
+) -> Description:
+    """Write the URDF of a Denavit-Hartenberg table."""
+    if convention not in ("standard", "modified"):
+        raise ExoidError(
+            f"no DH convention {convention!r}",
+            where=name,
+            remedy='pass "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig)',
+        )
+    rows = _rows(table, name)
+    joints = tuple(f"joint{k}" for k in range(1, len(rows) + 1)) if joint_names is None else tuple(joint_names)
+    if isinstance(joint_names, str) or len(joints) != len(rows) or len(set(joints)) != len(rows):
+        raise ExoidError(
+            f"{len(rows)} rows, and joint_names {joint_names!r}", where=name, remedy="name each joint of the table once"
+        )
+    placed = [DHBody()] * len(rows) if bodies is None else list(bodies)
+    if len(placed) != len(rows):
+        raise ExoidError(f"{len(placed)} bodies for {len(rows)} rows", where=name, remedy="give one for each row")
+    rpy = _numbers(base_rpy, (3,), "base_rpy", name)
+    _refuse_degrees(rpy, "base_rpy", name)
+    placement = _joint("base_to_frame0", "fixed", "base", "frame0", (0.0, 0.0, 0.0), rpy.tolist())
+    parts = [_link("base"), _link("frame0"), placement]
+    for index, (row, joint, body) in enumerate(zip(rows, joints, placed, strict=True), start=1):
+        parts += _segment(index, DHRow(*row), str(joint), body, convention, name)
+    return describe(f"<robot name={_quoted(name)}>\n" + "\n".join(parts) + "\n</robot>\n", name)
+
+
+def _quoted(text: str) -> str:
+    """Write an attribute of XML."""
+    return f'"{escape(text)}"'
+
+
+def _segment(index: int, row: DHRow, joint: str, body: DHBody, convention: Convention, name: str) -> list[str]:
+    """Link and joints of a row: what turns, and the fixed frame before or behind it."""
+    link, before, after = f"{joint}_link", f"frame{index - 1}", f"frame{index}"
+    twist, turn = (row.alpha, 0.0, 0.0), (0.0, 0.0, row.offset)
+    if convention == "standard":
+        return [
+            _link(link, _inertial(body, (row.a, 0.0, row.d), row.alpha, name)),
+            _joint(joint, "continuous", before, link, (0.0, 0.0, 0.0), turn),
+            _link(after),
+            _joint(f"{link}_to_{after}", "fixed", link, after, (row.a, 0.0, row.d), twist),
+        ]
+    pivot = f"pivot{index}"
+    return [
+        _link(pivot),
+        _joint(f"{before}_to_{pivot}", "fixed", before, pivot, (row.a, 0.0, 0.0), twist),
+        _link(link, _inertial(body, (0.0, 0.0, 0.0), 0.0, name)),
+        _joint(joint, "continuous", pivot, link, (0.0, 0.0, row.d), turn),
+        _link(after),
+        _joint(f"{link}_to_{after}", "fixed", link, after, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+    ]
+
+
+def _rows(table: Sequence[DHRow] | ArrayLike, name: str) -> FloatArray:
+    """Check the table, (n, 4)."""
+    rows = _numbers(table, None, "the DH table", name)
+    if rows.ndim != 2 or not len(rows) or rows.shape[1] not in (3, 4):
+        raise ExoidError(
+            f"a DH table of shape {rows.shape}",
+            where=name,
+            remedy="give rows (a, alpha, d, offset), one for each joint",
+        )
+    rows = np.column_stack([rows, np.zeros((len(rows), 4 - rows.shape[1]))])
+    if np.abs(rows[:, [0, 2]]).max() > LONGEST:
+        raise ExoidError(
+            f"a length of {np.abs(rows[:, [0, 2]]).max():g} m looks like millimetres", where=name, remedy="give m"
+        )
+    _refuse_degrees(rows[:, [1, 3]], "the DH table", name)
+    return rows
+
+
+def _refuse_degrees(angles: FloatArray, what: str, name: str) -> None:
+    if np.abs(angles).max() > LARGEST_ANGLE:
+        raise ExoidError(
+            f"an angle of {np.abs(angles).max():g} rad in {what} looks like degrees",
+            where=name,
+            remedy="give rad, e.g. np.deg2rad(90)",
+        )
+
+
+def _numbers(values: ArrayLike, shape: tuple[int, ...] | None, what: str, name: str) -> FloatArray:
+    """Convert to finite numbers."""
+    try:
+        numbers = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ExoidError(f"{what} is not an array of numbers", where=name, remedy="give numbers in SI units") from None
+    if (shape is not None and numbers.shape != shape) or not np.isfinite(numbers).all():
+        raise ExoidError(
+            f"{what} of shape {numbers.shape} has numbers that are not finite, or not {shape} of them",
+            where=name,
+            remedy="give finite numbers in SI units",
+        )
+    return numbers
+
+
+def _inertial(body: DHBody, place: tuple[float, float, float], alpha: float, name: str) -> str:
+    """Inertia of a link whose frame i is placed and twisted so in it."""
+    mass = float(_numbers(body.mass, (), "mass", name))
+    center, inertia = _numbers(body.center, (3,), "center", name), _numbers(body.inertia, (3, 3), "inertia", name)
+    if mass <= 0.0 or not np.allclose(inertia, inertia.T):
+        raise ExoidError(
+            f"a mass of {mass:g} kg, or an inertia that is not symmetric", where=name, remedy="correct the body"
+        )
+    c, s = math.cos(alpha), math.sin(alpha)
+    x, y, z = center
+    moved = (place[0] + x, place[1] + c * y - s * z, place[2] + s * y + c * z)
+    pairs = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), inertia[np.triu_indices(3)].tolist(), strict=True)
+    moments = " ".join(f'{key}="{value!r}"' for key, value in pairs)
+    origin = _origin(moved, (alpha, 0.0, 0.0))
+    return f'<inertial>{origin}<mass value="{mass!r}"/><inertia {moments}/></inertial>'
+
+
+def _link(name: str, inertial: str = "") -> str:
+    return f"<link name={_quoted(name)}>{inertial}</link>"
+
+
+def _joint(name: str, kind: str, parent: str, child: str, xyz: Sequence[float], rpy: Sequence[float]) -> str:
+    ends = f"<parent link={_quoted(parent)}/><child link={_quoted(child)}/>"
+    axis = '<axis xyz="0 0 1"/>' if kind != "fixed" else ""
+    return f"<joint name={_quoted(name)} type={_quoted(kind)}>{ends}{_origin(xyz, rpy)}{axis}</joint>"
+
+
+def _origin(xyz: Sequence[float], rpy: Sequence[float]) -> str:
+    place, turn = (" ".join(repr(float(x)) for x in values) for values in (xyz, rpy))
+    return f'<origin xyz="{place}" rpy="{turn}"/>'

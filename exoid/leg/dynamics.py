@@ -1,0 +1,123 @@
+"""Pinocchio's algorithms for arrays of samples."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+
+from .model import configuration, joint_axis
+
+
+class SegmentPlacements(NamedTuple):
+    """Placement of each segment frame, at its joint, in the base frame."""
+
+    rotation: FloatArray  # rotation matrices, (N, n, 3, 3)
+    translation: FloatArray  # origins [m], (N, n, 3)
+
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        samples, segments = self.translation.shape[:2]
+        return f"SegmentPlacements({samples} samples, {segments} segments)"
+
+
+def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Compute joint torques by the recursive Newton-Euler algorithm."""
+    data = model.createData()
+    rows = zip(configuration(model, q), v, a, strict=True)
+    return np.array([pin.rnea(model, data, *row) for row in rows]).reshape(v.shape)
+
+
+def inverse_dynamics_on_base(
+    free: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, velocity: FloatArray, acceleration: FloatArray
+) -> FloatArray:
+    """Compute force and moment on the base, and joint torques, behind a free-flyer joint."""
+    weightless = pin.Model(free)
+    weightless.gravity.setZero()
+    data = weightless.createData()
+    at_origin = np.hstack([np.zeros((len(q), 6)), q])
+    states = np.hstack([velocity, v]), np.hstack([acceleration, a])
+    rows = zip(configuration(free, at_origin), *states, strict=True)
+    return np.array([pin.rnea(weightless, data, *row) for row in rows]).reshape(len(q), free.nv)
+
+
+class TorqueSlopes(NamedTuple):
+    """Derivatives of joint torques by angles, velocities and accelerations."""
+
+    q: FloatArray  # by angles [N·m/rad], (N, n, n)
+    v: FloatArray  # by velocities [N·m·s/rad], (N, n, n)
+    a: FloatArray  # by accelerations, the mass matrix [kg·m²], (N, n, n)
+
+
+def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> TorqueSlopes:
+    """Compute the derivatives of :func:`inverse_dynamics`."""
+    data = model.createData()
+    slopes = np.empty((3, len(v), model.nv, model.nv))
+    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
+        slopes[0, i], slopes[1, i], slopes[2, i] = pin.computeRNEADerivatives(model, data, *row)
+    upper = np.triu(slopes[2])  # Pinocchio fills the upper half
+    return TorqueSlopes(slopes[0], slopes[1], upper + np.triu(upper, 1).transpose(0, 2, 1))
+
+
+def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a)."""
+    data = model.createData()
+    out = np.empty((*v.shape, 10 * (model.njoints - 1)))
+    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
+        out[i] = pin.computeJointTorqueRegressor(model, data, *row)
+    return out
+
+
+def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
+    """Compute the mass matrix M(q) by the composite rigid-body algorithm."""
+    data = model.createData()
+    upper = np.array([np.triu(pin.crba(model, data, row)) for row in configuration(model, q)])
+    upper = upper.reshape(len(q), model.nv, model.nv)
+    return np.asarray(upper + np.swapaxes(np.triu(upper, 1), 1, 2))
+
+
+def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArray:
+    """Compute C(q, v), with C v the Coriolis and centrifugal torque and ½Ṁ − C skew-symmetric."""
+    data = model.createData()
+    rows = zip(configuration(model, q), v, strict=True)
+    matrices = [pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows]
+    return np.array(matrices).reshape(len(q), model.nv, model.nv)
+
+
+def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
+    """Compute the gravity torque G(q)."""
+    data = model.createData()
+    torques = [pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)]
+    return np.array(torques).reshape(len(q), model.nv)
+
+
+def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
+    """Compute the frames of all joints by forward kinematics, batched over samples."""
+    # With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,
+    #
+    #     R_j = R R₀ [cos q (1 − u uᵀ) + sin q [u]× + u uᵀ],  p_j = p + R p₀        (revolute)
+    #     R_j = R R₀,                                         p_j = p + R (p₀ + R₀ u q)    (prismatic)
+    #
+    # (Featherstone 2008, ch. 4). The interpreter works once for each joint, and not for each sample.
+    n = model.njoints - 1
+    rotation, translation = np.empty((n, 3, 3, len(q))), np.empty((n, 3, len(q)))  # samples last: wide products
+    root = np.broadcast_to(np.eye(3)[..., None], (3, 3, len(q))), np.zeros((3, len(q)))
+    for j in range(n):
+        joint, at, parent = model.joints[j + 1], model.jointPlacements[j + 1], model.parents[j + 1] - 1
+        R, p = root if parent < 0 else (rotation[parent], translation[parent])
+        axis = joint_axis(joint)
+        slide, u = axis[:3], axis[3:]
+        along = np.outer(u, u)
+        np.matmul(at.rotation.T, R, out=rotation[j])
+        np.add(p, at.translation @ R, out=translation[j])
+        if slide.any():
+            translation[j] += (slide @ rotation[j]) * q[:, joint.idx_v]
+        elif u.any():
+            across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
+            rotation[j] = along @ rotation[j] + np.cos(q[:, joint.idx_v]) * across + np.sin(q[:, joint.idx_v]) * turned
+    return SegmentPlacements(
+        np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(translation.transpose(2, 0, 1))
+    )

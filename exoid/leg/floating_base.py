@@ -1,0 +1,51 @@
+"""Floating base: its model, its rows, and the coordinates that they belong to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+
+from .base_kinematics import BaseKinematics
+from .dynamics import mass_matrix
+from .reduction import Plane
+
+FREE_ROWS = ("base_fx", "base_fy", "base_fz", "base_mx", "base_my", "base_mz")
+"""Rows of a base that floats in space: force [N] and moment about the origin of the root link [N·m], in its axes."""
+
+
+def free_flyer_model(model: pin.Model) -> pin.Model:
+    """Put a joint of six degrees of freedom before the root link."""
+    base = pin.Model()
+    joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "exoid base")
+    frame = base.addFrame(pin.Frame("exoid base", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    free = pin.appendModel(base, model, frame, pin.SE3.Identity())
+    free.inertias[1] = model.inertias[0]
+    free.gravity = model.gravity
+    return free
+
+
+def planar_coordinates(plane: Plane, hip: FloatArray) -> FloatArray:
+    """Twist of the root link per unit of the coordinates of a planar base: hip forward, hip up, pitch about the hip."""
+    # Its transpose takes force and moment about the origin to the rows of a planar base.
+    pitch = -plane.lateral
+    columns = [np.r_[plane.forward, 0, 0, 0], np.r_[plane.up, 0, 0, 0], np.r_[-np.cross(pitch, hip), pitch]]
+    return np.column_stack(columns)
+
+
+def rest(gravity: FloatArray, count: int) -> BaseKinematics:
+    """Motion of a base that stands upright and still."""
+    still = np.zeros((count, 3))
+    return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
+
+
+def floating_mass_matrix(free: pin.Model, coordinates: FloatArray, q: FloatArray) -> FloatArray:
+    """Compute the mass matrix of base coordinates and joints."""
+    M = mass_matrix(free, np.hstack([np.zeros((len(q), 6)), q]))
+    return project_columns(project_columns(M, coordinates).swapaxes(1, 2), coordinates)
+
+
+def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:
+    """Write columns of the six freedoms of a base in its coordinates."""
+    return np.concatenate([matrix[..., :6] @ coordinates, matrix[..., 6:]], axis=-1)

@@ -1,0 +1,369 @@
+"""Leg: a URDF, the joints that move, and its base parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import get_args
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+
+from .description import Description, read_description
+from .dh import Convention, DHBody, DHRow, describe_dh
+from .dynamics import (
+    SegmentPlacements,
+    coriolis_matrix,
+    gravity_torque,
+    inverse_dynamics,
+    inverse_dynamics_on_base,
+    mass_matrix,
+    segment_placements,
+)
+from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
+from .leg_data import Base, LegData, to_numbers, without_side
+from .link_frames import link_frame, planar_directions
+from .model import build_model, with_dynamic_parameters
+from .reduction import PlanarChain, PlanarMachine, documented, documented_machine, numeric, tree_jacobian
+from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Leg(LegData):
+    """Rigid-body model of one leg, or of any other robot: a Pinocchio model and its base parameters.
+
+    For a planar chain the parameters are (X, Y, J) of each segment, as in the documents. For any other robot they are
+    numerical base parameters. For every motion, ``regressor(q, v, a) @ parameters == inverse_dynamics(q, v, a)``.
+
+    Make a leg with :func:`exoid.load_leg`, :func:`exoid.load_exo` or :meth:`Leg.from_urdf`. See :class:`LegData` for
+    the attributes: :attr:`joint_names`, :attr:`parameter_names`, :attr:`parameters` and the geometry behind them.
+    """
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        joints: Sequence[str] | None = None,
+        *,
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+        base: Base = "fixed",
+    ) -> Leg:
+        """Read a leg from a URDF file.
+
+        Args:
+            path: The URDF.
+            joints: Joints that move, from the torso outwards; all others are locked. None for every joint of one
+                degree of freedom.
+            locked: Positions of other joints [rad or m]; zero if not given.
+            cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
+            base: "moving" for the parameters of a leg whose base moves in space. A planar chain takes motions of its
+                base within its plane without it. "floating" adds rows of the base, and the parameters of the root link.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The URDF cannot be read or used, or a joint is missing.
+
+        Example:
+            >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
+        """
+        return cls.from_description(read_description(path), joints, locked=locked, cumulative=cumulative, base=base)
+
+    @classmethod
+    def from_dh(
+        cls,
+        table: Sequence[DHRow] | ArrayLike,
+        convention: Convention,
+        joint_names: Sequence[str] | None = None,
+        *,
+        bodies: Sequence[DHBody] | None = None,
+        base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+        name: str = "dh",
+    ) -> Leg:
+        """Make a leg of a Denavit-Hartenberg table, for a robot without a URDF.
+
+        Identification uses only the geometry, so that inertias may be left out. The tool's frame is the last one.
+
+        Args:
+            table: Rows (a, α, d, offset of θ) of revolute joints in m and rad, (n, 4), such as
+                :class:`exoid.leg.dh.DHRow`; (n, 3) without the offset.
+            convention: "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig).
+            joint_names: Names of the n joints; None for joint1, joint2, ….
+            bodies: Inertia of each link in its frame; None for a unit mass at the origin of each frame.
+            base_rpy: Roll, pitch and yaw [rad] of frame 0 in the base, whose z axis points up.
+            locked: Positions of joints that do not move [rad].
+            cumulative: See :meth:`from_urdf`.
+            name: Name of the robot.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The table has other numbers than a DH table, or names or bodies do not fit it.
+
+        Example:
+            >>> rows = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.0)]
+            >>> Leg.from_dh(rows, "standard", ("yaw", "shoulder", "elbow")).joint_names
+            ('yaw', 'shoulder', 'elbow')
+        """
+        description = describe_dh(table, convention, joint_names, bodies=bodies, base_rpy=base_rpy, name=name)
+        return cls.from_description(description, locked=locked, cumulative=cumulative)
+
+    @classmethod
+    def from_description(
+        cls,
+        description: Description,
+        joints: Sequence[str] | None = None,
+        *,
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+        base: Base = "fixed",
+    ) -> Leg:
+        """Build a leg from a description in memory.
+
+        Args:
+            description: The URDF.
+            joints: See :meth:`from_urdf`.
+            locked: See :meth:`from_urdf`.
+            cumulative: See :meth:`from_urdf`.
+            base: See :meth:`from_urdf`.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The URDF cannot be used, or a joint is missing.
+        """
+        if base not in get_args(Base):
+            raise ExoidError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
+        locked = MappingProxyType(dict(locked or {}))
+        model = build_model(description, joints, locked)
+        chain = PlanarChain.from_model(model) if base == "fixed" else None
+        floating = base == "floating"
+        if floating and model.inertias[0].mass <= 0.0:
+            raise ExoidError(
+                f"the root link {description.root_link!r} of a floating base has no mass: no <inertial>?",
+                where=description.name,
+                remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
+            )
+        machine = PlanarMachine.from_model(model, floating=floating) if chain is None and base != "moving" else None
+        if chain is not None:
+            reduction = documented(chain, cumulative=cumulative)
+        elif machine is not None:
+            reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
+        else:
+            links = without_side([description.child_links[name] for name in list(model.names)[1:]])
+            if floating:
+                reduction = numeric(free_flyer_model(model), (description.root_link, *links))
+            else:
+                reduction = numeric(model, links, moving_base=base == "moving")
+        return cls(description, model, reduction, chain, locked, cumulative, base, machine)
+
+    def with_parameters(self, values: ArrayLike) -> Leg:
+        """Change the parameters.
+
+        Masses do not change, so single links may become physically inconsistent.
+
+        Args:
+            values: Parameters in the order of :attr:`parameter_names`, (p,).
+
+        Returns:
+            The leg with these parameters.
+
+        Raises:
+            ExoidError: The number of values is wrong, or one is not finite.
+        """
+        array = to_numbers(values)
+        if array.shape != self.parameters.shape or not np.isfinite(array).all():
+            raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
+        adjusted = self.reduction.adjust(self.link_parameters, array)
+        return replace(self, model=with_dynamic_parameters(self.model, adjusted))
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
+        """Compute joint torques, and the rows of a floating base, by the recursive Newton-Euler algorithm (RNEA).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, or of the base in space with all that it adds; None if it is upright and still.
+
+        Returns:
+            Torques [N·m], (N, n); of a floating base (N, base_rows + n), see :attr:`row_names`.
+
+        Raises:
+            ExoidError: Shapes do not fit.
+        """
+        samples = self.samples(q, v, a)
+        if self.base == "floating" or not isinstance(torso, TorsoMotion | None):
+            q, v, a = samples
+            rows = inverse_dynamics_on_base(self._free, q, v, a, *self._base(torso, len(q)).spatial())
+            return project_columns(rows, self._base_coordinates)
+        if torso is None:
+            return inverse_dynamics(self.model, *samples)
+        moved = (
+            np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
+        )
+        return inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
+
+    def mass_matrix(self, q: ArrayLike) -> FloatArray:
+        """Compute the mass matrix M(q), which does not depend on the tilt of the torso.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            M [kg·m²], (N, n, n); of a floating base (N, base_rows + n, base_rows + n), also in kg and kg·m.
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
+        (q,) = self.samples(q)
+        if self.base == "floating":
+            return floating_mass_matrix(self._free, self._base_coordinates, q)
+        return mass_matrix(self.model, q)
+
+    def frame_jacobian(self, q: ArrayLike, link: str, point: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
+        """Compute the Jacobian J of a point of a link: its twist per unit of each coordinate of the rows.
+
+        Coordinates of base rows are the velocity of the base that does work with them. So a force and a moment on the
+        link at the point, in its axes, act on the rows as Jᵀ (force, moment).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            link: Name of a link in the URDF; the root link, or one fixed to another, too.
+            point: Place of the point in the axes of the link [m], (3,).
+
+        Returns:
+            J, linear rows before angular, in the axes of the link, (N, 6, base_rows + n).
+
+        Raises:
+            ExoidError: The shape does not fit, or the URDF has no such link.
+        """
+        (q,) = self.samples(q)
+        frame = link_frame(self.model, self.description, link)
+        place = frame.placement * pin.SE3(np.eye(3), _point(point))
+        J = tree_jacobian(self._tree, q, frame.body, place.inverse().action)
+        return project_columns(J, self._base_coordinates) if self.base == "floating" else J
+
+    def contact_jacobian(self, q: ArrayLike, link: str) -> FloatArray:
+        """Compute the Jacobian of what a link that is fixed to the ground keeps at zero.
+
+        For a planar leg this is the velocity of the link's origin along the axes that point forward and up at the zero
+        pose and turn with the link, and its rate of turn, positive like the pitch. Otherwise it is the twist of
+        :meth:`frame_jacobian`. Columns of a floating base come first; they are an invertible matrix.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            link: Name of a link in the URDF.
+
+        Returns:
+            J, (N, c, base_rows + n) with c = 3 for a planar leg, otherwise 6.
+
+        Raises:
+            ExoidError: The shape does not fit, or the URDF has no such link.
+        """
+        J = self.frame_jacobian(q, link)
+        return J if not self.limbs else planar_directions(self.model, self.description, link, self.plane) @ J
+
+    def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            torso: Motion of the torso; None if it is upright and still.
+
+        Returns:
+            C, (N, n, n). With a motion of the torso (N, n, 1 + n), where the first column multiplies the pitch rate.
+
+        Raises:
+            ExoidError: Shapes do not fit.
+        """
+        q, v = self.samples(q, v)
+        if self.base == "floating":
+            raise ExoidError(
+                "a floating base has no Coriolis matrix without its velocity in space",
+                where=self.description.name,
+                remedy="take the rows of inverse_dynamics at zero acceleration, less those of gravity",
+            )
+        if torso is None:
+            return coriolis_matrix(self.model, q, v)
+        position, velocity, _ = torso_coordinates(torso.samples(len(q)))
+        C = coriolis_matrix(self._on_torso, np.hstack([position, q]), np.hstack([velocity, v]))
+        return C[:, TORSO_JOINTS:, TORSO_JOINTS - 1 :]
+
+    def gravity(self, q: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Compute the gravity torque G(q).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            torso: Motion of the torso, only the pitch of which has an effect; None if it is upright.
+
+        Returns:
+            G [N·m], (N, n); of a floating base (N, base_rows + n), see :attr:`row_names`.
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
+        (q,) = self.samples(q)
+        if self.base == "floating":
+            still = np.zeros_like(q)
+            return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
+        if torso is None:
+            return gravity_torque(self.model, q)
+        position, _, _ = torso_coordinates(torso.samples(len(q)))
+        return gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
+
+    def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
+        """Compute gravity in the base frame of a tilted torso.
+
+        Args:
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            Gravity [m/s²], (3,).
+        """
+        _, lateral, _ = self.plane
+        return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
+
+    def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
+        """Compute the placement of every segment frame in the base frame.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            torso: Motion of the torso, which pitches about the hip; None if it is upright.
+
+        Returns:
+            Rotations and translations.
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
+        (q,) = self.samples(q)
+        if torso is None:
+            return segment_placements(self.model, q)
+        position, _, _ = torso_coordinates(torso.samples(len(q)))
+        rotation, translation = segment_placements(self._on_torso, np.hstack([position, q]))
+        return SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
+
+    @cached_property
+    def _on_torso(self) -> pin.Model:
+        return moving_torso_model(self.model, self.plane)
+
+
+def _point(point: ArrayLike) -> FloatArray:
+    place = to_numbers(point)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ExoidError(f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link")
+    return place

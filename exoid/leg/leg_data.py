@@ -1,0 +1,237 @@
+"""Data of a leg: a Pinocchio model, its geometry, its base parameters, and the regressor that they multiply."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+
+from .base_kinematics import BaseKinematics
+from .description import Description
+from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
+from .model import dynamic_parameters
+from .reduction import (
+    PLANAR_ROWS,
+    SIDES,
+    Limb,
+    PlanarChain,
+    PlanarMachine,
+    Plane,
+    Reduction,
+    TorsoSamples,
+    Tree,
+    fill_reduced_regressor,
+    fill_regressor,
+)
+from .torso import MovingBase, base_kinematics, torso_samples
+
+Base = Literal["fixed", "moving", "floating"]
+"""Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
+
+
+class JointLimits(NamedTuple):
+    """Limits of each joint in the URDF, (n,) each; infinite where it has none."""
+
+    lower: FloatArray  # smallest angle [rad]
+    upper: FloatArray  # largest angle [rad]
+    velocity: FloatArray  # largest speed [rad/s]
+    effort: FloatArray  # largest torque [N·m]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LegData:
+    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`."""
+
+    description: Description  # the URDF
+    model: pin.Model  # pinocchio model of the moving joints; do not change it
+    reduction: Reduction  # reduction of link parameters to `parameters`
+    chain: PlanarChain | None  # planar geometry; None if the leg is not a planar chain
+    locked: Mapping[str, float] = field(default_factory=dict)  # positions of joints that do not move [rad]
+    cumulative: bool = True  # whether J of a segment contains the J below it (doc. 1) or not (doc. 2)
+    # "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
+    # more than on a fixed base. "floating" if rows of the base come before those of the joints
+    base: Base = "fixed"
+    # planar geometry of several limbs, or of what has a floating base; None for all other legs
+    machine: PlanarMachine | None = None
+
+    @property
+    def hip(self) -> FloatArray:
+        """Origin of the first joint in the axes of the root link [m], (3,)."""
+        return np.array(self.model.jointPlacements[1].translation)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints in the URDF, from the torso outwards."""
+        return tuple(self.model.names)[1:]
+
+    @property
+    def limbs(self) -> tuple[Limb, ...]:
+        """Planar chains of the leg: one, or those of a machine; () if it is not planar."""
+        if self.chain is not None:
+            return (Limb(self.chain, slice(0, self.chain.n), "", np.zeros(2)),)
+        return () if self.machine is None else self.machine.limbs
+
+    @property
+    def plane(self) -> Plane:
+        """Plane of motion in the axes of the root link; x and z of these axes for a leg that is not planar."""
+        return self.limbs[0].chain.plane if self.limbs else Plane(*np.eye(3))
+
+    @property
+    def base_rows(self) -> int:
+        """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
+        return len(self.row_names) - len(self.joint_names)
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows: forces and moments on a floating base, and the joints."""
+        # The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
+        # about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
+        if self.base != "floating":
+            return self.joint_names
+        return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """Joint names without ``left_`` or ``right_``, which occur in the names of parameters."""
+        return without_side(self.joint_names)
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links that the joints carry."""
+        return tuple(self.description.child_links[joint] for joint in self.joint_names)
+
+    @property
+    def link_labels(self) -> tuple[str, ...]:
+        """Link names without ``left_`` or ``right_``."""
+        return without_side(self.link_names)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Links whose inertia is in the equation: those that joints carry, behind the root link if the base floats."""
+        return (self.description.root_link,) * (self.base == "floating") + self.link_names
+
+    @property
+    def link_parameters(self) -> FloatArray:
+        """Ten parameters π of each of :attr:`bodies` about its joint, or the origin of the root link, (10 k,)."""
+        return dynamic_parameters(self.model, root=self.base == "floating")
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in the order of every array of parameters."""
+        return self.reduction.names
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Units of the parameters."""
+        return self.reduction.units
+
+    @cached_property
+    def parameters(self) -> FloatArray:
+        """Values of the parameters in SI units, (p,)."""
+        values = self.reduction.parameters(self.link_parameters)
+        values.flags.writeable = False
+        return values
+
+    @property
+    def limits(self) -> JointLimits:
+        """Limits of the joints."""
+        model = self.model
+        joints = [model.joints[j] for j in range(1, model.njoints)]
+        turning = np.array([joint.nq == 2 for joint in joints])  # continuous joints have no limits
+        lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
+        upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
+        lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
+        return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
+        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints."""
+        q, v, a = self.samples(q, v, a)
+        out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
+        self.fill_regressor(q, v, a, out, torso)
+        return out.transpose(2, 1, 0)
+
+    def fill_regressor(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
+    ) -> None:
+        """Write the regressor into an array."""
+        if self.chain is not None:
+            moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
+            fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
+        elif self.machine is not None:
+            within = None if torso is None else self._within_plane(torso, len(q))
+            self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
+        elif torso is None or self.base != "fixed":
+            base = None if torso is None else self._base(torso, len(q)).spatial()
+            fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
+        else:
+            raise ExoidError(
+                "a moving base needs more parameters unless the leg is a planar chain",
+                where=self.description.name,
+                remedy='make the leg with Leg.from_urdf(..., base="moving")',
+                command="give --moving-base",
+            )
+
+    def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
+        """Check that arrays have the same shape (N, n)."""
+        checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
+        n = len(self.joint_names)
+        if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
+            raise ExoidError(
+                f"arrays of shapes {', '.join(str(x.shape) for x in checked)} do not fit a leg of {n} joints",
+                remedy=f"pass (N, {n}) arrays: samples first, then {', '.join(self.joint_names)}",
+            )
+        return checked
+
+    def __repr__(self) -> str:
+        """Write the URDF, the joints and the parameters."""
+        kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
+        names = ", ".join(self.parameter_names)
+        return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
+
+    @cached_property
+    def _free(self) -> pin.Model:
+        return free_flyer_model(self.model)
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return Tree.from_model(self._free if self.base == "floating" else self.model)
+
+    @cached_property
+    def _base_coordinates(self) -> FloatArray:
+        """Twist of the root link per unit of each base coordinate, (6, base_rows)."""
+        if self.base != "floating":
+            return np.zeros((6, 0))
+        return np.eye(6) if self.machine is None else planar_coordinates(self.plane, self.hip)
+
+    def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
+        if torso is None:
+            return rest(self.model.gravity.linear, count)
+        return base_kinematics(torso, count, self.plane, self.hip)
+
+    def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
+        """Motion within the plane; of a floating torso in axes that turn with it."""
+        base = self._base(torso, count) if self.base == "floating" else torso
+        return torso_samples(base, count, self.plane, self.hip)
+
+
+def to_numbers(values: ArrayLike) -> FloatArray:
+    """Convert to an array of numbers."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
+
+
+def without_side(names: Sequence[str]) -> tuple[str, ...]:
+    """Leave out ``left_`` or ``right_`` where all names begin with it."""
+    for side in SIDES:
+        if all(name.startswith(side) and name != side for name in names):
+            return tuple(name.removeprefix(side) for name in names)
+    return tuple(names)

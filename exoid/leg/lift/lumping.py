@@ -1,0 +1,106 @@
+"""Lumping: distributes the inertia of an identified body among the links of the URDF that form it.
+
+Fixed and locked joints lump links into one body: the link that a joint carries and all links fixed to it. The fixed
+links keep their inertia, and the carried link gets the rest of the body. This rest may be physically inconsistent or of
+another size, or the link may have no inertia in the URDF. Then one affine map P → A P Aᵀ from the old body to the new
+one changes all links. Each link stays consistent, and their sum is exact.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg.leg import Leg
+from exoid.leg.rewriting import read_inertials
+
+from .pseudo_inertia import congruence, link_parameters, make_consistent, margins, pseudo_inertias, upper_factors
+
+SMALLEST_MARGIN = 1e-6
+"""Smallest margin of the rest of a body that counts as consistent."""
+
+AGREEMENT = 1e-9
+"""Largest relative difference between a body and the sum of its links."""
+
+
+class LinkInertia(NamedTuple):
+    """A link with inertia."""
+
+    link: str  # name of the link
+    placement: pin.SE3  # link frame in the joint frame of the body
+    parameters: FloatArray  # π about the joint frame of the body, (10,)
+
+
+def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf) -> dict[str, FloatArray]:
+    """Distribute the inertias of bodies among the links that form them.
+
+    Args:
+        leg: The leg, with the URDF's inertias.
+        bodies: π of each of ``leg.bodies`` about its joint frame, (k, 10); physically consistent.
+        mass_factor: Largest change of the mass of the carried link, up or down, at which it gets the rest of its body.
+            Beyond it, masses of all links of the body change in proportion.
+
+    Returns:
+        π about the link frame, (10,), of each link whose inertia changes.
+
+    Raises:
+        ExoidError: The bodies of the leg are not the sum of the links in its URDF.
+    """
+    shares: dict[str, FloatArray] = {}
+    every = zip(leg.bodies, _parts(leg), leg.link_parameters.reshape(-1, 10), bodies, strict=True)
+    for own, parts, given, body in every:
+        total = np.sum([part.parameters for part in parts], axis=0)
+        if not np.allclose(total, given, rtol=0.0, atol=AGREEMENT * np.abs(given).max()):
+            raise ExoidError(
+                f"the links fixed to {own!r} do not sum to its body",
+                where=leg.description.name,
+                remedy="rename links and joints so that each name occurs once",
+            )
+        changed = _rest_of(own, parts, body, mass_factor) or _mapped(parts, body)
+        for part in changed:
+            inverse = congruence(part.placement.inverse().homogeneous[None])[0]
+            shares[part.link] = inverse @ part.parameters
+    return shares
+
+
+def _rest_of(own: str, parts: list[LinkInertia], body: FloatArray, mass_factor: float) -> list[LinkInertia]:
+    """The carried link with the body less the fixed links; empty if that is not consistent or its mass far off."""
+    mine = [part for part in parts if part.link == own and part.parameters[0] > 0.0]
+    fixed = [part.parameters for part in parts if part.link != own]
+    rest = body - np.sum(fixed, axis=0) if fixed else body
+    if mine and (not fixed or (margins(rest)[0] > SMALLEST_MARGIN and _within(rest, mine[0], mass_factor))):
+        return [mine[0]._replace(parameters=rest)]
+    return []
+
+
+def _within(rest: FloatArray, link: LinkInertia, mass_factor: float) -> bool:
+    """Whether the mass of the rest is that of the link up to a factor."""
+    return bool(1.0 / mass_factor <= rest[0] / link.parameters[0] <= mass_factor)
+
+
+def _mapped(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
+    """All links under the affine map from their sum to the body."""
+    heavy = [part for part in parts if part.parameters[0] > 0.0]
+    before = pseudo_inertias(make_consistent(np.concatenate([part.parameters for part in heavy])))
+    old, new = upper_factors(before.sum(axis=0)[None])[0], upper_factors(pseudo_inertias(body))[0]
+    A = np.linalg.solve(old.T, new.T).T
+    after = link_parameters(A @ before @ A.T).reshape(-1, 10)
+    return [part._replace(parameters=parameters) for part, parameters in zip(heavy, after, strict=True)]
+
+
+def _parts(leg: Leg) -> list[list[LinkInertia]]:
+    """Links of each body that have an inertia, placed by Pinocchio's frames."""
+    inertials = read_inertials(leg.description)
+    parts: list[list[LinkInertia]] = [[] for _ in leg.bodies]
+    first = len(leg.joint_names) + 1 - len(parts)  # the root link is a body only if it floats
+    for frame in leg.model.frames:
+        renamed = frame.name not in inertials  # by build_model
+        link = frame.name.rpartition(" ")[0] if renamed else frame.name
+        if frame.type == pin.FrameType.BODY and frame.parentJoint >= first and link in inertials:
+            about_joint = congruence(frame.placement.homogeneous[None])[0] @ inertials[link]
+            parts[frame.parentJoint - first].append(LinkInertia(link, frame.placement, about_joint))
+    return parts

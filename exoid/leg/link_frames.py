@@ -1,0 +1,49 @@
+"""Frame of a link of the URDF: the joint whose body carries it, and its place there."""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .description import Description
+from .reduction import Plane
+
+
+class LinkFrame(NamedTuple):
+    """Frame of a link."""
+
+    body: int  # index of the joint that carries the link, −1 for the root link and links that are fixed to it
+    placement: pin.SE3  # place of the link in the frame of that joint, or of the root link
+
+
+def link_frame(model: pin.Model, description: Description, link: str) -> LinkFrame:
+    """Find the frame of a link, which may be the root link, or one fixed to another link."""
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    numbered = re.compile(rf"{re.escape(str(link))} \d+")  # a link with the name of a joint, see build_model
+    same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
+    if not same:
+        names = [element.get("name", "") for element in description.parse().findall("link")]
+        close = get_close_matches(str(link), names, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise ExoidError(
+            f"no link {link!r} in the URDF", where=description.name, remedy=f"{hint}it has {', '.join(names)}"
+        )
+    return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())
+
+
+def planar_directions(model: pin.Model, description: Description, link: str, plane: Plane) -> FloatArray:
+    """Pick the part of a link's twist that lies in a plane."""
+    body, placement = link_frame(model, description, link)
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    rotation = (data.oMi[body + 1] * placement).rotation
+    out = np.zeros((3, 6))
+    out[0, :3], out[1, :3], out[2, 3:] = plane.forward @ rotation, plane.up @ rotation, -plane.lateral @ rotation
+    return out

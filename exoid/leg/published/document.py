@@ -1,0 +1,252 @@
+"""Documents as data: tables as printed, errata, and assumptions for values that are not printed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from types import MappingProxyType
+from typing import Any, NoReturn
+
+from exoid.errors import ExoidError
+from exoid.tools.tables import DataTable, to_text
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Printed number.
+
+    Attributes:
+        value: Value.
+        unit: Unit as printed, ``"1"`` for a count.
+        printed: Digits as printed; trailing zeros show the precision.
+    """
+
+    value: float
+    unit: str
+    printed: str
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """Assumed number that the document does not print.
+
+    Attributes:
+        value: Value.
+        unit: Unit, ``"1"`` for a ratio.
+        reason: Source of the number, or reason for the choice.
+    """
+
+    value: float
+    unit: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """Misprint or remark; tables keep the printed values.
+
+    Attributes:
+        where: Tables, equations or sections concerned, such as ``"Table I"``.
+        remark: Description of the error and the reading of this library.
+    """
+
+    where: tuple[str, ...]
+    remark: str
+
+
+@dataclass(frozen=True, repr=False)
+class PublishedTable:
+    """Table as printed.
+
+    Attributes:
+        number: Roman number.
+        caption: Printed caption.
+        equation: Equation with the numbers as coefficients; empty if the names define them.
+        values: Numbers by name; in a table of several columns or rows the name has a prefix, ``"left.X1"``.
+        texts: Cells of words or formulas by name, with the same prefixes.
+        errata: Errata of the document that concern this table.
+    """
+
+    number: str
+    caption: str
+    equation: str
+    values: Mapping[str, Quantity]
+    texts: Mapping[str, str]
+    errata: tuple[Erratum, ...]
+
+    def __repr__(self) -> str:
+        """Name the table and count its numbers."""
+        return f"PublishedTable({self.number}: {self.caption}, {len(self.values)} numbers)"
+
+    def __str__(self) -> str:
+        """Print as a table, one line a number with its printed digits."""
+        rows = [(name, quantity.printed, quantity.unit) for name, quantity in self.values.items()]
+        return to_text(DataTable(f"Table {self.number}: {self.caption}", ("name", "value", "unit"), rows))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns (or rows) such as ``("left", "right")``; empty if there is only one."""
+        names = (*self.values, *self.texts)
+        return tuple(dict.fromkeys(name.split(".")[0] for name in names if "." in name))
+
+    def quantity(self, name: str) -> Quantity:
+        """Look up a number.
+
+        Args:
+            name: Name of the number, with the prefix of its column.
+
+        Returns:
+            Value, unit and printed digits.
+
+        Raises:
+            ExoidError: The table does not have that number.
+        """
+        if name not in self.values:
+            _unknown("quantity", name, self.values, where=f"Table {self.number}")
+        return self.values[name]
+
+    def column(self, column: str) -> Mapping[str, Quantity]:
+        """Return the numbers of one column.
+
+        Args:
+            column: Name of the column.
+
+        Returns:
+            Numbers by name, without the prefix of the column.
+
+        Raises:
+            ExoidError: The table does not have that column.
+        """
+        if column not in self.columns:
+            _unknown("column", column, self.columns, where=f"Table {self.number}")
+        cells = ((name.split("."), quantity) for name, quantity in self.values.items())
+        return MappingProxyType({name[-1]: quantity for name, quantity in cells if name[0] == column})
+
+
+@dataclass(frozen=True, repr=False)
+class Document:
+    """Tables, errata and assumptions of one document.
+
+    Attributes:
+        name: Citation in this library, ``"doc. 1"``.
+        title: Title.
+        robot: Name of the exoskeleton.
+        signs: Sign convention of torques.
+        tables: Tables by Roman number.
+        errata: Misprints and remarks.
+        assumptions: Assumed numbers by name, which the document does not print.
+    """
+
+    name: str
+    title: str
+    robot: str
+    signs: str
+    tables: Mapping[str, PublishedTable]
+    errata: tuple[Erratum, ...]
+    assumptions: Mapping[str, Assumption]
+
+    def __repr__(self) -> str:
+        """Name the document; list its tables."""
+        sizes = f"{len(self.errata)} errata, {len(self.assumptions)} assumptions"
+        return f"Document({self.name}, {self.robot}: tables {', '.join(self.tables)}; {sizes})"
+
+    def table(self, number: str) -> PublishedTable:
+        """Look up a table.
+
+        Args:
+            number: Roman number.
+
+        Returns:
+            The table as printed.
+
+        Raises:
+            ExoidError: The document does not have that table.
+        """
+        if number not in self.tables:
+            _unknown("table", number, self.tables, where=self.name)
+        return self.tables[number]
+
+    def assumption(self, name: str) -> Assumption:
+        """Look up an assumed number.
+
+        Args:
+            name: Name of the number.
+
+        Returns:
+            Value, unit and reason.
+
+        Raises:
+            ExoidError: There is no assumption of that name.
+        """
+        if name not in self.assumptions:
+            _unknown("assumption", name, self.assumptions, where=self.name)
+        return self.assumptions[name]
+
+
+def bleex() -> Document:
+    """Read document 1, on the Berkeley Lower Extremity Exoskeleton (BLEEX).
+
+    Returns:
+        Tables, errata and assumptions.
+    """
+    return _read("bleex.toml")
+
+
+def cuhk() -> Document:
+    """Read document 2, on the CUHK-EXO.
+
+    Returns:
+        Tables, errata and assumptions.
+    """
+    return _read("cuhk.toml")
+
+
+@cache
+def _read(file_name: str) -> Document:
+    text = resources.files(__package__).joinpath(file_name).read_text(encoding="utf-8")
+    content = tomllib.loads(text, parse_float=str)  # as text, to keep the printed digits
+    errata = tuple(Erratum(tuple(entry["where"]), entry["remark"]) for entry in content["errata"])
+    assumptions = {
+        name: Assumption(float(value), unit, reason) for name, (value, unit, reason) in content["assumptions"].items()
+    }
+    return Document(
+        **content["document"],
+        tables=MappingProxyType({n: _table(n, entry, errata) for n, entry in content["tables"].items()}),
+        errata=errata,
+        assumptions=MappingProxyType(assumptions),
+    )
+
+
+def _table(number: str, entry: dict[str, Any], errata: tuple[Erratum, ...]) -> PublishedTable:
+    caption, equation = entry.pop("caption"), entry.pop("equation", "")
+    cells = dict(_flat(entry))
+    quantities = {n: Quantity(float(c[0]), c[1], str(c[0])) for n, c in cells.items() if isinstance(c, list)}
+    return PublishedTable(
+        number=number,
+        caption=caption,
+        equation=equation,
+        values=MappingProxyType(quantities),
+        texts=MappingProxyType({name: cell for name, cell in cells.items() if isinstance(cell, str)}),
+        errata=tuple(erratum for erratum in errata if f"Table {number}" in erratum.where),
+    )
+
+
+def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Name the cells of nested tables by their path: ``left.X1``."""
+    for name, cell in entry.items():
+        if isinstance(cell, dict):
+            yield from _flat(cell, f"{prefix}{name}.")
+        else:
+            yield prefix + name, cell
+
+
+def _unknown(kind: str, name: str, known: Iterable[str], *, where: str) -> NoReturn:
+    raise ExoidError(f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}")

@@ -1,0 +1,96 @@
+"""Rewriting numbers in a URDF; meshes, geometry, comments and unknown elements do not change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+from lxml import etree
+
+from exoid._typing import FloatArray
+
+from .description import Description
+
+INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+
+
+def read_inertials(description: Description) -> dict[str, FloatArray]:
+    """Read the inertia of each link."""
+    found = {}
+    for link in description.parse().findall("link"):
+        inertial = link.find("inertial")
+        if inertial is not None:
+            found[link.get("name", "")] = _parameters(inertial)
+    return found
+
+
+def rewrite(
+    description: Description,
+    inertials: Mapping[str, FloatArray],
+    dynamics: Mapping[str, Mapping[str, float]],
+    note: str = "",
+) -> str:
+    """Change inertias and joint friction in a URDF."""
+    root = description.parse()
+    for link in root.findall("link"):
+        if link.get("name") in inertials:
+            _write_inertial(link, inertials[link.get("name", "")])
+    for joint in root.findall("joint"):
+        for attribute, value in dynamics.get(joint.get("name", ""), {}).items():
+            _child(joint, "dynamics").set(attribute, repr(float(value)))
+    above, below = reversed([*root.itersiblings(preceding=True)]), root.itersiblings()
+    remark = [etree.Comment(f" {note.replace('--', '- -')} ")] if note else []
+    parts = (etree.tostring(part, encoding="unicode", with_tail=False) for part in (*remark, *above, root, *below))
+    return "\n".join(['<?xml version="1.0" encoding="utf-8"?>', *parts, ""])
+
+
+def _parameters(inertial: etree._Element) -> FloatArray:
+    origin, mass, inertia = (inertial.find(tag) for tag in ("origin", "mass", "inertia"))
+    assert mass is not None
+    assert inertia is not None
+    centre = _numbers(origin, "xyz")
+    rotation = pin.rpy.rpyToMatrix(_numbers(origin, "rpy"))
+    tensor = np.empty((3, 3))
+    for name, (row, column) in INERTIA.items():
+        tensor[row, column] = tensor[column, row] = float(inertia.get(name, "0"))
+    body = pin.Inertia(float(mass.get("value", "0")), centre, rotation @ tensor @ rotation.T)
+    return np.asarray(body.toDynamicParameters())
+
+
+def _numbers(origin: etree._Element | None, attribute: str) -> FloatArray:
+    text = "0 0 0" if origin is None else origin.get(attribute, "0 0 0")
+    return np.array([float(word) for word in text.split()])
+
+
+def _write_inertial(link: etree._Element, parameters: FloatArray) -> None:
+    mass, moment = float(parameters[0]), parameters[1:4]
+    centre = moment / mass
+    xx, xy, yy, xz, yz, zz = parameters[4:]
+    about_joint = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    tensor = about_joint - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    inertial = _child(link, "inertial", first=True)
+    origin = _child(inertial, "origin", first=True)
+    origin.set("xyz", " ".join(repr(float(x)) for x in centre))
+    origin.set("rpy", "0 0 0")
+    _child(inertial, "mass").set("value", repr(mass))
+    element = _child(inertial, "inertia")
+    for name, (row, column) in INERTIA.items():
+        element.set(name, repr(float(tensor[row, column])))
+
+
+def _child(parent: etree._Element, tag: str, *, first: bool = False) -> etree._Element:
+    """Find a child element, or make it with the white space of its neighbours."""
+    found = parent.find(tag)
+    if found is not None:
+        return found
+    made = etree.Element(tag)
+    children = len(parent)
+    if first or not children:
+        made.tail = parent.text
+        parent.insert(0, made)
+    else:
+        last = parent[-1]
+        made.tail, last.tail = last.tail, parent.text
+        parent.append(made)
+    return made

@@ -1,0 +1,77 @@
+"""Swing legs of the Sydney Compass-Gait Robot: 78 s of a real leg whose only torque is the command of its amplifier."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal, get_args
+
+from exoid.errors import ExoidError
+from exoid.leg.leg import Leg
+from exoid.signals.column import Column
+from exoid.signals.recording import Recording
+
+from .dataset import Dataset
+from .download import find_or_download
+
+COMMIT = "92546f615946c6bb43e1ebb6e23d4bf7856199aa"
+URL = (
+    f"https://raw.githubusercontent.com/imanchester/SydneyCompassGait/{COMMIT}"
+    "/System%20Identification/SysID_Experiment%201"
+)
+FOLDER = "sydney_swing_leg"
+
+Which = Literal["inner", "outer"]
+
+FILES = {
+    "inner": "realVSmodel_fwAnd5vstepsx3AndChirp_innerSW.mat",
+    "outer": "realVSmodel_fwAnd5vstepsx3AndChirp_outerSW.mat",
+}
+SHA256 = {
+    "inner": "b61050145e156ab057f78682359da5a20c870a3ed4a0195eb31b630762c289b3",
+    "outer": "fe2e283e33254738f385b7d35ce68693b2d80b05075be3a0aa8162343b9b9329",
+}
+
+TORQUE_CONSTANT = 18.3e-3
+"""Torque of one volt of the command [N·m/V], ``Kt`` of the files in units of 1e-3 N·m."""
+
+COLUMNS: dict[str, str | Column] = {
+    "time": "datatimeall",
+    "q_leg": Column("dataoutall", unit="deg"),
+    "tau_leg": Column("datainall", scale=TORQUE_CONSTANT),
+}
+
+CITATION = (
+    "I. R. Manchester et al. (University of Sydney), SydneyCompassGait, SysID_Experiment 1, 2016-08-30; MIT licence"
+)
+
+
+def sydney_swing_leg(which: Which = "inner") -> Dataset:
+    """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
+
+    The leg swings freely, then the amplifier of its motor is commanded three steps of 5 V, then a chirp; all at 200 Hz.
+    Torque is the command times the constant of the authors, 18.3 mN·m/V: delay, saturation and ripple of amplifier and
+    motor are not in it. Only ratios to that constant are known from the log. No URDF is published: the leg is one
+    revolute joint with the inertia that the authors identified, and an assumed mass.
+
+    Args:
+        which: The inner or the outer leg.
+
+    Returns:
+        Leg with joint ``leg``, the first two thirds of the recording for identification and the others, all chirp, for
+        validation.
+
+    Raises:
+        ExoidError: There is no such leg, or the file is missing and cannot be downloaded, or differs from the
+            published one.
+    """
+    if which not in get_args(Which):
+        raise ExoidError(f"no swing leg {which!r}", remedy='pass "inner" or "outer"')
+    leg = Leg.from_urdf(Path(__file__).resolve().parent / "sydney_swing_leg.urdf", ("leg",))
+    whole = Recording.from_file(recording_path(which), leg.joint_names, COLUMNS)
+    rows = 2 * len(whole) // 3
+    return Dataset(leg, whole.slice(None, rows), whole.slice(rows, None), CITATION)
+
+
+def recording_path(which: Which) -> Path:
+    """Find or download the file, and check its hash."""
+    return find_or_download(f"{URL}/{FILES[which]}", SHA256[which], f"{FOLDER}/{FILES[which]}")

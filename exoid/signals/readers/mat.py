@@ -1,0 +1,67 @@
+"""MATLAB files up to version 7, read by scipy: variables, or the fields of one struct."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid.errors import ExoidError
+from exoid.signals.source import Source
+from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
+from exoid.tools.reader_process.reading import reading
+
+from .mat_elements import expanded_size, readable_variables
+from .table import ArrayTable, ReadOptions, to_columns
+
+REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
+
+DEEPEST = 20
+"""Largest nesting of structs."""
+
+
+def read_mat(file: str, options: ReadOptions) -> ArrayTable:
+    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
+    with reading(file, "a MATLAB file", REMEDY):
+        columns = read_in_child(mat_columns, file, options=options.to_json()).arrays
+        rows = len(next(iter(columns.values())))
+        return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
+
+
+def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
+    """Read the columns in this process, which scipy's compiled reader may end."""
+    path = Path(file)
+    with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = path.read_bytes()
+        refuse_expansion(expanded_size(data), path, file)
+        names, stream = readable_variables(data), cast("Any", io.BytesIO(data))  # a type that scipy's annotations lack
+        content = scipy.io.loadmat(stream, variable_names=names, simplify_cells=True, chars_as_strings=True)
+        variables = {name: value for name, value in content.items() if not name.startswith("__")}
+        if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
+            variables = only
+        return Content(to_columns(_flat(variables, file), file, ReadOptions(**options)))
+
+
+def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
+    """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
+    if depth > DEEPEST:
+        raise ExoidError(f"structs are nested more than {DEEPEST} deep", where=file, remedy=REMEDY)
+    found: dict[str, NDArray[Any]] = {}
+    for name, value in variables.items():
+        if isinstance(value, dict):
+            inner = _flat(value, file, depth + 1)
+            found.update({f"{name}.{field}": array for field, array in inner.items()})
+            continue
+        array = np.asarray(value) if not isinstance(value, list) else np.array(value, dtype=object)
+        if array.dtype.kind == "O" and array.size and all(isinstance(item, str) for item in array.flat):
+            array = np.array([str(item) for item in array.flat])
+        if array.dtype.kind in "biufU":
+            found[name] = array
+    return found

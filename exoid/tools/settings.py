@@ -1,0 +1,119 @@
+"""Terms and preparations in files: by name and settings, exact to the last bit."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
+
+from exoid.errors import ExoidError
+
+from .registry import Registry
+
+ORIGIN = "from"
+"""Key of the module that a class from outside exoid comes from; no field of a class can have this name."""
+
+T = TypeVar("T")
+
+
+def refuse_unwritable_class(key: str, kind: type) -> None:
+    """Check that objects of a class can be written by name and settings."""
+    if not is_dataclass(kind):
+        raise ExoidError(f"{kind.__name__} is no dataclass", remedy="decorate it with @dataclass(frozen=True)")
+    if any(field.name == key for field in fields(kind)):
+        raise ExoidError(f"{kind.__name__} has a field {key!r}", remedy=f"rename it: in files {key!r} has another use")
+
+
+def named_default(registry: Registry[type[T]], name: str) -> T:
+    """Make an object of a named class with its default settings."""
+    kind = registry.find(name)
+    try:
+        return kind()
+    except TypeError as error:
+        raise ExoidError(
+            f"the {registry.what} {name!r} cannot be made without settings ({error})",
+            remedy=f"pass {kind.__name__}(...) to exoid.identify in Python",
+        ) from error
+
+
+def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type | None = None) -> dict[str, Any]:
+    """Describe an object by the name of its class, and by its settings."""
+    kind = type(thing)
+    name = registry.name_of(kind)
+    if name is None:
+        raise ExoidError(
+            f"{kind.__name__} has no name in files",
+            remedy=f'give it one: {registry.call}("name", {kind.__name__})',
+        )
+    origin = {} if kind.__module__.partition(".")[0] == "exoid" else {ORIGIN: kind.__module__}
+    return {key: name, **origin, **_settings(thing, nested)}
+
+
+def named_from_json(
+    registry: Registry[type[T]], key: str, data: Mapping[str, Any], nested: type[Any] | None = None
+) -> T:
+    """Make an object from its description."""
+    name, origin = data.get(key, ""), str(data.get(ORIGIN, ""))
+    kind = registry.find(name, origin)
+    settings = {field: value for field, value in data.items() if field not in (key, ORIGIN)}
+    try:
+        _refuse_no_numbers(kind, settings)
+        return kind(**{field: _value_from_json(value, nested) for field, value in settings.items()})
+    except TypeError as error:
+        known = ", ".join(field.name for field in fields(kind) if field.init) or "none"  # type: ignore[arg-type]
+        version = f"; install the version of {origin} that wrote the file" if origin else ""
+        raise ExoidError(
+            f"the {registry.what} {name!r} does not take {settings} ({error})",
+            remedy=f"its settings are {known}{version}",
+        ) from error
+
+
+def _refuse_no_numbers(kind: type, settings: Mapping[str, Any]) -> None:
+    """Refuse anything but a number for a setting that is declared as one."""
+    for field in fields(kind):
+        value = settings.get(field.name, 0.0)
+        if field.type in (int, float, "int", "float") and type(value) not in (int, float):
+            raise TypeError(f"{field.name} is no number")
+
+
+def _settings(thing: Any, nested: type | None) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
+    """Value of each field that the class takes."""
+    return {
+        field.name: _value_to_json(getattr(thing, field.name), nested, f"{type(thing).__name__}({field.name}=")
+        for field in fields(thing)
+        if field.init
+    }
+
+
+def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa: ANN401
+    """Value of a field; numbers of NumPy are Python's only where they are the same type, as float64 is."""
+    if nested is not None and type(value) is nested:
+        return _settings(value, None)
+    if type(value) is tuple:
+        return [_value_to_json(item, nested, where) for item in value]
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
+    if value is None or type(value) in (bool, int) or (type(value) is str and _is_unicode(value)):
+        return value
+    beside = "" if nested is None else f", {nested.__name__}"
+    raise ExoidError(
+        f"{where}{reprlib.repr(value)}) cannot be written to a file",
+        remedy=f"let settings be finite numbers, text, True, False, None{beside}, or tuples of these",
+    )
+
+
+def _is_unicode(text: str) -> bool:
+    """Tell text from the bytes of a file's name, which Python keeps as half characters."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _value_from_json(value: Any, nested: type[Any] | None) -> Any:  # noqa: ANN401
+    if isinstance(value, list):
+        return tuple(_value_from_json(item, nested) for item in value)
+    return nested(**value) if isinstance(value, Mapping) and nested is not None else value

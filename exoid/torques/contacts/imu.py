@@ -1,0 +1,193 @@
+"""Bias and misalignment of an inertial measurement unit, found while a foot rests on the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.leg.leg import Leg
+from exoid.signals import BaseMotion, Recording
+from exoid.signals.noise_size import white_noise
+
+from .standing_base import standing_reading
+
+LEAST = 1.0
+"""Shortest rest of all feet together from which a bias is estimated [s]."""
+
+TURNING = 0.06
+"""A foot that turns faster than this [rad/s] rolls over heel or toe."""
+
+ENDS = 0.07
+"""Time at both ends of a rest that the differentiation of the pose draws on [s]."""
+
+CLEAN = 2.0
+"""A rotation is looked for where differences are smaller than so many times the white noise of the readings."""
+
+SCATTER = 0.1
+"""Biases below this part of the scatter of the differences are left: soft ground moves a foot as much."""
+
+DISAGREEMENT = 0.15
+"""Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
+
+FEW = 3
+"""From so many rests on, standard deviations follow from their differences, where these are larger."""
+
+SURE = 3.0
+"""A misalignment is kept apart from a bias where it is larger than so many of its standard deviations."""
+
+
+class ImuErrors(NamedTuple):
+    """Errors of an inertial measurement unit on the base, in the axes of the base.
+
+    Attributes:
+        gyro_bias: Offset of the angular velocity [rad/s], (3,).
+        force_bias: Offset of the specific force [m/s²], (3,).
+        rotation: Small rotation of the readings [rad], (3,); zero where the motion does not tell it from a bias.
+        std: Standard deviations of the nine numbers above, in their order, (9,).
+    """
+
+    gyro_bias: FloatArray
+    force_bias: FloatArray
+    rotation: FloatArray
+    std: FloatArray
+
+    def corrected(self, base: BaseMotion) -> BaseMotion:
+        """Take the errors out of readings.
+
+        Args:
+            base: Readings.
+
+        Returns:
+            Readings without the errors.
+        """
+        gyro, force = base.angular_velocity - self.gyro_bias, base.specific_force - self.force_bias
+        return BaseMotion(gyro - np.cross(self.rotation, gyro), force - np.cross(self.rotation, force), base.position)
+
+
+def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
+    """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground.
+
+    Readings are ω' = ω + δ × ω + b_ω and f' = f + δ × f + b_f with biases b and a small rotation δ. They are linear in
+    the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against the gyroscope.
+
+    Args:
+        leg: The leg.
+        recording: Recording with the readings, at even time stamps.
+        resting: Samples at which each link is on level ground, (N,) each.
+
+    Returns:
+        The errors; None if the base was not measured by such a unit, or rests are too short or disagree.
+    """
+    base = recording.base
+    if base is None or base.pose is not None:
+        return None
+    parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
+    rests = [rest for part in parts for rest in _single(part)]
+    if sum(len(rest.omega) for rest in rests) < LEAST * recording.sample_rate:
+        return None
+    omega, force, of_gyro, of_force, _ = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
+    means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
+    if len(means) > 1 and np.sqrt(np.var(means[:, 3:], axis=0).sum()) > DISAGREEMENT:
+        return None
+    scattered = _within_scatter(of_gyro), _within_scatter(of_force)
+    if all(scattered):
+        return None
+    of_gyro, of_force = (
+        x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
+    )
+    white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
+    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+    if len(means) < FEW:
+        return found
+    apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
+    return found._replace(std=np.append(np.maximum(found.std[:6], apart), found.std[6:]))
+
+
+def _within_scatter(differences: FloatArray) -> bool:
+    """Whether the mean of differences, (N, 3), is small beside their scatter: a foot is not exactly still."""
+    return bool(np.linalg.norm(differences.mean(axis=0)) < SCATTER * np.linalg.norm(differences.std(axis=0)))
+
+
+class _Flat(NamedTuple):
+    """Samples at which a foot is flat: true ω and f, what readings differ by, and their places in the recording."""
+
+    omega: FloatArray
+    force: FloatArray
+    of_gyro: FloatArray
+    of_force: FloatArray
+    places: NDArray[np.intp]
+
+
+def _single(flat: _Flat) -> list[_Flat]:
+    """Cut the samples of one foot into single rests."""
+    cuts = np.flatnonzero(np.diff(flat.places) > 1) + 1
+    each = zip(*(np.split(array, cuts) for array in flat), strict=True)
+    return [_Flat(*arrays) for arrays in each if len(arrays[0])]
+
+
+def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
+    """Compare readings with the motion that a foot says, where it is flat."""
+    (omega, force), rate = standing_reading(leg, recording, link, base.position), recording.sample_rate
+    turning = _smooth(base.angular_velocity - omega, rate)
+    middle = np.array([_densest(of_axis, TURNING) for of_axis in turning[flags].T])
+    flat = flags & (np.linalg.norm(turning - middle, axis=1) < TURNING)
+    flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
+    aside = base.angular_velocity - omega, base.specific_force - force
+    return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], np.flatnonzero(flat))
+
+
+def _densest(values: FloatArray, width: float) -> float:
+    """Middle of the values that have most others within a distance: at rest, while others spread."""
+    ordered = np.sort(values)
+    around = np.searchsorted(ordered, ordered + width) - np.searchsorted(ordered, ordered - width)
+    best = ordered[int(np.argmax(around))]
+    return float(np.median(ordered[np.abs(ordered - best) <= width]))
+
+
+def _smooth(values: FloatArray, rate: float) -> FloatArray:
+    """Mean over a moving window of the length of the ends."""
+    return np.asarray(scipy.ndimage.uniform_filter1d(values, max(1, round(ENDS * rate)), axis=0))
+
+
+def _fit(
+    omega: FloatArray, force: FloatArray, of_gyro: FloatArray, of_force: FloatArray, *, rotates: bool
+) -> ImuErrors:
+    """Fit biases, and a rotation if wanted, to differences of angular velocity and specific force, (N, 3) each."""
+    biases = np.concatenate([of_gyro.mean(axis=0), of_force.mean(axis=0)])
+    noise = np.array([of_gyro.std(), of_force.std()])
+    # what the biases leave: δ × (ω − mean), δ × (f − mean)
+    rows = np.vstack([_crossed(omega) / max(noise[0], TINY), _crossed(force) / max(noise[1], TINY)])
+    left = np.concatenate(
+        [
+            (of_gyro - biases[:3]).ravel() / max(noise[0], TINY),
+            (of_force - biases[3:]).ravel() / max(noise[1], TINY),
+        ]
+    )
+    information = rows.T @ rows + TINY * np.eye(3)
+    covariance = np.linalg.pinv(information, rcond=1e-9, hermitian=True)
+    rotation = covariance @ (rows.T @ left)
+    spread = np.sqrt(np.diag(covariance))
+    if not rotates or not (np.abs(rotation) > SURE * spread).any():
+        rotation = np.zeros(3)
+    else:
+        biases -= np.concatenate([np.cross(rotation, omega.mean(axis=0)), np.cross(rotation, force.mean(axis=0))])
+    std = np.concatenate([np.repeat(noise / np.sqrt(len(omega)), 3), spread])
+    return ImuErrors(biases[:3], biases[3:], rotation, std)
+
+
+TINY = 1e-12
+"""Stands for noise that is not there."""
+
+
+def _crossed(vectors: FloatArray) -> FloatArray:
+    """Rows of δ × (u − mean u) as a linear function of δ, (3 N, 3)."""
+    x, y, z = (vectors - vectors.mean(axis=0)).T
+    zero = np.zeros_like(x)
+    return np.stack(
+        [np.stack([zero, z, -y], -1), np.stack([-z, zero, x], -1), np.stack([y, -x, zero], -1)], axis=1
+    ).reshape(-1, 3)

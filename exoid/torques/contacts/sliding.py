@@ -1,0 +1,129 @@
+"""Links that are said to rest and move: against each other, or against an inertial measurement unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.leg.leg import Leg
+from exoid.signals import BaseMotion, Recording
+from exoid.signals.noise_size import robust_std
+
+from .imu import ENDS
+from .placements import level_rotation, link_placements
+from .standing_base import standing_reading
+
+SLIDING, TILTING = 0.03, 0.15
+"""A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
+
+LOOK = 10.0
+"""Cut-off frequency of the velocities in which slipping is looked for [Hz]."""
+
+BASELINE = 0.8
+"""Window of the running median of the velocity [s]: slips shorter than half of it stand out, drift does not."""
+
+SEEN, EDGE_OF_SLIP = 6.0, 3.0
+"""A slip is faster than so many standard deviations somewhere, and lasts while it is faster than so many."""
+
+SLOWEST = 1e-3
+"""Standard deviation of the velocity of a foot that rests [m/s], at least: soft soles move as much."""
+
+PLANAR = 3
+"""Base rows of a planar machine."""
+
+
+class Slip(NamedTuple):
+    """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it."""
+
+    slides: NDArray[np.bool_]  # whether a link slides, (N,)
+    visible: float  # slowest slip that is seen [m/s]; zero where no rest is long enough to look for one
+
+
+def slipping(leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray, widened: int) -> NDArray[np.bool_]:
+    """Find the samples at which two links that rest move against each other."""
+    slips = np.zeros(len(q), dtype=np.bool_)
+    base = leg.base_rows
+    if not base:
+        return slips
+    levers = {}
+    for link in rest:
+        jacobian = leg.contact_jacobian(q, link)
+        to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
+        levers[link] = -to_base[..., 0]
+    turning = slice(2, 3) if base == PLANAR else slice(3, 6)
+    for (link, flags), (other, also) in combinations(rest.items(), 2):
+        slips |= flags & also & _moves(levers[link] - levers[other], turning)
+    return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips
+
+
+def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
+    """Whether a base that hangs on two links would move at two velocities, linear before angular."""
+    linear, angular = velocity[:, : turning.start], velocity[:, turning]
+    return np.asarray((np.linalg.norm(linear, axis=1) > SLIDING) | (np.linalg.norm(angular, axis=1) > TILTING))
+
+
+def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[str, NDArray[np.bool_]]) -> Slip:
+    """Find slips that all feet make alike, by the measured motion of the base."""
+    # The specific force f of an IMU, less that of a base on a foot that rests, is the acceleration of this foot. Its
+    # integral is the velocity s of the foot, beside a drift by bias, tilt and noise that a running median takes out. A
+    # slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself.
+    slides, visible = np.zeros(len(recording), dtype=np.bool_), 0.0
+    for link, flags in resting.items():
+        away = max(1, round(ENDS * recording.sample_rate))
+        inner = scipy.ndimage.binary_erosion(flags, iterations=away)
+        runs = [run for run in _runs(inner) if run.stop - run.start > BASELINE * recording.sample_rate]
+        if not runs:
+            continue
+        aside = _foot_acceleration(leg, recording, base, link)
+        speeds = [_velocity(aside[run], recording.sample_rate) for run in runs]
+        std = np.maximum(robust_std(np.vstack(speeds)), SLOWEST)
+        for run, speed in zip(runs, speeds, strict=True):
+            slides[run] |= _episodes((np.abs(speed) / std).max(axis=1))
+        visible = max(visible, SEEN * float(std.max()))
+    return Slip(slides, visible)
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[slice]:
+    """Runs of samples that are marked."""
+    change = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return [slice(int(first), int(end)) for first, end in change.reshape(-1, 2)]
+
+
+def _foot_acceleration(leg: Leg, recording: Recording, base: BaseMotion, link: str) -> FloatArray:
+    """Horizontal acceleration of a link in level axes, by what the base measures beside one at rest, (N, 2)."""
+    still = standing_reading(leg, recording, link, base.position)
+    rotation = link_placements(leg, recording.q, link).rotation
+    turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)
+    aside = base.specific_force - still.specific_force
+    return np.asarray(np.einsum("nij,nj->ni", turn[:, :2], aside))
+
+
+def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
+    """Integrate an acceleration, without what changes slowly, (N, 2)."""
+    speed = low_passed(np.cumsum(acceleration, axis=0) / rate, rate)
+    stride = max(1, int(rate / (5.0 * LOOK)))  # the low-pass leaves no more than that
+    half = round(0.5 * BASELINE * rate / stride)
+    longer = np.pad(speed[::stride], ((half, half), (0, 0)), "reflect", reflect_type="odd")  # a drift has no ends
+    slow = scipy.ndimage.median_filter(longer, (2 * half + 1, 1))
+    slow = scipy.ndimage.uniform_filter1d(slow, 1 + half // 2, axis=0)[half:-half]
+    time = np.arange(len(speed))
+    return np.asarray(speed - np.column_stack([np.interp(time, time[::stride], of_axis) for of_axis in slow.T]))
+
+
+def _episodes(over: FloatArray) -> NDArray[np.bool_]:
+    """Samples around the ones that are clearly too fast, (N,)."""
+    pieces, _ = scipy.ndimage.label(over > EDGE_OF_SLIP)
+    return np.asarray(np.isin(pieces, np.unique(pieces[over > SEEN])))
+
+
+def low_passed(values: FloatArray, rate: float) -> FloatArray:
+    """Pass columns through a zero-phase low-pass, which leaves the velocities in which slipping is looked for."""
+    if 0.4 * rate <= LOOK:
+        return values
+    return np.asarray(scipy.signal.sosfiltfilt(scipy.signal.butter(2, LOOK, fs=rate, output="sos"), values, axis=0))

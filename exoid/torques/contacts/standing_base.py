@@ -1,0 +1,86 @@
+"""Motion of a base that a foot on level ground carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
+from exoid.leg.model import joint_axis
+from exoid.signals import BaseMotion, Recording
+
+from .placements import level_rotation, link_placements
+
+CUTOFF = 15.0
+"""Cut-off frequency of the motion [Hz], above that of the filter that follows."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StandingBase(BaseMotion):
+    """Motion of the base that was not measured: joint angles say it while a link rests.
+
+    Attributes:
+        link: Link that rests.
+    """
+
+    link: str = ""
+
+
+def standing_base(leg: Leg, recording: Recording, link: str, compliance: float = 0.0) -> StandingBase:
+    """Derive the motion of the base from the joint angles while a link rests flat on level ground.
+
+    The link stands as it does where all joints of the URDF are at zero and the base is upright. Elsewhere the result
+    has no meaning. On a soft sole it tilts by c τ about the axis of the joint that carries it, whose torque τ is the
+    moment of the ground on it but for the weight of the foot.
+
+    Args:
+        leg: The leg.
+        recording: The recording, with even time stamps.
+        link: Link that rests.
+        compliance: Compliance c of sole and ground [rad/(N·m)].
+
+    Returns:
+        Motion of the base at all samples.
+    """
+    rotation, position = link_placements(leg, recording.q, link)
+    turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
+    if compliance:
+        turn = _tilts(leg, recording, link, compliance) @ turn
+    place = -np.einsum("nij,nj->ni", turn, position)
+    quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
+    cutoff = min(0.2 * recording.sample_rate, CUTOFF)
+    found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
+    return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link)
+
+
+def _tilts(leg: Leg, recording: Recording, link: str, compliance: float) -> FloatArray:
+    """Rotations of a foot by the torque of the joint that carries it, in level axes, (N, 3, 3)."""
+    body, _ = link_frame(leg.model, leg.description, link)
+    tau = recording.tau
+    if body < 0 or tau is None:
+        return np.broadcast_to(np.eye(3), (len(recording), 3, 3))
+    level = leg.forward_kinematics(np.zeros((1, len(leg.joint_names)))).rotation[0, body]
+    axis = level @ joint_axis(leg.model.joints[body + 1])[3:]
+    angle = compliance * np.where(np.isfinite(tau[:, body]), tau[:, body], 0.0)
+    return np.asarray(scipy.spatial.transform.Rotation.from_rotvec(angle[:, np.newaxis] * axis).as_matrix())
+
+
+class StandingReading(NamedTuple):
+    """What a unit on the base would measure without errors while a link rests flat on level ground."""
+
+    angular_velocity: FloatArray  # ω [rad/s], (N, 3)
+    specific_force: FloatArray  # f at the place of the unit [m/s²], (N, 3)
+
+
+def standing_reading(leg: Leg, recording: Recording, link: str, position: FloatArray) -> StandingReading:
+    """Derive what an inertial measurement unit measures while a link rests flat on level ground."""
+    true = standing_base(leg, recording, link)
+    omega = true.angular_velocity
+    alpha = np.gradient(omega, recording.time, axis=0)
+    force = true.specific_force + np.cross(alpha, position) + np.cross(omega, np.cross(omega, position))
+    return StandingReading(omega, force)

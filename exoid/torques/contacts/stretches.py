@@ -1,0 +1,234 @@
+"""Which links rest on the ground at each sample, and what is left of a recording while they do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg.leg import Leg
+from exoid.signals import BaseMotion, Recording, Wrench
+from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
+from exoid.signals.link_wrenches import wrenches_on_links
+
+from .elimination import eliminate
+from .imu import ImuErrors, imu_errors
+from .placements import level_rotation
+from .sliding import Slip, low_passed, sliding, slipping
+from .standing_base import standing_base
+
+EDGE = 0.1
+"""Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
+
+SHORTEST = 0.15
+"""Supports that last less than this in a recording [s] are left out."""
+
+
+class Left(NamedTuple):
+    """Samples of a recording that were left out, as shares of those that could count.
+
+    Attributes:
+        changing: Near a touch-down or lift-off.
+        slipping: A link that was said to rest moved, and the motion of the base had to follow from it.
+        singular: Chains were closed and stretched, or left no row.
+        gaps: Not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
+            when the wrench of a link that bears no load is eliminated.
+        moving: Not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
+            eliminated, or measured, whether it rests or not.
+    """
+
+    changing: float
+    slipping: float
+    singular: float
+    gaps: float
+    moving: float
+
+
+class Stretch(NamedTuple):
+    """Part of a recording in which the same links rest by unknown wrenches.
+
+    Attributes:
+        links: These links; the root link for a base that is held; none where no wrench is unknown.
+        recording: The recording with a mask of the samples, and with the motion of the base.
+    """
+
+    links: tuple[str, ...]
+    recording: Recording
+
+
+class Split(NamedTuple):
+    """A recording, split by the links that rest.
+
+    Attributes:
+        stretches: One for each set of links that rest by unknown wrenches.
+        left: Samples that were left out.
+        imu: Errors of the inertial measurement unit that were taken out; None for none.
+        visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
+    """
+
+    stretches: tuple[Stretch, ...]
+    left: Left
+    imu: ImuErrors | None
+    visible: float
+
+
+def split(leg: Leg, recording: Recording) -> Split:
+    """Split a recording by the links that rest on the ground with an unknown wrench.
+
+    Args:
+        leg: The leg.
+        recording: A recording with contacts or wrenches; without both, the base is held.
+
+    Returns:
+        One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
+
+    Raises:
+        ExoidError: A link is not in the URDF, the motion of the base is needed and missing, or nothing is left.
+    """
+    recording = recording.resampled()
+    recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
+    recording, gaps = _without_gaps(recording)
+    rest, unknown = _contacts(leg, recording)
+    counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
+    steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    slow = low_passed(recording.q, recording.sample_rate)
+    v = np.gradient(slow, recording.time, axis=0)
+    around = round(0.5 * EDGE * recording.sample_rate)
+    still = ~slipping(leg, rest, slow, v, around) if recording.contacts else np.ones_like(counted)
+    feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
+    imu = imu_errors(leg, recording, feet) if leg.base_rows else None
+    if imu is not None and recording.base is not None:
+        recording = replace(recording, base=imu.corrected(recording.base))
+    slip = _slides(leg, recording, feet)
+    found, lost = [], np.zeros(len(recording), dtype=np.bool_)
+    moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
+    for links, where in _patterns(unknown, len(recording)):
+        inside = counted & usual & where
+        usable = inside & _solvable(leg, links, slow)
+        lost |= inside & ~usable
+        if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
+            resting = [link for link, flags in rest.items() if flags[usable].all()]
+            about: dict[str, Any] = {"mask": usable, "base": _base(leg, recording, links, resting)}
+            found.append(Stretch(links, replace(recording, **about)))
+    if not found:
+        raise ExoidError(
+            "no sample is left of contacts that last, do not slip and leave a row of the equation",
+            where=_source(recording),
+            remedy="check the contacts, record longer stance, or measure the wrenches",
+        )
+    could = max(1.0, float(np.count_nonzero(counted)))
+    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
+    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
+
+
+def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
+    """Fill gaps of contacts that are shorter than the edge; tell at which samples, (N,)."""
+    around = round(EDGE * recording.sample_rate)
+    inner, shape = slice(around + 1, -around - 1), np.ones(around + 1, dtype=np.bool_)
+    gaps, filled = np.zeros(len(recording), dtype=np.bool_), {}
+    for link, flags in recording.contacts.items():
+        longer = np.pad(np.asarray(flags), around + 1)
+        filled[link] = scipy.ndimage.binary_closing(longer, shape)[inner]
+        gaps |= filled[link] & ~np.asarray(flags)
+    return (replace(recording, contacts=filled) if gaps.any() else recording), gaps
+
+
+def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
+    """Find which links rest, and which of them by a wrench that was not measured."""
+    links = (*recording.contacts, *recording.wrenches)
+    rest = {link: np.asarray(flags) for link, flags in recording.contacts.items()}
+    for link, wrench in recording.wrenches.items():
+        flags = contact_of(leg, link, wrench) if link not in rest and link != leg.description.root_link else None
+        if flags is not None:
+            rest[link] = flags
+    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches and _is_carried(leg, link)}
+    if not links and leg.base_rows:
+        unknown[leg.description.root_link] = np.ones(len(recording), dtype=np.bool_)
+    return rest, unknown
+
+
+def _is_carried(leg: Leg, link: str) -> bool:
+    """Whether forces on a link reach a row: on a fixed base, links of other legs are part of the base."""
+    return bool(np.abs(leg.contact_jacobian(np.full((1, len(leg.joint_names)), 0.1), link)).max() > 0.0)
+
+
+def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
+    """Find contact of a link from its measured wrench.
+
+    Args:
+        leg: The leg.
+        link: The link, which is level where all joint angles are zero.
+        wrench: Its wrench in its own axes.
+
+    Returns:
+        Whether the link is in contact, (N,); None for one that is never lifted, such as a harness.
+    """
+    up = level_rotation(leg, link).T @ (0.0, 0.0, 1.0)
+    normal = wrench.force @ up
+    low, high = np.quantile(normal, [0.02, 0.98])
+    return contacts_from_wrench(wrench, up=up) if high > LEAST_LOAD and low < LIFT * high else None
+
+
+def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
+    """Sets of links that rest at the same time, and the samples at which they do."""
+    if not unknown:
+        return [((), np.ones(count, dtype=np.bool_))]
+    flags = np.column_stack(list(unknown.values()))
+    patterns, which = np.unique(flags, axis=0, return_inverse=True)
+    names = list(unknown)
+    return [
+        (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
+        for k, pattern in enumerate(patterns)
+    ]
+
+
+def _solvable(leg: Leg, links: Sequence[str], q: FloatArray) -> NDArray[np.bool_]:
+    """Samples whose rows without the unknown wrenches are well defined."""
+    if not links:
+        return np.ones(len(q), dtype=np.bool_)
+    found = eliminate(leg, links, q)
+    if found.loop is not None and not found.loop.shape[2]:
+        return np.zeros(len(q), dtype=np.bool_)
+    return found.fit
+
+
+def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
+    """Samples that are further than the edge from a touch-down or lift-off; the ends of a log are none."""
+    around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
+    longer = np.concatenate([flags[:1], flags, flags[-1:]])
+    return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
+
+
+def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequence[str]) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as a link that rests on level ground says."""
+    if not leg.base_rows or recording.base is not None:
+        return recording.base
+    feet = [link for link in resting if link != leg.description.root_link]
+    if feet:
+        return standing_base(leg, recording, feet[0])
+    if leg.description.root_link in links:
+        return None
+    raise ExoidError(
+        "the base moves, and no motion of it was recorded while no link rests on the ground",
+        where=_source(recording),
+        remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
+        "feet are flat on the ground (contacts=)",
+    )
+
+
+def _slides(leg: Leg, recording: Recording, feet: Mapping[str, NDArray[np.bool_]]) -> Slip:
+    """Look for slips that the motion of the base shows, where it was measured."""
+    if recording.base is None or not leg.base_rows or not recording.contacts:
+        return Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
+    return sliding(leg, recording, recording.base, feet)
+
+
+def _source(recording: Recording) -> str:
+    """Name of the file, for errors."""
+    return recording.source.name if recording.source else ""

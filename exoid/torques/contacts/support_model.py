@@ -1,0 +1,170 @@
+"""Torque model of rows that do not depend on unknown wrenches of links on the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.signals import Wrench
+from exoid.torques.model import TorqueModel
+from exoid.torques.term import Motion, internal_states, random_base, random_motion
+
+from .elimination import eliminate
+
+LOOP = "loop_"
+"""Beginning of the names of rows of closed chains."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SupportModel(TorqueModel):
+    """Torque model while links rest on the ground, or the base is held, by wrenches that were not measured.
+
+    [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see :func:`eliminate`
+    (Aghili 2005; Mistry et al. 2010).
+
+    Attributes:
+        links: Links with an unknown wrench; none where all wrenches were measured.
+        axes: Reference of closed chains, see :func:`reference_axes`.
+    """
+
+    links: tuple[str, ...] = ()
+    axes: FloatArray | None = None
+
+    @classmethod
+    def of(cls, model: TorqueModel, links: Sequence[str], axes: FloatArray | None) -> SupportModel:
+        """Let links of a model rest on the ground.
+
+        Args:
+            model: Torque model of the leg.
+            links: Links with an unknown wrench.
+            axes: Reference of closed chains.
+
+        Returns:
+            The model.
+        """
+        return cls(model.leg, model.terms, model.rigid, model.regrouped, model.separate, tuple(links), axes)
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Rows: those of the leg; joints where the base hangs on one link; directions of motion of closed chains."""
+        if not self.links:
+            return super().row_names
+        if self.axes is None:
+            return self.joint_names
+        return tuple(f"{LOOP}{k + 1}" for k in range(self.axes.shape[1]))
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row; −1 for none."""
+        if not self.links:
+            return super().row_joints
+        return tuple(range(len(self.joint_names))) if self.axes is None else (-1,) * self.axes.shape[1]
+
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters can act on which row, (R, P)."""
+        q, v, a = random_motion(10, len(self.joint_names))
+        motion = Motion(q, v, a, random_base(10), internal_states(self.blocks, q, v))
+        return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)
+
+    def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
+        """Torque of payloads in the rows without the unknown wrenches.
+
+        Args:
+            payload: Torque of the leg's rows [N, N·m], (N, b + n).
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            Torque of each row, (N, R).
+        """
+        return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q)[0].T)
+
+    def columns(self, motion: Motion) -> FloatArray:
+        """Form the columns of all parameters for a motion, or for some rows of one.
+
+        Args:
+            motion: Motion of N samples.
+
+        Returns:
+            Columns, (P, R, N).
+        """
+        return self._reduced(super().columns(motion), motion.q)
+
+    def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
+        """Form the measured side of the equation.
+
+        Args:
+            tau: Torques of the joints [N·m], (N, n).
+            motion: Motion of the N samples.
+            wrenches: Measured wrenches on links.
+
+        Returns:
+            Torque of each row, (N, R).
+        """
+        full = super().row_torque(tau, motion, wrenches)
+        return np.ascontiguousarray(self._reduced(full.T[np.newaxis], motion.q)[0].T)
+
+    def row_shares(self, q: FloatArray) -> FloatArray | None:
+        """Tell how the torque of each joint enters the rows.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            Shares Z, (N, n, R); None where each row has the torque of its own joint.
+        """
+        return eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
+
+    def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Tell which rows have a measured side: joints of a closed chain share theirs.
+
+        Args:
+            measured: Joints whose torque was measured, (n,).
+
+        Returns:
+            Rows with a measured side, (R,).
+        """
+        if self.links and self.axes is not None:
+            return np.full(self.axes.shape[1], bool(measured.all()))
+        return measured if self.links else super().measured_rows(measured)
+
+    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
+        """Select the samples from which the terms can be identified.
+
+        Args:
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Whether a sample of a row is usable, (N, R).
+        """
+        return self._on_rows(super().usable(v), np.all)
+
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Select the samples at which a joint turns round.
+
+        Args:
+            v: Joint velocities of a recording [rad/s], (N, n).
+
+        Returns:
+            Whether a joint of a row turns round, (N, R); None if no term asks for it.
+        """
+        found = super().reversing(v)
+        return None if found is None else self._on_rows(found, np.any)
+
+    def _on_rows(self, of_joints: NDArray[np.bool_], together: Callable[..., NDArray[np.bool_]]) -> NDArray[np.bool_]:
+        """Turn what holds for base rows and joints, (N, b + n), into what holds for rows, (N, R)."""
+        if not self.links:
+            return of_joints
+        joints = of_joints[:, self.leg.base_rows :]
+        if self.axes is None:
+            return joints
+        return np.repeat(together(joints, axis=1)[:, np.newaxis], self.axes.shape[1], axis=1)
+
+    def _reduced(self, rows: FloatArray, q: FloatArray) -> FloatArray:
+        """Combine rows (K, b + n, N) into those without the unknown wrenches."""
+        return eliminate(self.leg, self.links, q, self.axes).of(rows) if self.links else rows

@@ -1,0 +1,106 @@
+"""The test whether anything acts keeps its level under correlated noise, and notices what it says it notices."""
+
+import numpy as np
+import pytest
+import scipy
+
+from exoid.control.wearer import action
+from exoid.control.wearer.action import LEVEL, Evidence, JointAction, judge, together
+
+SAMPLES, TRAINED, JOINTS = 400, 300, 3
+
+
+def noise(rng, correlation, samples, count):
+    """AR(1) noise of unit variance, (count, samples)."""
+    white = rng.standard_normal((count, samples + 200)) * np.sqrt(1.0 - correlation**2)
+    return scipy.signal.lfilter([1.0], [1.0, -correlation], white, axis=1)[:, 200:]
+
+
+def effective(correlation, samples):
+    """Independent samples that say as much on the power: N γ_0² / Σ γ_k² = N (1 − φ²) / (1 + φ²)."""
+    return samples * (1.0 - correlation**2) / (1.0 + correlation**2)
+
+
+def evidence_of(x, trained, correlation, systematic=0.0):
+    """What residuals (n, N) and those of the training (n, M) say."""
+    joints = len(x)
+    return Evidence(
+        x.var(axis=1),
+        x.mean(axis=1),
+        trained.var(axis=1),
+        np.full(joints, systematic),
+        np.full(joints, effective(correlation, x.shape[1])),
+        np.full(joints, effective(correlation, trained.shape[1])),
+    )
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.6, 0.9])
+def test_without_allowance_false_alarms_come_at_the_stated_level(monkeypatch, correlation):
+    monkeypatch.setattr(action, "ALLOWANCE", 1.0)
+    rng, runs, level = np.random.default_rng(5), 2000, 0.05
+    x, trained = (
+        noise(rng, correlation, samples, runs * JOINTS).reshape(runs, JOINTS, samples) for samples in (SAMPLES, TRAINED)
+    )
+    alarms = np.mean(
+        [
+            any(each.acts for each in judge(evidence_of(now, before, correlation), level))
+            for now, before in zip(x, trained, strict=True)
+        ]
+    )
+    assert 0.5 * level < alarms < 1.6 * level
+
+
+def test_with_white_noise_assumed_correlated_noise_would_alarm_too_often(monkeypatch):
+    monkeypatch.setattr(action, "ALLOWANCE", 1.0)
+    rng, runs = np.random.default_rng(6), 500
+    x, trained = (noise(rng, 0.9, samples, runs) for samples in (SAMPLES, TRAINED))
+    alarms = [judge(evidence_of(now[None], before[None], 0.0), 0.05)[0].acts for now, before in zip(x, trained)]  # noqa: B905
+    assert np.mean(alarms) > 0.15
+
+
+def test_with_its_allowance_there_is_no_false_alarm_though_residuals_grow_by_a_third():
+    rng, runs = np.random.default_rng(7), 1000
+    x, trained = 1.3 * noise(rng, 0.6, SAMPLES, runs), noise(rng, 0.6, TRAINED, runs)
+    acts = [judge(evidence_of(now[None], before[None], 0.6))[0].acts for now, before in zip(x, trained, strict=True)]
+    assert np.mean(acts) <= LEVEL
+
+
+def test_a_torque_as_small_as_the_least_is_noticed_half_of_the_time():
+    rng, runs = np.random.default_rng(8), 400
+    wave = np.sqrt(2.0) * np.sin(0.3 * np.arange(SAMPLES))
+    noticed = []
+    for now, before in zip(noise(rng, 0.6, SAMPLES, runs), noise(rng, 0.6, TRAINED, runs), strict=True):
+        least = judge(evidence_of(now[None], before[None], 0.6))[0].least
+        noticed.append(judge(evidence_of((now + least * wave)[None], before[None], 0.6))[0].acts)
+    assert 0.35 < np.mean(noticed) < 0.65
+
+
+def test_a_constant_torque_does_not_act_but_is_said_to_be_there():
+    rng = np.random.default_rng(9)
+    now, before = noise(rng, 0.6, SAMPLES, 2), noise(rng, 0.6, TRAINED, 2)
+    offset = judge(evidence_of(now + np.array([[2.0], [0.0]]), before, 0.6))
+    assert [each.acts for each in offset] == [False, False]
+    assert [each.steady for each in offset] == [True, False]
+
+
+def test_systematic_errors_count_as_one_degree_of_freedom():
+    rng = np.random.default_rng(10)
+    now, before = 3.0 * noise(rng, 0.6, SAMPLES, 1), noise(rng, 0.6, TRAINED, 1)
+    assert judge(evidence_of(now, before, 0.6))[0].acts
+    assert not judge(evidence_of(now, before, 0.6, systematic=4.0))[0].acts
+
+
+def test_joints_without_evidence_are_not_tested():
+    found = judge(
+        Evidence(*np.array([[np.nan, 9.0], [np.nan, 0.0], [1.0, 0.0], [0.0, 0.0], [50.0, 50.0], [50.0, 50.0]]))
+    )
+    assert [np.isnan(each.p_value) for each in found] == [True, True]
+    assert not any(each.acts or each.steady for each in found)
+
+
+def test_recordings_are_joined_by_the_smallest_p_value_times_their_number():
+    one = (JointAction(0.2, False, 1.0, False), JointAction(np.nan, False, np.nan, False))
+    other = (JointAction(1e-5, True, 0.5, True), JointAction(np.nan, False, np.nan, False))
+    first, second = together((one, other))
+    assert first == JointAction(2e-5, True, 0.5, True)
+    assert np.isnan(second.p_value)

@@ -1,0 +1,101 @@
+"""The phase follows a cadence that changes, and the profile averages over it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError, Recording
+from exoid.control.wearer.gait import find_phase, profile
+
+RATE = 100.0
+
+
+def walking(period=1.1, change=0.0, seconds=30.0):
+    """Angles of a gait with harmonics, whose period changes by a share over the log; turns since the start."""
+    time = np.arange(0.0, seconds, 1.0 / RATE)
+    turns = time / period * (1.0 + 0.5 * change * (time / seconds - 0.5))
+    at = 2.0 * np.pi * turns
+    hip = 0.4 * np.cos(at) + 0.1 * np.cos(2.0 * at + 0.3)
+    knee = 0.5 * np.cos(at + 1.0) - 0.3 * np.cos(2.0 * at)
+    return Recording(time, np.column_stack([hip, knee]), joint_names=("hip", "knee")), turns
+
+
+def inner(recording, margin=2.0):
+    return (recording.time > recording.time[0] + margin) & (recording.time < recording.time[-1] - margin)
+
+
+@pytest.mark.parametrize(("period", "change"), [(1.1, 0.0), (1.37, 0.0), (1.1, 0.1)])
+def test_the_period_of_a_gait_is_found(period, change):
+    recording, turns = walking(period, change)
+    found = find_phase(recording)
+    used = inner(recording)
+    difference = np.exp(2j * np.pi * (found.values - turns))[used]
+    constant = difference.mean() / np.abs(difference.mean())
+    assert np.abs(np.angle(difference / constant)).max() < 2.0 * np.pi * 0.04
+    assert found.period == pytest.approx(recording.duration / (turns[-1] - turns[0]), rel=0.01)
+    assert found.source == "largest angle of knee"
+
+
+def test_a_cycle_begins_at_the_largest_angle():
+    recording, _ = walking()
+    found = find_phase(recording)
+    used = inner(recording)
+    near = np.minimum(found.values, 1.0 - found.values)[used] < 0.02
+    knee = recording.q[used, 1]
+    assert knee[near].min() > knee.max() - 0.05
+
+
+def test_motion_that_does_not_repeat_has_no_phase():
+    rng = np.random.default_rng(1)
+    time = np.arange(0.0, 30.0, 0.01)
+    drift = np.cumsum(rng.standard_normal((len(time), 2)), axis=0) * 0.01
+    assert find_phase(Recording(time, drift, joint_names=("a", "b"))) is None
+    assert find_phase(Recording(time, np.zeros((len(time), 1)), joint_names=("a",))) is None
+
+
+def test_touch_downs_begin_a_cycle():
+    recording, turns = walking(1.25)
+    contact = turns % 1.0 < 0.6
+    found = find_phase(dataclasses.replace(recording, contacts={"foot": contact}))
+    known = ~np.isnan(found.values)
+    assert found.source == "touch-down of foot"
+    error = np.exp(2j * np.pi * (found.values - turns))[known]
+    assert np.abs(np.angle(error)).max() < 2.0 * np.pi * 0.02
+    assert not known[recording.time < 1.2].any()
+
+
+def test_given_strides_count_first():
+    recording, _ = walking()
+    found = find_phase(recording, [2.0, 4.0, 7.0])
+    values = found.values[np.isin(np.round(recording.time, 6), [3.0, 5.5])]
+    assert np.allclose(values, 0.5)
+    assert found.period == 2.5
+    assert np.isnan(found.values[recording.time < 2.0]).all()
+
+
+@pytest.mark.parametrize("strides", [[1.0], [2.0, 1.0], [1.0, np.nan], [100.0, 101.0]])
+def test_wrong_strides_are_refused(strides):
+    with pytest.raises(ExoidError, match="strides"):
+        find_phase(walking()[0], strides)
+
+
+def test_the_profile_is_the_mean_over_each_part_of_the_cycle():
+    phase = np.linspace(0.0, 1.0, 10_000, endpoint=False)
+    torque = np.column_stack([np.sin(2.0 * np.pi * phase), np.ones_like(phase)])
+    velocity = np.column_stack([np.sin(2.0 * np.pi * phase), -np.ones_like(phase)])
+    found = profile(torque, velocity, phase, bins=50)
+    assert np.allclose(found.mean[:, 0], np.sin(2.0 * np.pi * found.phase), atol=2e-3)
+    assert np.allclose(found.power[:, 0], np.sin(2.0 * np.pi * found.phase) ** 2, atol=2e-3)
+    assert np.allclose(found.rms[:, 1], 1.0)
+    assert np.allclose(found.power[:, 1], -1.0)
+    assert found.samples.sum() == len(phase)
+
+
+def test_samples_without_a_phase_and_empty_bins_are_left_out():
+    phase = np.array([np.nan, 0.1, 0.1])
+    found = profile(np.array([[9.0], [1.0], [3.0]]), np.ones((3, 1)), phase, bins=2)
+    assert found.mean[0, 0] == 2.0
+    assert np.isnan(found.mean[1, 0])
+    with pytest.raises(ExoidError, match="0 bins"):
+        profile(np.ones((3, 1)), np.ones((3, 1)), phase, bins=0)

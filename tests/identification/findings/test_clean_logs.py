@@ -1,0 +1,59 @@
+"""Nothing is found in a log without faults."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from logs import clean, kinds
+
+import exoid
+from exoid.signals.datasets import bleex_swing
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_log_without_faults_has_no_findings(name, seed):
+    assert exoid.check(*clean(name, seed)) == ()
+
+
+def test_nor_has_the_example_of_a_leg_that_sticks():
+    data = bleex_swing()
+    assert exoid.check(data.leg, data.train) == ()
+    estimate = exoid.identify(data.leg, data.train)
+    assert estimate.findings == ()
+    assert set(estimate.identifiability) == {"well"}
+
+
+@pytest.mark.parametrize("part", [0.02, 0.1])
+def test_coarse_torques_are_no_rails(part):
+    leg, log = clean()
+    step = part * log.tau.std(axis=0)
+    coarse = dataclasses.replace(log, tau=step * np.round(log.tau / step))
+    assert "saturation" not in kinds(exoid.check(leg, coarse))
+
+
+def test_noise_that_grows_with_speed_is_no_fault_of_the_model():
+    leg, log = clean()
+    v = np.gradient(log.q, axis=0)
+    size = 0.02 * log.tau.std(axis=0) * (v / v.std(axis=0)) ** 2
+    noisy = dataclasses.replace(log, tau=log.tau + size * np.random.default_rng(3).standard_normal(v.shape))
+    assert kinds(exoid.check(leg, noisy)) == set()
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-3])
+def test_noisy_angles_are_no_fault(noise):
+    leg, log = clean()
+    q = log.q + noise * np.random.default_rng(4).standard_normal(log.q.shape)
+    assert kinds(exoid.check(leg, dataclasses.replace(log, q=q))) == set()
+
+
+@pytest.mark.real_data
+def test_the_real_recording_has_the_findings_that_the_page_argues_for():
+    data = exoid.datasets.dfki_double_pendulum()
+    found = {(finding.kind, finding.joint) for finding in exoid.check(data.leg, data.train)}
+    assert found == {
+        ("unmodelled-friction", "shoulder"),
+        ("unmodelled-friction", "elbow"),
+        ("torque-scale", "elbow"),
+        ("torque-delay", ""),
+    }

@@ -1,0 +1,117 @@
+"""Findings are part of an estimate: its classes, text, file, and validation."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from logs import clean, late, of_kind, with_column
+
+import exoid
+from exoid.estimate.finding import Finding, findings_from_json, findings_to_json, ordered
+
+
+@pytest.fixture(scope="module")
+def late_estimate():
+    leg, log = clean()
+    return exoid.identify(leg, late(log, 0.02, range(3)))
+
+
+def test_a_doubtful_parameter_is_at_best_weakly_determined(late_estimate):
+    doubtful = of_kind(late_estimate.findings, "torque-delay").parameters
+    assert "J3" in doubtful
+    assert late_estimate.doubtful >= set(doubtful)
+    assert all(late_estimate[name].identifiability != "well" for name in doubtful)
+    leg, log = clean()
+    assert set(exoid.identify(leg, log).identifiability) == {"well"}
+
+
+def test_checks_can_be_left_out():
+    leg, log = clean()
+    without = exoid.identify(leg, late(log, 0.02, range(3)), check=False)
+    assert without.findings == ()
+    assert without.ranges is None
+
+
+def test_checks_do_not_change_the_values():
+    leg, log = clean()
+    np.testing.assert_array_equal(exoid.identify(leg, log).values, exoid.identify(leg, log, check=False).values)
+
+
+def test_findings_stand_in_the_text_and_the_file(late_estimate, tmp_path):
+    assert "torque-delay" in str(late_estimate)
+    late_estimate.save(tmp_path / "est.json")
+    loaded = exoid.Estimate.load(tmp_path / "est.json")
+    assert loaded.findings == late_estimate.findings
+    np.testing.assert_array_equal(loaded.ranges.speed, late_estimate.ranges.speed)
+    assert loaded.identifiability == late_estimate.identifiability
+
+
+def test_files_without_findings_are_read(late_estimate, tmp_path):
+    data = late_estimate.to_json()
+    del data["findings"], data["ranges"]
+    (tmp_path / "old.json").write_text(json.dumps(data), encoding="utf-8")
+    old = exoid.Estimate.load(tmp_path / "old.json")
+    assert (old.findings, old.ranges) == ((), None)
+
+
+def test_findings_of_groups_keep_their_group():
+    leg, log = clean()
+    both = exoid.identify(leg, {"good": log, "bad": late(log, 0.02, range(3))}, own="c0")
+    assert "c0_hip[bad]" in both.names
+    assert of_kind(both["bad"].findings, "torque-delay")
+    assert both.findings == (*both["good"].findings, *both["bad"].findings)
+
+
+def test_validation_shifts_torques_by_the_delay_of_the_training(tmp_path):
+    leg, log = clean()
+    bad = late(log, 0.02, range(3))
+    mended = exoid.identify(leg, bad, delay="auto")
+    assert mended.torque_delays == pytest.approx([0.02] * 3, abs=0.001)
+    mended.save(tmp_path / "est.json")
+    loaded = exoid.Estimate.load(tmp_path / "est.json")
+    np.testing.assert_array_equal(loaded.torque_delays, mended.torque_delays)
+    validation = exoid.validate(loaded, bad)
+    right = exoid.validate(exoid.identify(leg, log), log).nrmse
+    assert (validation.nrmse < 1.1 * right).all()
+    assert (exoid.validate(exoid.identify(leg, bad), bad).nrmse > 1.2 * right).any()
+    shifts = [finding for finding in validation.findings if finding.kind == "torque-delay"]
+    assert [finding.value for finding in shifts] == mended.torque_delays.tolist()
+    assert validation.verdict == "predicts"
+    assert str(validation).rstrip().endswith("verdict: predicts")
+    assert exoid.validate(exoid.identify(leg, log), log).findings == ()
+
+
+def test_a_faster_motion_than_that_of_the_training_is_an_extrapolation():
+    leg, log = clean()
+    estimate = exoid.identify(leg, log)
+    assert exoid.validate(estimate, log).findings == ()
+    fast = dataclasses.replace(log, time=log.time / 1.5)
+    found = exoid.validate(estimate, fast).findings
+    assert {finding.kind for finding in found} >= {"extrapolation"}
+    speeds = [f.value for f in found if f.kind == "extrapolation" and "speed" in f.message]
+    assert speeds == pytest.approx([1.5] * 3, rel=0.1)
+
+
+def test_a_prediction_worse_than_a_constant_is_an_error():
+    leg, log = clean()
+    validation = exoid.validate(exoid.identify(leg, log), with_column(log, "tau", 1, lambda x: -x))
+    finding = of_kind(validation.findings, "large-residual")
+    assert (finding.joint, finding.severity) == (leg.joint_names[1], "error")
+    assert "large-residual" in str(validation)
+    assert validation.to_json()["findings"][0]["kind"] == "large-residual"
+
+
+def test_findings_survive_json_and_are_ordered():
+    info = Finding("far-from-urdf", "knee", 2.0, "1", "info", "m", "r")
+    error = Finding("dropout", "hip", 0.1, "1", "error", "m", "r", (0.0, 0.2), ("X1",), "a.csv")
+    assert findings_from_json(json.loads(json.dumps(findings_to_json((info, error))))) == (info, error)
+    assert ordered((info, error)) == (error, info)
+    assert str(error) == "error: dropout at hip in a.csv: m; r"
+
+
+def test_a_finding_needs_numbers_and_a_severity():
+    with pytest.raises(exoid.ExoidError, match="severity"):
+        Finding("dropout", "hip", np.nan, "1", "error", "m", "r")
+    with pytest.raises(exoid.ExoidError, match="severity"):
+        Finding("dropout", "hip", 1.0, "1", "fatal", "m", "r")

@@ -1,0 +1,55 @@
+"""Columns of faults are derivatives of the torque; averaging a fast log changes no finding."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from logs import clean, late, of_kind
+from public_robots import urdf_of
+
+import exoid
+from exoid.identification.findings.sample import averaged
+from exoid.leg.dynamics import inverse_dynamics, inverse_dynamics_slopes
+from exoid.signals import FiniteDifference, ZeroPhase
+
+STEP = 1e-5
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_slopes_are_finite_differences_of_inverse_dynamics(place):
+    leg = exoid.Leg.from_urdf(urdf_of("hyq"), ("lf_haa_joint", "lf_hfe_joint", "lf_kfe_joint"))
+    motion = np.random.default_rng(0).standard_normal((3, 5, 3))
+    found = inverse_dynamics_slopes(leg.model, *motion)[place]
+    for joint in range(3):
+        up, down = motion.copy(), motion.copy()
+        up[place, :, joint] += STEP
+        down[place, :, joint] -= STEP
+        expected = (inverse_dynamics(leg.model, *up) - inverse_dynamics(leg.model, *down)) / (2.0 * STEP)
+        np.testing.assert_allclose(found[:, :, joint], expected, atol=1e-8)
+
+
+def ten_times_faster(log):
+    """The same log at ten times its rate."""
+    time = np.linspace(log.time[0], log.time[-1], 10 * (len(log) - 1) + 1)
+
+    def between(x):
+        return np.stack([np.interp(time, log.time, column) for column in x.T], axis=1)
+
+    return dataclasses.replace(log, time=time, q=between(log.q), tau=between(log.tau))
+
+
+def test_a_fast_log_is_averaged_as_far_as_its_filter_allows():
+    _, log = clean()
+    fast = ten_times_faster(log)  # 1 kHz
+    short = averaged(fast, ZeroPhase(8.0))
+    assert short.sample_rate == pytest.approx(100.0, rel=1e-3)
+    np.testing.assert_allclose(short.q[10], fast.q[100:110].mean(axis=0))
+    assert averaged(fast, ZeroPhase(60.0)) is fast
+    assert averaged(fast, FiniteDifference()) is fast
+    assert averaged(log, ZeroPhase(8.0)) is log
+
+
+def test_a_delay_of_a_fast_log_is_found_to_a_millisecond():
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, late(ten_times_faster(log), 0.01, range(3))), "torque-delay")
+    assert finding.value == pytest.approx(0.01, abs=0.001)

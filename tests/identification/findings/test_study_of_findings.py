@@ -1,0 +1,104 @@
+"""The study of findings: each table is printed, and faults are found in its logs.
+
+CI runs few replicates; ``python scripts/study_findings.py --seeds 20`` prints the tables.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
+import fault_lists
+import faulty_logs
+import study_findings as study
+
+SILENT = {"none", "noise that grows with speed", "noise that grows with torque"}
+"""Disturbances under which intervals hold."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", range(len(fault_lists.DISTURBANCES)))
+def test_a_disturbance_has_the_right_finding(which):
+    disturbance = fault_lists.DISTURBANCES[which]
+    largest = max(disturbance.sizes, key=abs) if disturbance.name != "torque saturated" else min(disturbance.sizes)
+    outcome = study.disturbed("bleex", which, largest, 0)
+    assert outcome.warned == (disturbance.name not in SILENT)
+    assert outcome.named == bool(disturbance.kinds)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("leg", ["bleex", "cuhk", "hyq"])
+def test_no_parameter_stays_well_under_a_strap(leg):
+    """A strap of 50 N/m between leg and frame moves parameters of all joints, and no one knows by how much."""
+    which = next(k for k, one in enumerate(fault_lists.DISTURBANCES) if one.name.startswith("strap"))
+    outcomes = [study.disturbed(leg, which, 50.0, seed) for seed in range(2)]
+    assert all(outcome.named and outcome.well == 0.0 for outcome in outcomes)
+    assert np.mean([outcome.inside for outcome in outcomes]) < 0.8
+
+
+def test_every_size_of_every_fault_changes_the_log():
+    log = faulty_logs.clean_log("bleex", 1)
+    for fault in (*fault_lists.CORRUPTIONS, *fault_lists.DISTURBANCES[1:]):
+        for size in fault.sizes:
+            bad = fault.apply(log, size, np.random.default_rng(1))
+            same_leg = bad.leg is log.leg or np.array_equal(bad.leg.chain.offsets, log.leg.chain.offsets)
+            arrays = [
+                np.array_equal(getattr(bad.recordings[0], name), getattr(log.recordings[0], name))
+                for name in ("time", "q", "tau")
+            ]
+            same = same_leg and all(arrays) and bad.recordings[0].v is None and len(bad.recordings) == 1
+            assert not same, (fault.name, size)
+
+
+def test_there_are_25_corruptions_and_the_disturbances_of_the_page(capsys):
+    assert len(fault_lists.CORRUPTIONS) >= 25
+    study.main(["disturbances", "--seeds", "1", "--legs", "cuhk", "--only", "none"])
+    study.main(["corruptions", "--seeds", "1", "--legs", "cuhk", "--only", "torque sign, joint 1"])
+    study.main(["corruptions", "--seeds", "1", "--legs", "cuhk", "--only", "tilted", "--sizes", "4"])
+    study.main(["clean", "--seeds", "1", "--legs", "cuhk"])
+    printed = capsys.readouterr().out
+    assert "none" in printed
+    assert printed.count("all: 1/1 (100%)") == 2
+    assert "false alarms, cuhk: 0/1" in printed
+
+
+def findings_of_tilt(degrees, seed):
+    tilted = next(one for one in fault_lists.CORRUPTIONS if one.name.startswith("base tilted"))
+    bad = tilted.apply(faulty_logs.clean_log("cuhk", seed), degrees, np.random.default_rng(seed))
+    return exoid.check(bad.leg, bad.recordings)
+
+
+def test_faults_that_a_log_cannot_tell_apart_are_named_beside_each_other():
+    """Coupling of two segments shows a tilt and a length; a small one of either fits about as well."""
+    found = findings_of_tilt(2.0, 2)
+    assert [finding.kind for finding in found] == ["segment-length", "gravity-direction"]
+    assert "gravity-direction would explain this log about as well" in found[0].message
+    assert "segment-length at left_hip would explain this log about as well" in found[1].message
+    (large,) = findings_of_tilt(8.0, 2)
+    assert large.kind == "gravity-direction"
+    assert "as well" not in large.message
+
+
+def test_segments_that_are_turned_alike_against_the_urdf_are_a_tilt():
+    """The motion of this log hardly couples the segments, so that nothing else shows the tilt."""
+    (finding,) = findings_of_tilt(3.0, 5)
+    assert (finding.kind, finding.severity) == ("gravity-direction", "info")
+    assert finding.value == pytest.approx(np.deg2rad(3.0), rel=0.05)
+    assert finding.interval[0] < finding.value < finding.interval[1]
+
+
+def test_an_unknown_table_is_refused():
+    with pytest.raises(SystemExit):
+        study.main(["figures"])
+
+
+def test_the_truth_of_a_clean_log_has_the_names_of_its_estimate():
+    for name in ("bleex", "cuhk"):
+        log = faulty_logs.clean_log(name, 1)
+        estimate = exoid.identify(log.leg, log.recordings, check=False)
+        assert set(log.truth) <= set(estimate.names)
+        assert {one[:2] for one in set(estimate.names) - set(log.truth)} == {"Ia", "of"}

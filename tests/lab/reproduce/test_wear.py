@@ -1,0 +1,124 @@
+"""``exoid wear``: what a wearer feels of a leg that is off, and with CAD, identified and true model."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import exoid
+from exoid import ExoidError, published, reproduce
+from exoid.cli import app
+from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.lab.reproduce import wear_models
+from exoid.lab.reproduce.wear_study import _inertia_and_friction, _refuse_unstable
+from exoid.lab.stability import largest_amplification
+from exoid.rig import Plant
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return reproduce.wear("bleex")
+
+
+@pytest.mark.slow
+def test_the_identified_model_is_felt_like_the_truth_and_far_less_than_cad(bleex):
+    felt = reproduce.wear_json(bleex)["felt_rms"]
+    assert felt["identified"] <= 0.2 * felt["cad"]
+    assert felt["identified"] <= 1.3 * felt["truth"]
+    assert felt["cad"] < felt["off"]
+
+
+@pytest.mark.slow
+def test_the_true_leg_lets_less_than_a_fifth_of_its_torque_be_felt(bleex):
+    """A tenth of inertia and friction, and what filter, delay and reversals of friction add."""
+    assert bleex.felt["truth"].amplification == 10.0
+    assert 1.0 < bleex.felt["truth"].rms_of_all / bleex.floor_of_all < 1.4
+    assert 0.03 < bleex.felt["truth"].rms_of_all / bleex.felt["off"].rms_of_all < 0.2
+
+
+@pytest.mark.slow
+def test_cad_limits_the_amplification_more_than_the_estimate(bleex):
+    found = reproduce.wear_json(bleex)
+    assert found["largest_amplification"]["cad"] < 10.0 < found["largest_amplification"]["identified"]
+    assert found["amplification"]["cad"] == pytest.approx(0.9 * found["largest_amplification"]["cad"])
+    assert found["limited_by"] in bleex.largest["identified"].variance_shares
+
+
+@pytest.mark.slow
+def test_table_figure_and_page_show_the_same(bleex):
+    text = reproduce.wear_text(bleex)
+    for felt in bleex.felt.values():
+        assert f"{felt.rms_of_all:.3g}" in text
+    (figure,) = reproduce.wear_figures(bleex).values()
+    assert [ax.get_ylabel() for ax in figure.axes] == [f"{name} [N·m]" for name in bleex.joint_names]
+    assert [line.get_label().split(",")[0] for line in figure.axes[0].lines] == ["off", "CAD", "identified", "truth"]
+    assert "felt" in reproduce.wear_page(bleex).html()
+
+
+@pytest.mark.slow
+def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
+    done = CliRunner().invoke(
+        app,
+        ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures"), "--period", "2.5"],
+    )
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    felt = found["felt_rms"]
+    assert {"cad", "identified"} <= set(found["largest_amplification"])
+    assert "limited_by" in found
+    assert list(felt) == ["off", "cad", "identified", "truth"]
+    assert felt["identified"] <= 1.3 * felt["truth"]
+    assert (tmp_path / "figures" / "felt_torque.png").stat().st_size > 1e4
+
+
+def test_the_floor_is_the_torque_that_pinocchio_says():
+    leg = exoid.load_leg("bleex")
+    plant = Plant.build(leg, {"d_knee": 0.5}, end_stops=False)
+    motion = gait_for_leg(leg, healthy_gait(0.8, 3.0))
+    times = np.linspace(0.0, 3.0, 2000, endpoint=False)
+    q, v, a = (np.array([getattr(motion.at(t), name)[:, 0] for t in times]) for name in ("q", "v", "a"))
+    still = np.zeros_like(q)
+    torque = leg.inverse_dynamics(q, v, a) - leg.inverse_dynamics(q, still, still) + v * [0.0, 0.5, 0.0]
+    rms = np.sqrt((torque**2).mean(axis=0))
+    assert np.allclose(_inertia_and_friction(plant, motion, 3.0), rms, rtol=1e-3)
+
+
+def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(monkeypatch):
+    monkeypatch.setattr(wear_models, "identify_cuhk", lambda *_: exoid.identify(*_short_cuhk()))
+    models = wear_models.worn_models("cuhk", 0, lambda _: None)
+    assert dict(zip(models.cad.parameter_names, models.cad.parameters, strict=True)) == pytest.approx(
+        published.cuhk_cad_parameters()
+    )
+    assert models.truth.parameters[2, 0] == pytest.approx(published.cuhk_parameters()["J1"] + 0.8, rel=0.02)
+    assert wear_models.worn_models(models, 0, lambda _: None) is models
+
+
+def _short_cuhk():
+    """Leg and a short log of it, for an estimate of any quality."""
+    leg, time = exoid.load_leg("cuhk"), np.arange(0.0, 10.0, 0.01)
+    speed = np.array([4.0, 7.0])
+    phase = np.outer(time, speed)
+    q, v, a = np.sin(phase), speed * np.cos(phase), -(speed**2) * np.sin(phase)
+    tau = leg.inverse_dynamics(q, v, a) + 0.1 * np.random.default_rng(0).standard_normal(q.shape)
+    return leg, exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names), ()
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [({"source": "hal"}, "nobody wears 'hal'"), ({"period": -1.0}, "a stride of -1"), ({"most": 1.0}, "up to 1")],
+)
+def test_what_makes_no_sense_is_refused_before_anything_runs(given, what):
+    with pytest.raises(ExoidError, match=what):
+        reproduce.wear(**({"source": "bleex"} | given))
+
+
+def test_a_model_that_is_unstable_without_amplification_is_refused_by_name():
+    leg = exoid.load_leg("cuhk")
+    found = largest_amplification(leg, truth=leg, poses=[0.2, 0.7])
+    none = replace(found, values=np.zeros(1))
+    with pytest.raises(ExoidError, match="with the cad model the worn leg is unstable"):
+        _refuse_unstable({"identified": found, "cad": none})

@@ -1,0 +1,284 @@
+"""Stability of worn legs: linearised loops against independent integration, closed solutions and other code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, frictionless
+from integrated_worn_leg import WornLeg
+
+import exoid
+from exoid import ExoidError, published
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
+from exoid.control.linearise import linearise
+from exoid.experiments import Hold
+from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation, predict
+from exoid.lab.stability import spectral_radius
+from exoid.lab.stability.worn import better_experiments, largest_amplification, stability_probability
+from exoid.lab.stability.worn.better_experiments import covariance_after
+from exoid.lab.stability.worn.draws import draw_truths
+from exoid.lab.stability.worn.law_table import LawTable
+from exoid.lab.stability.worn.limiting import variance_shares
+from exoid.lab.stability.worn.linear_law import linear_law
+from exoid.lab.stability.worn.linear_leg import linear_leg, linear_legs
+from exoid.lab.stability.worn.linear_wearer import linear_wearer
+from exoid.lab.stability.worn.sampled_loop import hold, loop_matrices
+from exoid.lab.stability.worn.worn_loop import WornLoop, poses_of
+from exoid.rig import Plant, Wearer
+from exoid.torques import Coulomb, TorqueModel, Viscous
+
+POSE = np.deg2rad([12.0, 35.0])
+PLANT = frictionless(cuhk_plant(end_stops=False))
+MODEL = ControlModel.of(PLANT)
+AMPLIFIED = partial(sensitivity_amplification, bandwidth=30.0, rate=250.0)
+
+
+@pytest.fixture(scope="module")
+def wearer():
+    """Muscles that hold a pose."""
+    return Wearer.build(LEG, height=1.7, mass=65.0, intention=Hold(POSE[:, None]))
+
+
+def heavier(factor):
+    """A model whose bodies and rotors are all too heavy by a factor."""
+    leg = MODEL.leg.with_parameters(factor * MODEL.leg.parameters)
+    return replace(MODEL, leg=leg, armature=factor * MODEL.armature)
+
+
+def wrong_estimate(std=0.1):
+    """An estimate with relative standard deviations, of bodies with friction."""
+    model = TorqueModel(LEG, (Coulomb(), Viscous()))
+    est = estimate_of(model, {**published.cuhk_parameters(), **published.cuhk_resistances()})
+    return replace(est, covariance=np.diag((std * np.abs(est.values)) ** 2))
+
+
+def test_the_linear_leg_is_that_of_pinocchios_derivatives():
+    """Without Coulomb friction; the velocity derivative of Coriolis torques cancels."""
+    model = ControlModel.of(cuhk_plant())
+    A, B = linearise(replace(model, coulomb=np.zeros(2)), POSE, np.zeros(2), np.zeros(2))
+    found = linear_leg(model, POSE)
+    inverse = np.linalg.inv(found.M[0])
+    np.testing.assert_allclose(inverse, B[2:], rtol=1e-9)
+    np.testing.assert_allclose(-inverse @ found.K[0], A[2:, :2], rtol=1e-6)
+    np.testing.assert_allclose(-inverse @ found.D[0], A[2:, 2:], rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["cuhk", "bleex"])
+def test_draws_of_parameters_give_the_same_legs_as_control_models(name):
+    model = TorqueModel(exoid.load_leg(name), TERMS if name == "cuhk" else (Coulomb(), Viscous()))
+    rng = np.random.default_rng(1)
+    start = np.array(
+        [dict(zip(model.leg.parameter_names, model.leg.parameters, strict=True)).get(n, 0.4) for n in model.names]
+    )
+    draws = start * rng.uniform(0.9, 1.1, (3, len(start)))
+    q = rng.uniform(-0.5, 0.5, len(model.joint_names))
+    many = linear_legs(model, draws, q)
+    for k, draw in enumerate(draws):
+        one = linear_leg(ControlModel.of_parameters(model, draw), q)
+        for found, expected in zip(many, one, strict=True):
+            np.testing.assert_allclose(found[k], expected[0], rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("delay", [0, 1, 3])
+def test_without_wearer_and_memory_the_radius_is_that_of_the_gain_margins(delay):
+    law = gravity_friction_pd(PLANT, (22.0, 55.0), (2.2, 5.5), friction=None, rate=50.0)
+    loop = WornLoop.of_law(law, None, POSE[None], delay)
+    radius = loop.table.radius(loop.legs_of([MODEL]), np.zeros(1))
+    assert radius[0] == pytest.approx(spectral_radius(PLANT, law, POSE, delay), rel=1e-7)
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_the_loop_matrix_predicts_an_independent_nonlinear_integration(wearer, delay):
+    """Thirty periods from a small velocity of the leg, with a model that is 8 % too heavy."""
+    law = AMPLIFIED(heavier(1.08), 6.0)
+    leg = hold(linear_leg(MODEL, POSE), linear_wearer(wearer, POSE), 1.0 / law.rate)
+    linear = linear_law(law, POSE).without_last()
+    matrix = loop_matrices(leg, linear, delay)[0]
+    kick = np.zeros(8)
+    kick[2:4] = 1e-3, -2e-3
+    begun = _begun_memory(law, POSE + kick[:2], kick[2:4]) - _begun_memory(law, POSE, np.zeros(2))
+    width = (len(matrix) - len(kick) - len(begun)) // max(delay, 1)  # of a late reading
+    state = np.concatenate([kick, *[(leg.C @ kick)[:width]] * delay, begun])
+    simulated = WornLeg(MODEL, wearer, law, POSE, delay).run(np.concatenate([POSE, [0, 0], POSE, [0, 0]]) + kick, 30)
+    for expected in simulated[1:]:
+        state = matrix @ state
+        offset = expected - np.concatenate([POSE, [0, 0], POSE, [0, 0]])
+        np.testing.assert_allclose(state[:8], offset, rtol=0.0, atol=2e-3 * np.abs(simulated[1:] - simulated[0]).max())
+
+
+class Memory(NamedTuple):
+    v: np.ndarray
+
+
+@dataclass(frozen=True)
+class AcceleratedJoint:
+    """τ = inertia (1 − 1/α) a with a = ω (v − v_f), v_f the velocity behind a low-pass of the first order."""
+
+    inertia: float
+    amplification: float
+    bandwidth: float = 10.0
+    rate: float = 20000.0
+
+    def begin(self, state):
+        return Memory(state.v)
+
+    def step(self, memory, state, target):
+        turn = 2.0 * np.pi * self.bandwidth
+        a = turn * (state.v - memory.v)
+        return self.inertia * (1.0 - 1.0 / self.amplification) * a, Memory(memory.v + a / self.rate)
+
+
+@pytest.mark.parametrize("factor", [1.1, 1.3, 2.0])
+def test_one_joint_has_the_boundary_of_routh_and_hurwitz(factor):
+    """J/ω s³ + (J (1 − κ) + d/ω) s² + (d + k/ω) s + k with κ = factor (1 − 1/α), for a fast controller."""
+    joint = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "cuhk.urdf", ("left_knee",))
+    J, d, k, turn = 0.6, 2.0, 30.0, 2.0 * np.pi * 10.0
+    truth = Plant.build(joint, {"X1": 0.0, "Y1": 0.0, "J1": J, "d_knee": d, "b1_knee": k}, end_stops=False)
+    kappa = 1.0 + d / (turn * J) - (k / turn) / (d + k / turn)
+
+    def law(source, amplification):
+        return AcceleratedJoint(factor * J, amplification)
+
+    found = largest_amplification(truth, truth=truth, law=law, poses=[0.3])
+    assert found.largest == pytest.approx(1.0 / (1.0 - kappa / factor), rel=0.01)
+    assert not found.drawn
+    assert 0.5 < found.frequency < 10.0
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_worn_legs_settle_just_inside_the_boundary_and_grow_just_outside(wearer, delay):
+    source = heavier(1.2)
+    found = largest_amplification(source, truth=MODEL, wearer=wearer, law=AMPLIFIED, poses=POSE, delay=delay)
+    assert 1.0 < found.largest < 50.0
+    start = np.concatenate([POSE, [1e-3, -1e-3], POSE, [0.0, 0.0]])
+    growth = {}
+    for factor in (0.9, 1.1):
+        leg = WornLeg(MODEL, wearer, AMPLIFIED(source, factor * found.largest), POSE, delay)
+        away = np.abs(leg.run(start, 500)[:, 4:8:1] - np.concatenate([POSE, [0.0, 0.0]])).max(axis=1)
+        growth[factor] = away[-125:].max() / away[125:250].max()
+    assert growth[0.9] < 1.0 < growth[1.1]
+
+
+def test_values_and_probability_agree(wearer):
+    est = wrong_estimate()
+    found = largest_amplification(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100)
+    assert np.isfinite(found.largest)
+    assert found.probability(found.largest) >= 0.95 > found.probability(1.05 * np.sort(found.values)[5])
+    for amplification in (found.largest, 2.0 * found.largest):
+        direct = stability_probability(AMPLIFIED(est, amplification), est, wearer=wearer, poses=POSE, draws=100)
+        assert direct.probability == pytest.approx(found.probability(amplification), abs=0.011)
+    low, high = found.interval
+    assert low <= found.largest <= high
+
+
+def test_a_certain_estimate_has_one_value(wearer):
+    est = replace(wrong_estimate(), covariance=np.zeros((10, 10)))
+    found = largest_amplification(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=5)
+    assert set(found.values.tolist()) == {found.exact}
+
+
+def test_the_limiting_parameter_is_the_uncertain_one(wearer):
+    est = wrong_estimate(std=1e-4)
+    covariance = est.covariance.copy()
+    k = est.names.index("J1")
+    covariance[k, k] = (0.15 * est.values[k]) ** 2
+    found = largest_amplification(
+        replace(est, covariance=covariance), wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100
+    )
+    assert found.limited_by == "J1"
+    assert found.variance_shares["J1"] > 0.99
+    assert "J1" in str(found)
+    small = replace(est, covariance=4e-3 * covariance)  # no draw has a boundary
+    found = largest_amplification(small, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100)
+    assert found.largest == np.inf
+    assert found.limited_by == "J1"
+
+
+def test_variance_shares_are_squared_correlations():
+    rng = np.random.default_rng(2)
+    root = rng.normal(size=(4, 4))
+    covariance, gradient = root @ root.T, np.array([1.0, -2.0, 0.0, 0.5])
+    shares = variance_shares(gradient, covariance)
+    draws = rng.standard_normal((200_000, 4)) @ root.T
+    measured = [np.corrcoef(draws[:, k], draws @ gradient)[0, 1] ** 2 for k in range(4)]
+    np.testing.assert_allclose(shares, measured, atol=0.01)
+
+
+def test_draws_have_the_covariance_and_only_possible_legs():
+    est = wrong_estimate(0.01)
+    found = draw_truths(est.model, est.values, est.covariance, 4000, 0)
+    assert found.rejected == 0.0
+    np.testing.assert_allclose(found.parameters.std(axis=0)[:6], np.sqrt(np.diag(est.covariance))[:6], rtol=0.06)
+    wild = est.covariance.copy()
+    wild[5, 5] = est.values[5] ** 2
+    some = draw_truths(est.model, est.values, wild, 200, 0)
+    assert 0.1 < some.rejected < 0.9
+    with pytest.raises(ExoidError, match="positive definite"):
+        draw_truths(est.model, -est.values, est.covariance, 10, 0)
+    with pytest.raises(ExoidError, match="covariance of J2"):
+        draw_truths(est.model, est.values, np.diag(np.where(np.arange(10) == 5, np.inf, 1.0)), 10, 0)
+
+
+def test_an_experiment_adds_its_information():
+    """The covariance after a second motion is that predicted for both; 1 % is the filter's edge and the sandwich."""
+    est, limits = exact_estimate(), MotionLimits.of(LEG)
+    scales, noise = Scales.of(est.model, limits), TorqueNoise((0.3, 0.3))
+    first, second = (
+        plan_excitation(LEG, TERMS, duration=20.0, highest=highest, starts=1, noise=0.3) for highest in (0.5, 1.0)
+    )
+    one = predict(est.model, first.recordings, noise, scales, est.preparation)
+    both = predict(est.model, [*first.recordings, *second.recordings], noise, scales, est.preparation)
+    later = covariance_after(replace(est, covariance=one.covariance), second, noise)
+    np.testing.assert_allclose(np.sqrt(np.diag(later)), both.std, rtol=0.05)
+
+
+@pytest.mark.slow
+def test_more_experiments_raise_the_amplification(wearer):
+    est = wrong_estimate()
+    found = better_experiments(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100, duration=20.0, noise=0.3)
+    assert found.best in found.after
+    assert found.after[found.best].largest > 1.5 * found.now.largest
+    assert "none" in str(found)
+    assert found.best[:20] in str(found)
+    assert found.to_json()["best"] == found.best
+
+
+def test_the_scan_finds_the_first_of_several_boundaries(wearer):
+    """A controller that is unstable only between two amplifications."""
+
+    def law(amplification):
+        return pd(1e5 if 1.9 < amplification < 6.0 else 10.0, 1.0, rate=200.0)
+
+    loop = WornLoop.of_amplifications(law, None, POSE[None], 0, 100.0)
+    assert len(loop.table.shares) > 3  # not linear
+    assert 1.0 < loop.table.largest(loop.legs_of([MODEL]))[0] < 6.0
+
+
+def test_settings_that_make_no_sense_are_refused(wearer):
+    est = wrong_estimate()
+    for wrong in ({"share": 1.0}, {"draws": 0}, {"most": 1.0}, {"poses": [0.1]}, {"delay": -1}):
+        with pytest.raises(ExoidError):
+            largest_amplification(est, wearer=wearer, **wrong)
+    with pytest.raises(ExoidError, match="only an estimate"):
+        largest_amplification(MODEL)
+    assert poses_of(LEG, None).shape == (8, 2)
+    assert LawTable.of([pd(1.0, 0.1)], np.zeros(1), POSE[None], 0).poses[0].N.shape == (1, 0, 0)
+
+
+def test_the_result_is_json(wearer):
+    data = largest_amplification(heavier(1.1), truth=MODEL, wearer=wearer, law=AMPLIFIED, poses=POSE).to_json()
+    assert data["largest"] > 1.0
+    assert data["drawn"] is False
+    assert data["draws"] == 1
+
+
+def _begun_memory(law, q, v):
+    """Numbers of the memory that a controller begins with, and no last torque if nothing depends on it."""
+    state = State(q, v, interaction=np.zeros(2))
+    rank = linear_law(law, POSE).without_last().N.shape[0]
+    numbers = np.concatenate([*map(np.ravel, law.begin(state)), np.zeros(2)])
+    return numbers[:rank]

@@ -1,0 +1,404 @@
+"""Lifted links are physically consistent, reproduce the parameters, and are those that a semidefinite program finds."""
+
+import itertools
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from lxml import etree
+from public_robots import urdf_of
+from semidefinite import nearest_to_estimate, nearest_to_prior, nearest_with_pull
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.leg.description import describe
+from exoid.leg.lift import Lift, consistent_within, lift
+from exoid.leg.lift.pseudo_inertia import (
+    congruence,
+    link_parameters,
+    make_consistent,
+    margins,
+    pseudo_inertias,
+    upper_factors,
+)
+from exoid.leg.model import dynamic_parameters
+from exoid.leg.published import bleex_parameters
+from exoid.leg.published.parameters import BLEEX_SETS
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return exoid.load_leg("bleex")
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return Leg.from_urdf(urdf_of("ur5"))
+
+
+def noisy(leg, rng, share):
+    """Values with errors of a share of their size, and the covariance of the errors, which are correlated."""
+    scale = share * np.maximum(np.abs(leg.parameters), 0.01 * np.abs(leg.parameters).max())
+    mixing = np.eye(len(scale)) + 0.3 * rng.standard_normal((len(scale), len(scale)))
+    root = scale[:, None] * mixing / np.linalg.norm(mixing, axis=1, keepdims=True)
+    return leg.parameters + root @ rng.standard_normal(len(scale)), root @ root.T
+
+
+def assert_possible(lifted: Lift):
+    """Positive definite by Pinocchio's own pseudo-inertia, and triangle inequalities by principal inertias."""
+    assert (margins(lifted.link_parameters) > 0.0).all()
+    for parameters in lifted.link_parameters:
+        P = pin.PseudoInertia.FromDynamicParameters(parameters).toMatrix()
+        np.linalg.cholesky(P)
+        body = pin.Inertia.FromDynamicParameters(parameters)
+        a, b, c = np.linalg.eigvalsh(body.inertia)
+        assert body.mass > 0.0
+        assert 0.0 < a <= b <= c < a + b
+
+
+# ------------------------------------------------------------------------------------------ feasible
+
+
+def test_the_legs_own_parameters_lift_to_its_own_links(built_in_leg):
+    lifted = lift(built_in_leg, built_in_leg.parameters)
+    assert lifted.feasible
+    assert lifted.distance == 0.0
+    assert lifted.divergence == pytest.approx(0.0, abs=1e-12)
+    own = dynamic_parameters(built_in_leg.model)
+    np.testing.assert_allclose(lifted.link_parameters.ravel(), own, rtol=0, atol=1e-12 * np.abs(own).max())
+
+
+@pytest.mark.parametrize("name", BLEEX_SETS)
+def test_published_parameters_are_reproduced_to_rounding(bleex, name):
+    values = np.array(list(bleex_parameters(name).values()))
+    lifted = lift(bleex, values)
+    assert lifted.feasible
+    np.testing.assert_allclose(lifted.values, values, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(bleex.reduction.parameters(lifted.link_parameters.ravel()), values, rtol=1e-13)
+    assert lifted.moved == {}
+    assert_possible(lifted)
+
+
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
+def test_feasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(1)
+    feasible = 0
+    for _ in range(8):
+        values, covariance = noisy(leg, rng, 0.004 if robot == "ur5" else 0.2)
+        lifted = lift(leg, values, covariance)
+        if not lifted.feasible:
+            continue
+        feasible += 1
+        np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+        optimum = nearest_to_prior(leg, values)
+        assert lifted.divergence == pytest.approx(optimum.value, rel=1e-4, abs=1e-6)
+        size = np.abs(optimum.links.reshape(-1, 10)).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(lifted.link_parameters / size, optimum.links.reshape(-1, 10) / size, atol=1e-3)
+        assert_possible(lifted)
+    assert feasible >= 3
+
+
+def test_the_optimum_is_stationary_in_pinocchios_log_cholesky_coordinates(bleex):
+    """Along every change of coordinates that keeps the base parameters, the divergence does not change."""
+    values, _ = noisy(bleex, np.random.default_rng(2), 0.1)
+    lifted = lift(bleex, values)
+    prior = pseudo_inertias(dynamic_parameters(bleex.model))
+    slopes, jacobians = [], []
+    for parameters, P0 in zip(lifted.link_parameters, prior, strict=True):
+        P = pseudo_inertias(parameters)[0]
+        U = upper_factors(P[None])[0]
+        alpha, d = np.log(U[3, 3]), np.log(np.diag(U)[:3] / U[3, 3])
+        s = U[[0, 1, 0, 0, 1, 2], [1, 2, 2, 3, 3, 3]] / U[3, 3]
+        coordinates = pin.LogCholeskyParameters(np.array([alpha, *d, *s]))
+        np.testing.assert_allclose(coordinates.toDynamicParameters(), parameters, rtol=0, atol=1e-12)
+        slope = np.tensordot(pseudo_inertias(np.eye(10)), np.linalg.inv(P0) - np.linalg.inv(P))
+        slopes.append(slope @ coordinates.calculateJacobian())
+        jacobians.append(coordinates.calculateJacobian())
+    K = np.hstack([bleex.reduction.collect[:, 10 * j : 10 * j + 10] @ J for j, J in enumerate(jacobians)])
+    slope = np.concatenate(slopes)
+    multipliers, *_ = np.linalg.lstsq(K.T, slope)
+    assert np.linalg.norm(slope) > 1.0
+    np.testing.assert_allclose(K.T @ multipliers, slope, rtol=0, atol=1e-6 * np.linalg.norm(slope))
+
+
+def test_the_covariance_does_not_matter_where_the_estimate_is_feasible(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(3), 0.05)
+    with_, without = lift(bleex, values, covariance), lift(bleex, values)
+    assert with_.feasible
+    np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
+
+
+# ---------------------------------------------------------------------------------------- infeasible
+
+
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", pytest.param("ur5", marks=pytest.mark.slow)])
+def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(4)
+    infeasible = 0
+    for _ in range(12):
+        values, covariance = noisy(leg, rng, 0.8)
+        lifted = lift(leg, values, covariance)
+        if lifted.feasible:
+            continue
+        infeasible += 1
+        optimum = nearest_to_estimate(leg, values, covariance, lifted.mass_limits)
+        assert lifted.distance == pytest.approx(optimum.value, rel=1e-4, abs=1e-4)
+        difference = lifted.values - leg.reduction.parameters(optimum.links)
+        assert np.sqrt(difference @ np.linalg.solve(covariance, difference)) < 1e-2 * max(optimum.value, 1.0)
+        missed = lifted.values - values
+        assert np.sqrt(missed @ np.linalg.solve(covariance, missed)) == pytest.approx(lifted.distance, rel=1e-9)
+        assert_possible(lifted)
+    assert infeasible >= 3
+
+
+@pytest.mark.parametrize(
+    "pull", [pytest.param(0.1, marks=pytest.mark.slow), 1.0, pytest.param(30.0, marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("robot", ["bleex", "ur5"])
+def test_a_pull_finds_the_optimum_of_the_semidefinite_program(robot, pull, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(6)
+    infeasible = 0
+    for _ in range(4):
+        values, covariance = noisy(leg, rng, 0.8)
+        lifted = lift(leg, values, covariance, pull=pull)
+        if lifted.feasible:
+            continue
+        infeasible += 1
+        optimum = nearest_with_pull(leg, values, covariance, pull)
+        masses = lifted.link_parameters[:, 0]
+        reached = 0.5 * lifted.distance**2 + pull * lifted.divergence
+        assert reached == pytest.approx(optimum.value, rel=1e-6, abs=1e-6)
+        np.testing.assert_allclose(masses, optimum.links[::10], rtol=1e-3)
+        assert_possible(lifted)
+    assert infeasible >= 2
+
+
+def test_a_stronger_pull_goes_nearer_to_the_legs_own_links_and_further_from_the_estimate(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(7), 1.0)
+    lifts = [lift(bleex, values, covariance, pull=pull) for pull in (0.0, 0.01, 1.0, 100.0, 1e6)]
+    assert not any(each.feasible for each in lifts)
+    for weak, strong in itertools.pairwise(lifts):
+        assert weak.divergence > strong.divergence
+        assert weak.distance < strong.distance
+    own = dynamic_parameters(bleex.model)
+    np.testing.assert_allclose(lifts[-1].link_parameters.ravel(), own, rtol=0, atol=1e-3 * np.abs(own).max())
+
+
+def test_a_pull_does_not_touch_feasible_values(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(3), 0.05)
+    with_, without = lift(bleex, values, covariance, pull=1e3), lift(bleex, values, covariance)
+    assert with_.feasible
+    np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
+
+
+def test_a_mass_factor_finds_lighter_links_with_exactly_the_same_values(bleex):
+    """Nearest are links up to so many times as heavy; others with the same values may be lighter."""
+    values, _ = noisy(bleex, np.random.default_rng(0), 0.2)
+    free = lift(bleex, values)
+    assert free.feasible
+    change = free.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]
+    factor = 0.85 * change.max()
+    lighter = lift(bleex, values, np.eye(9), mass_factor=factor)
+    assert lighter.feasible
+    assert lighter.divergence > free.divergence
+    np.testing.assert_allclose(lighter.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+    assert (lighter.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]).max() <= factor
+    assert_possible(lighter)
+
+
+def test_values_that_only_lighter_links_have_are_not_feasible_within_a_mass_factor(bleex):
+    light = 0.1 * bleex.parameters
+    assert lift(bleex, light).feasible
+    assert not lift(bleex, light, np.diag((0.01 * np.abs(light) + 1e-3) ** 2), mass_factor=5.0).feasible
+
+
+def test_what_is_known_best_gives_way_least(bleex):
+    values = bleex.parameters.copy()
+    knee, foot = bleex.parameter_names.index("J2"), bleex.parameter_names.index("J3")
+    values[foot] = 1.1 * values[knee]  # more than the shank's, which contains it
+    std = 0.01 * np.abs(values)
+    for known, other in ((knee, foot), (foot, knee)):
+        sharp = std.copy()
+        sharp[known] = 1e-6
+        moved = lift(bleex, values, np.diag(sharp**2)).moved
+        assert abs(moved[bleex.parameter_names[known]]) < 1e-3 * abs(moved[bleex.parameter_names[other]])
+
+
+def test_parameters_that_are_known_exactly_do_not_move(bleex):
+    values = bleex.parameters.copy()
+    values[-1] *= -1.0
+    covariance = np.diag((0.1 * np.abs(values)) ** 2)
+    covariance[0] = covariance[:, 0] = 0.0
+    lifted = lift(bleex, values, covariance)
+    assert not lifted.feasible
+    assert abs(lifted.moved["X1"]) < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(10))
+def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
+    rng = np.random.default_rng(100 + part)
+    feasible = 0
+    for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 20):
+        values, covariance = noisy(bleex, rng, share)
+        lifted = lift(bleex, values, covariance)
+        assert_possible(lifted)
+        feasible += lifted.feasible
+        if lifted.feasible:
+            np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+        else:
+            assert lifted.distance > 0.0
+    assert 20 < feasible < 80
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
+def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        assert_possible(lift(arm, *noisy(arm, rng, share)))
+
+
+# -------------------------------------------------------------------------------------------- priors
+
+
+def rod(inertia):
+    body = f'<inertial><origin xyz="0 0 -0.2"/><mass value="2"/><inertia {inertia}/></inertial>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>'
+    text = f'<robot name="r"><link name="a"/><link name="b">{body}</link>{joint}</robot>'
+    return Leg.from_description(describe(text))
+
+
+@pytest.mark.parametrize(
+    "inertia",
+    [
+        'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"',
+        'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0"',
+        'ixx="0.1" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"',
+    ],
+    ids=["point", "rod", "no triangle"],
+)
+def test_links_without_a_mass_distribution_get_a_small_extent(inertia):
+    leg = rod(inertia)
+    own = dynamic_parameters(leg.model)
+    repaired = make_consistent(own)
+    assert margins(own)[0] < 1e-9 < margins(repaired)[0]
+    np.testing.assert_array_equal(repaired[:4], own[:4])
+    np.testing.assert_array_equal(make_consistent(repaired), repaired)
+    lifted = lift(leg, leg.parameters * [1.0, 1.0, 1.2])
+    assert lifted.feasible
+    assert_possible(lifted)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 10.0, 1e3])
+def test_a_poor_prior_does_not_make_an_estimate_infeasible(bleex, factor):
+    """Placeholders instead of inertias, as many a URDF has them."""
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, factor)), bleex.joint_names)
+    lifted = lift(poor, bleex.parameters)
+    assert lifted.feasible
+    np.testing.assert_allclose(lifted.values, bleex.parameters, rtol=1e-12)
+    assert_possible(lifted)
+
+
+def with_masses(text, factor):
+    root = etree.fromstring(text.encode())
+    for inertial in root.iter("inertial"):
+        for element in (inertial.find("mass"), inertial.find("inertia")):
+            for name, value in element.attrib.items():
+                element.set(name, repr(factor * float(value)))
+    return etree.tostring(root, encoding="unicode")
+
+
+def test_possible_links_are_not_repaired(built_in_leg):
+    own = dynamic_parameters(built_in_leg.model)
+    np.testing.assert_array_equal(make_consistent(own), own)
+
+
+def test_pseudo_inertias_are_pinocchios():
+    rng = np.random.default_rng(6)
+    bodies = [pin.Inertia.Random() for _ in range(5)]
+    parameters = np.array([body.toDynamicParameters() for body in bodies])
+    P = pseudo_inertias(parameters)
+    for body, matrix in zip(bodies, P, strict=True):
+        np.testing.assert_allclose(matrix, pin.PseudoInertia.FromInertia(body).toMatrix(), atol=1e-14)
+    np.testing.assert_allclose(link_parameters(P), parameters.ravel(), atol=1e-14)
+    place = pin.SE3.Random()
+    moved = congruence(place.homogeneous[None])[0] @ parameters[0]
+    np.testing.assert_allclose(moved, place.act(bodies[0]).toDynamicParameters(), atol=1e-13)
+    A = rng.standard_normal((1, 4, 4))
+    P = A @ A.transpose(0, 2, 1)
+    U = upper_factors(P)[0]
+    np.testing.assert_allclose(U @ U.T, P[0], atol=1e-13)
+    np.testing.assert_array_equal(np.tril(U, -1), 0.0)
+
+
+# ------------------------------------------------------------------------------------ text and errors
+
+
+def test_a_lift_says_what_had_to_give_way(bleex):
+    values = bleex.parameters.copy()
+    values[-1] *= -1.0
+    lifted = lift(bleex, values, np.diag((0.1 * np.abs(values)) ** 2))
+    text = str(lifted)
+    assert f"the nearest are {lifted.distance:.3g} away" in text
+    assert "J3" in text
+    assert "left_shank" in text
+    assert "feasible=False" in repr(lifted)
+    assert "exactly the requested parameters" in str(lift(bleex, bleex.parameters))
+    with pytest.raises(ValueError, match="read-only"):
+        lifted.values[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("values", "covariance", "what"),
+    [
+        (np.ones(8), None, "values"),
+        (np.full(9, np.inf), None, "values"),
+        ("hello", None, "values"),
+        (np.full(9, -1.0), np.eye(8), "covariance"),
+        (np.full(9, -1.0), np.full((9, 9), np.nan), "covariance"),
+        (np.full(9, -1.0), -np.eye(9), "negative eigenvalue"),
+    ],
+    ids=["few", "infinite", "text", "small", "nan", "negative"],
+)
+def test_what_does_not_fit_is_refused(bleex, values, covariance, what):
+    with pytest.raises(ExoidError, match=what):
+        lift(bleex, values, covariance)
+
+
+@pytest.mark.parametrize("size", [1e14, 1e200, 1e308])
+def test_absurd_values_are_refused_by_name(bleex, size):
+    values = bleex.parameters.copy()
+    values[4] = size
+    with pytest.raises(ExoidError, match=r"no leg has Y2 = 1e\+"):
+        lift(bleex, values)
+
+
+@pytest.mark.parametrize(
+    "given", [{"pull": -1.0}, {"pull": np.nan}, {"mass_factor": 1.0}, {"mass_factor": np.nan}, {"mass_factor": -5.0}]
+)
+def test_weights_out_of_range_are_refused(bleex, given):
+    with pytest.raises(ExoidError, match="out of range"):
+        lift(bleex, bleex.parameters, **given)
+
+
+def test_any_mass_may_be_allowed(bleex):
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, 1e-2)), bleex.joint_names)
+    lifted = lift(poor, bleex.parameters, mass_factor=np.inf)
+    assert lifted.feasible
+    infeasible = bleex.parameters.copy()
+    infeasible[-1] *= -1.0
+    assert_possible(lift(poor, infeasible, np.diag((0.1 * np.abs(infeasible)) ** 2), pull=1.0, mass_factor=np.inf))
+
+
+@pytest.mark.parametrize("errors", [0.0, 0.3, 3.0])
+def test_consistent_within_a_distance_is_what_the_nearest_lift_says(arm, errors):
+    rng = np.random.default_rng(3)
+    values, covariance = noisy(arm, rng, 0.02)
+    values = arm.parameters + errors * (values - arm.parameters)
+    distance = lift(arm, values, covariance).distance
+    assert consistent_within(arm, values, covariance, 1.05 * distance + 1e-6)
+    assert distance == 0.0 or not consistent_within(arm, values, covariance, 0.95 * distance)

@@ -1,0 +1,132 @@
+"""Physical consistency is decided in closed form, and a semidefinite program agrees."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from planar_chains import PlanarURDF, planar_chains
+from public_robots import urdf_of
+from semidefinite import mass_range
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.leg.lift import check
+from exoid.leg.published import bleex_parameters, cuhk
+from exoid.leg.published.parameters import BLEEX_SETS
+
+BOUNDS = {"cad": (8.94, 5.05, 1.81), "left": (10.03, 5.22, 1.82), "right": (9.20, 5.18, 1.56)}
+"""Without lengths, as docs/legs.md has them [kg]."""
+
+
+def published(name):
+    return np.array(list(bleex_parameters(name).values()))
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return exoid.load_leg("bleex")
+
+
+@pytest.mark.parametrize("name", BLEEX_SETS)
+def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(bleex, name):
+    found = check(bleex, published(name))
+    assert found
+    assert found.reasons == ()
+    assert tuple(round(bound.least, 2) for bound in found.bounds) == BOUNDS[name]
+    assert [bound.masses for bound in found.bounds] == ["m_thigh + m_shank + m_foot", "m_shank + m_foot", "m_foot"]
+    assert [bound.formula for bound in found.bounds] == [
+        "(X1² + Y1²)/(J1 − J2)",
+        "(X2² + Y2²)/(J2 − J3)",
+        "(X3² + Y3²)/J3",
+    ]
+    for bound in found.bounds:
+        assert bound.least <= bound.least_with_lengths < bound.most
+
+
+@pytest.mark.parametrize("name", BLEEX_SETS)
+def test_the_masses_that_docs_assume_are_within_the_bounds(bleex, name):
+    masses = np.cumsum([3.1, 4.2, 4.75])[::-1]
+    for mass, bound in zip(masses, check(bleex, published(name)).bounds, strict=True):
+        assert bound.least_with_lengths < mass < bound.most
+
+
+def test_table_iii_of_document_2_is_no_leg():
+    leg = exoid.load_leg("cuhk")
+    table = cuhk().table("III")
+    printed = {**table.column("hip"), **table.column("knee")}
+    found = check(leg, [printed[name].value for name in leg.parameter_names])
+    assert not found
+    assert "shank: its centre of mass is on the wrong side of its joint (X2 = -0.602" in str(found)
+
+
+def test_every_built_in_leg_is_physical(built_in_leg):
+    assert check(built_in_leg, built_in_leg.parameters)
+
+
+@given(planar_chains())
+def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
+    for cumulative in (True, False):
+        leg = chain.leg(cumulative=cumulative)
+        found = check(leg, leg.parameters)
+        assert found, found
+        masses = np.cumsum([inertia.mass for inertia in list(leg.model.inertias)[:0:-1]])[::-1]
+        for mass, bound in zip(masses, found.bounds, strict=True):
+            assert bound.least <= bound.least_with_lengths * (1 + 1e-9)
+            assert bound.least_with_lengths <= mass * (1 + 1e-9)
+            assert mass <= bound.most * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("name", BLEEX_SETS)
+def test_bounds_on_masses_are_those_of_a_semidefinite_program(bleex, name):
+    values = published(name)
+    for first, bound in enumerate(check(bleex, values).bounds):
+        least, most = mass_range(bleex, values, first)
+        assert least == pytest.approx(bound.least_with_lengths, rel=1e-4)
+        assert most == pytest.approx(bound.most, rel=1e-4)
+
+
+def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
+    rng = np.random.default_rng(0)
+    verdicts = []
+    for _ in range(40):
+        values = bleex.parameters * (1.0 + 0.5 * rng.standard_normal(9))
+        impossible = [reason for reason in check(bleex, values).reasons if "wrong side" not in reason]
+        least, _ = mass_range(bleex, values, 0)
+        assert (least is None) == bool(impossible), impossible
+        verdicts.append(bool(impossible))
+    assert 5 < sum(verdicts) < 35
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("J3", -0.01, "foot: J3 = -0.01 kg·m² is not positive"),
+        ("J2", 0.04, "shank: J2 − J3 = "),
+        ("J1", 1.2, "thigh: 5.06 kg below it are too much for J1 − J2 = "),
+        ("X2", -1.0, "shank: its centre of mass is on the wrong side"),
+    ],
+)
+def test_what_is_impossible_is_named(bleex, name, value, reason):
+    values = bleex.parameters.copy()
+    values[bleex.parameter_names.index(name)] = value
+    found = check(bleex, values)
+    assert not found
+    assert reason in "\n".join(found.reasons)
+    assert "the parameters are not physically consistent" in str(found)
+
+
+def test_a_robot_that_is_no_planar_chain_is_checked_by_lifting():
+    leg = Leg.from_urdf(urdf_of("ur5"))
+    assert check(leg, leg.parameters)
+    values = leg.parameters.copy()
+    inertia = next(k for k, name in enumerate(leg.parameter_names) if name.startswith("Izz"))
+    values[inertia] = -1.0
+    found = check(leg, values)
+    assert not found
+    assert found.bounds == ()
+    assert "no links" in str(found)
+
+
+@pytest.mark.parametrize("values", [np.ones(8), np.full(9, np.nan), "hello", np.ones((9, 9))], ids=str)
+def test_values_that_do_not_fit_are_refused(bleex, values):
+    with pytest.raises(ExoidError, match="values"):
+        check(bleex, values)

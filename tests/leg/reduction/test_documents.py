@@ -1,0 +1,177 @@
+"""The documents' own equations against the library: repaired they agree to 1e-12, as printed they do not."""
+
+from pathlib import Path
+
+import numpy as np
+import oracles
+import pinocchio as pin
+import pytest
+from oracles import Link
+from planar_chains import assert_relative
+
+import exoid
+from exoid.leg.catalog import URDFS, urdf_folder
+
+TOLERANCE = 1e-12
+WRONG = 1e-3
+"""A misprint changes the torque by at least this fraction of the largest."""
+
+BLEEX_LENGTHS = (0.43, 0.43)
+CUHK_LENGTHS = (0.4165, 0.4182)
+
+
+def links_of(file: Path, side: str, names: tuple[str, ...]) -> list[Link]:
+    """Read m, c and I from the URDF, past the library."""
+    model = pin.buildModelFromUrdf(str(file))
+    inertias = [model.inertias[model.getJointId(f"{side}_{name}")] for name in names]
+    return [Link(i.mass, i.lever[0], i.lever[2], i.inertia[1, 1]) for i in inertias]
+
+
+def motion(n: int, seed: int = 0, samples: int = 200) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-1, 1, (3, samples, n)) * np.array([3.0, 4.0, 15.0])[:, None, None]
+
+
+@pytest.fixture(
+    params=[("cad", "left"), ("cad", "right"), ("identified", "left"), ("identified", "right")], ids="-".join
+)
+def bleex(request):
+    """A BLEEX leg, and its nine parameters by eqs. (1)-(9)."""
+    inertias, side = request.param
+    links = links_of(urdf_folder() / URDFS["bleex", inertias], side, ("hip", "knee", "ankle"))
+    return exoid.load_leg("bleex", side=side, inertias=inertias), oracles.bleex_parameters(*links, *BLEEX_LENGTHS)
+
+
+@pytest.fixture
+def cuhk(side):
+    """A CUHK-EXO leg, and its two links."""
+    links = links_of(urdf_folder() / URDFS["cuhk", "nominal"], side, ("hip", "knee"))
+    return exoid.load_leg("cuhk", side=side), links
+
+
+# ------------------------------------------------------------------------------------------- document 1
+
+
+def test_bleex_parameters_are_those_of_equations_1_to_9(bleex):
+    leg, parameters = bleex
+    assert leg.parameter_names == tuple(parameters)
+    np.testing.assert_allclose(leg.parameters, list(parameters.values()), rtol=TOLERANCE, atol=1e-15)
+
+
+def test_bleex_torques_are_those_of_equations_10_to_12_as_repaired(bleex):
+    leg, parameters = bleex
+    q, v, a = motion(3)
+    expected = oracles.bleex_torques(parameters, *BLEEX_LENGTHS, q, v, a)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, expected, TOLERANCE)
+    assert_relative(leg.inverse_dynamics(q, v, a), expected, TOLERANCE)
+
+
+def test_bleex_regressor_is_the_coefficients_of_equations_10_to_12(bleex):
+    """Each column on its own: the torque of a leg that has that one parameter."""
+    leg, _ = bleex
+    q, v, a = motion(3, seed=1)
+    W = leg.regressor(q, v, a)
+    for column, name in enumerate(leg.parameter_names):
+        unit = {other: float(other == name) for other in leg.parameter_names}
+        assert_relative(W[:, :, column], oracles.bleex_torques(unit, *BLEEX_LENGTHS, q, v, a), TOLERANCE)
+
+
+def test_equation_12_without_its_parentheses_is_wrong(bleex):
+    leg, parameters = bleex
+    q, v, a = motion(3)
+    torque = leg.inverse_dynamics(q, v, a)
+    misprint = oracles.bleex_torques(parameters, *BLEEX_LENGTHS, q, v, a, printed=["(12) parentheses"])
+    assert np.abs(misprint - torque)[:, 0].max() > WRONG * np.abs(torque).max()
+    assert_relative(misprint[:, 1:], torque[:, 1:], TOLERANCE)
+
+
+@pytest.mark.parametrize(("repair", "joint"), [("(11) θ6", 1), ("(12) θ6", 0)])
+def test_theta_6_can_only_be_read_as_theta_2(bleex, repair, joint):
+    leg, parameters = bleex
+    q, v, a = motion(3)
+    torque = leg.inverse_dynamics(q, v, a)
+    readings = {
+        "θ1": lambda t1, t2, t3: t1,
+        "θ2": lambda t1, t2, t3: t2,
+        "θ3": lambda t1, t2, t3: t3,
+        "θ12": lambda t1, t2, t3: t1 + t2,
+        "θ13": lambda t1, t2, t3: t1 + t3,
+        "θ23": lambda t1, t2, t3: t2 + t3,
+        "θ123": lambda t1, t2, t3: t1 + t2 + t3,
+        "0": lambda t1, t2, t3: 0.0 * t1,
+    }
+    fit = []
+    for name, reading in readings.items():
+        misprint = oracles.bleex_torques(parameters, *BLEEX_LENGTHS, q, v, a, printed=[repair], theta_6=reading)
+        if np.abs(misprint - torque)[:, joint].max() < WRONG * np.abs(torque).max():
+            fit.append(name)
+    assert fit == ["θ2"]
+
+
+# ------------------------------------------------------------------------------------------- document 2
+
+
+def test_cuhk_parameters_are_those_of_table_1_as_repaired(cuhk):
+    leg, links = cuhk
+    expected = oracles.cuhk_parameters(*links, *CUHK_LENGTHS)
+    by_name = dict(zip(leg.parameter_names, leg.parameters, strict=True))
+    assert by_name == pytest.approx(expected, rel=TOLERANCE)
+
+
+def test_cuhk_torques_are_those_of_equations_7_and_8_as_repaired(cuhk):
+    leg, links = cuhk
+    q, v, a = motion(2)
+    expected = oracles.cuhk_equations(*links, *CUHK_LENGTHS, q, v, a)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, expected, TOLERANCE)
+    assert_relative(leg.inverse_dynamics(q, v, a), expected, TOLERANCE)
+
+
+@pytest.mark.parametrize("repair", oracles.CUHK_EQUATION_REPAIRS)
+def test_each_misprint_of_equations_7_and_8_is_wrong_on_its_own(cuhk, repair):
+    leg, links = cuhk
+    q, v, a = motion(2)
+    torque = leg.inverse_dynamics(q, v, a)
+    error = np.abs(oracles.cuhk_equations(*links, *CUHK_LENGTHS, q, v, a, printed=[repair]) - torque).max(axis=0)
+    wrong, right = (1, 0) if repair.startswith("(8)") else (0, 1)
+    assert error[wrong] > WRONG * np.abs(torque).max()
+    assert error[right] < TOLERANCE * np.abs(torque).max()
+
+
+def test_cuhk_matrices_are_those_of_equations_14_to_21_as_repaired(cuhk):
+    leg, links = cuhk
+    q, v, a = motion(2)
+    document = oracles.cuhk_matrices(oracles.cuhk_parameters(*links, *CUHK_LENGTHS), CUHK_LENGTHS[0], q, v)
+    assert_relative(leg.mass_matrix(q), document.M, TOLERANCE)
+    assert_relative(leg.coriolis(q, v), document.C, TOLERANCE)
+    assert_relative(leg.gravity(q), document.G, TOLERANCE)
+    assert_relative(leg.inverse_dynamics(q, v, a), document.torques(v, a), TOLERANCE)
+
+
+@pytest.mark.parametrize("repair", ["(21) θk", "(21) sign of Y2"])
+def test_each_misprint_of_equation_21_is_wrong_on_its_own(cuhk, repair):
+    leg, links = cuhk
+    q, v, _ = motion(2)
+    parameters = oracles.cuhk_parameters(*links, *CUHK_LENGTHS)
+    gravity = leg.gravity(q)
+    misprint = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v, printed=[repair]).G
+    assert np.abs(misprint - gravity)[:, 1].max() > WRONG * np.abs(gravity).max()
+    assert_relative(misprint[:, 0], gravity[:, 0], TOLERANCE)
+
+
+def test_table_1_with_its_printed_last_term_is_wrong(cuhk):
+    leg, links = cuhk
+    q, v, a = motion(2)
+    torque = leg.inverse_dynamics(q, v, a)
+    parameters = oracles.cuhk_parameters(*links, *CUHK_LENGTHS, printed=["Table I J_t"])
+    assert parameters["J1"] != pytest.approx(leg.parameters[2], rel=WRONG)
+    misprint = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v).torques(v, a)
+    assert np.abs(misprint - torque).max() > WRONG * np.abs(torque).max()
+
+
+def test_a_cumulative_j1_does_not_fit_document_2(cuhk):
+    """The two documents define J1 differently: doc. 1's in doc. 2's equations counts the shank twice."""
+    leg, _ = cuhk
+    names, J = leg.parameter_names, exoid.Leg.from_description(leg.description, leg.joint_names, cumulative=True)
+    q, v, a = motion(2)
+    parameters = dict(zip(names, J.parameters, strict=True))
+    wrong = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v).torques(v, a)
+    assert np.abs(wrong - leg.inverse_dynamics(q, v, a)).max() > 0.05 * np.abs(wrong).max()

@@ -1,0 +1,278 @@
+"""Numeric base parameters of robots that are not planar legs."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from lxml import etree
+from planar_chains import assert_relative, random_motion
+from public_robots import urdf_of
+
+import exoid
+from exoid import Armature, ExoidError, Leg
+from exoid.leg.description import Description, describe, read_description
+from exoid.leg.dynamics import joint_torque_regressor
+from exoid.leg.reduction import LINK_PARAMETERS, LINK_UNITS, numeric
+from exoid.torques import TorqueModel
+
+CASES = {  # joints to use (None for all of one degree of freedom), and how many base parameters they have
+    "ur5": (None, 36),
+    "panda": (tuple(f"panda_joint{k}" for k in range(1, 8)), 43),
+    "kinova": (None, 36),
+    "z1": (tuple(f"joint{k}" for k in range(1, 7)), 36),
+    "talos_arm": (None, 45),
+    "tiago_no_hand": (("torso_lift_joint", *(f"arm_{k}_joint" for k in range(1, 8))), 44),
+    "xarm7": (None, 43),
+}
+
+
+@pytest.fixture(scope="module", params=list(CASES))
+def robot(request):
+    """The name of a robot and its leg."""
+    return request.param, Leg.from_urdf(urdf_of(request.param), joints=CASES[request.param][0])
+
+
+def labels(count: int) -> list[str]:
+    return [f"link{k}" for k in range(1, count + 1)]
+
+
+# -------------------------------------------------------------------------------------------- torques
+
+
+def test_base_parameters_give_pinocchios_torques(robot):
+    name, leg = robot
+    assert leg.chain is None
+    q, v, a = random_motion(np.random.default_rng(0), len(leg.joint_names), 100)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
+    assert len(leg.parameters) == CASES[name][1]
+
+
+def test_a_wrong_base_parameter_gives_other_torques(robot):
+    _, leg = robot
+    q, v, a = random_motion(np.random.default_rng(1), len(leg.joint_names), 20)
+    torque = leg.inverse_dynamics(q, v, a)
+    wrong = leg.parameters + 1e-3 * np.abs(leg.parameters).max() * np.eye(len(leg.parameters))[0]
+    with pytest.raises(AssertionError):
+        assert_relative(leg.regressor(q, v, a) @ wrong, torque, 1e-9)
+
+
+def test_other_link_parameters_reduce_to_the_same_torques(robot):
+    """Also for parameters that the URDF does not have: the map is right, not just the sum."""
+    _, leg = robot
+    rng = np.random.default_rng(2)
+    Y = joint_torque_regressor(leg.model, *random_motion(rng, len(leg.joint_names), 20))
+    for link_parameters in rng.standard_normal((3, Y.shape[-1])):
+        reduced = leg.reduction.reduce(Y) @ leg.reduction.parameters(link_parameters)
+        assert_relative(reduced, Y @ link_parameters, 1e-8)
+
+
+def test_blocks_of_samples_fit_together():
+    leg = Leg.from_urdf(urdf_of("ur5"), joints=("shoulder_pan_joint", "shoulder_lift_joint"))
+    q, v, a = random_motion(np.random.default_rng(3), 2, 2049)
+    W = leg.regressor(q, v, a)
+    assert_relative(W @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
+    assert_relative(W[2047:], leg.regressor(q[2047:], v[2047:], a[2047:]), 1e-15)
+    assert W[:, 1, 3].flags.c_contiguous
+    assert leg.regressor(*np.empty((3, 0, 2))).shape == (0, 2, len(leg.parameters))
+
+
+# ----------------------------------------------------------------------------------------------- rank
+
+
+def test_the_rank_is_that_of_a_regressor_over_other_motions(robot):
+    _, leg = robot
+    n = len(leg.joint_names)
+    Y = joint_torque_regressor(leg.model, *random_motion(np.random.default_rng(4), n, 400)).reshape(400 * n, -1)
+    scale = np.linalg.norm(Y, axis=0)
+    Y = Y[:, scale > 1e-9 * scale.max()] / scale[scale > 1e-9 * scale.max()]
+    sigma = np.linalg.svd(Y, compute_uv=False)
+    decision = leg.reduction.rank
+    assert decision.rank == len(leg.parameters) == int((sigma > 1e-8 * sigma[0]).sum())
+    assert decision.columns == 10 * n
+    assert decision.smallest_kept > 1e-2
+    assert decision.largest_dropped < 1e-10
+    assert f"{decision.rank} of {10 * n} parameters are independent" in str(decision)
+
+
+def test_collecting_spread_parameters_is_the_identity(robot):
+    _, leg = robot
+    reduction = leg.reduction
+    np.testing.assert_array_equal(reduction.collect @ reduction.spread, np.eye(len(reduction.names)))
+
+
+BODY = (
+    '<inertial><origin xyz="0.01 0.02 -0.1"/><mass value="1"/>'
+    '<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
+)
+
+
+def nearly_coaxial(offset: float, *, last: bool) -> Leg:
+    """Two vertical joints a tiny offset apart, and where wanted a third that is turned."""
+    third = (
+        f'<link name="d">{BODY}</link><joint name="three" type="continuous">'
+        '<origin xyz="0.1 0.2 0.3" rpy="0.3 0.4 0.5"/><parent link="c"/><child link="d"/><axis xyz="0 0 1"/></joint>'
+    )
+    return Leg.from_description(
+        describe(
+            f'<robot name="r"><link name="a"/><link name="b">{BODY}</link><link name="c">{BODY}</link>'
+            '<joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+            f'<joint name="two" type="continuous"><origin xyz="{offset!r} 0 -0.3"/><parent link="b"/><child link="c"/>'
+            f'<axis xyz="0 0 1"/></joint>{third if last else ""}</robot>',
+            name="coaxial.urdf",
+        )
+    )
+
+
+def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_parameters():
+    assert len(nearly_coaxial(1e-3, last=True).parameters) == 11
+    assert len(nearly_coaxial(1e-14, last=True).parameters) == 9
+    assert nearly_coaxial(0.1, last=False).parameter_names == ("Izz_b + 0.01*m_c", "mcx_c", "mcy_c", "Izz_c")
+    assert nearly_coaxial(0.0, last=False).parameter_names == ("Izz_b", "Izz_c")
+
+
+@pytest.mark.parametrize("offset", [1e-9, 5e-10, 1e-6, 5e-5])
+def test_offsets_that_rounding_explains_are_merged(offset):
+    assert len(nearly_coaxial(offset, last=True).parameters) == 9
+    assert nearly_coaxial(offset, last=False).parameter_names == ("Izz_b", "Izz_c")
+
+
+def test_an_ambiguous_rank_is_refused():
+    with pytest.raises(ExoidError, match=r"number of base parameters is ambiguous.*rounding.*To fix it: round away"):
+        nearly_coaxial(3e-4, last=True)
+
+
+# ----------------------------------------------------------------------------------------- rounding
+
+
+def rounded(robot: str, decimals: int, attributes: tuple[str, ...]) -> Description:
+    """A robot's URDF with rounded placements of its joints."""
+    root = read_description(urdf_of(robot)).parse()
+    for origin in root.findall("joint/origin"):
+        for attribute in attributes:
+            numbers = [float(word) for word in origin.get(attribute, "0 0 0").split()]
+            origin.set(attribute, " ".join(f"{number:.{decimals}f}" for number in numbers))
+    return describe(etree.tostring(root, encoding="unicode"), f"{robot}.urdf")
+
+
+@pytest.mark.parametrize("decimals", [2, 4, 5])
+def test_angles_of_few_digits_give_the_parameters_of_exact_angles(robot, decimals):
+    """1.57, 1.5708 and 1.57080 all stand for π/2, so that torques are exact as well."""
+    name, exact = robot
+    leg = Leg.from_description(rounded(name, decimals, ("rpy",)), CASES[name][0])
+    np.testing.assert_array_equal(leg.reduction.spread, exact.reduction.spread)
+    assert [name.count("+") for name in leg.parameter_names] == [name.count("+") for name in exact.parameter_names]
+    q, v, a = random_motion(np.random.default_rng(6), len(leg.joint_names), 20)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
+
+
+@pytest.mark.parametrize("decimals", [4, 5])
+def test_rounded_positions_keep_the_number_of_parameters_and_the_merged_rotors(robot, decimals):
+    name, exact = robot
+    leg = Leg.from_description(rounded(name, decimals, ("xyz", "rpy")), CASES[name][0])
+    assert len(leg.parameters) == len(exact.parameters)
+    merged = [{one.name for one in TorqueModel(each, (Armature(),)).regrouped} for each in (leg, exact)]
+    assert merged[0] == merged[1]
+
+
+TILTED = (
+    '<robot name="r"><link name="a"/><link name="b">{0}</link><link name="c">{0}</link>'
+    '<joint name="one" type="continuous"><origin rpy="{1}"/><parent link="a"/><child link="b"/>'
+    '<axis xyz="0 0 1"/></joint><joint name="two" type="continuous"><origin xyz="0 0 0.3" rpy="{2}"/>'
+    '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>'
+)
+
+
+@pytest.mark.parametrize("decimals", [4, 5, 6, 7])
+def test_axes_that_rounding_tilts_have_the_parameters_of_exact_axes(decimals):
+    """A vertical axis, and one at right angles to it, by rotations whose angles are no multiples of π/12."""
+    turned = pin.exp3(np.array([0.0, 0.0, 0.7])) @ pin.rpy.rpyToMatrix(np.array([0.0, np.pi / 2, 0.0]))
+    first, second = (pin.rpy.matrixToRpy(R @ pin.exp3(np.array([0.0, 0.0, 0.3]))) for R in (np.eye(3), turned))
+    upside = pin.rpy.matrixToRpy(pin.exp3(np.array([0.0, 0.0, 0.3])) @ pin.exp3(np.pi * np.array([0.6, 0.8, 0.0])))
+    for start in (first, upside):
+        legs = []
+        for digits in (decimals, 16):
+            words = [" ".join(f"{angle:.{digits}f}" for angle in rpy) for rpy in (start, second)]
+            legs.append(Leg.from_description(describe(TILTED.format(BODY, *words), "tilted.urdf")))
+        leg, exact = legs
+        assert leg.parameter_names == exact.parameter_names
+        models = [TorqueModel(each, (Armature(),)) for each in legs]
+        assert [one.name for one in models[0].regrouped] == ["Ia_one", "Ia_two"]
+        assert [set(one.into) for one in models[0].regrouped] == [set(one.into) for one in models[1].regrouped]
+        q, v, a = random_motion(np.random.default_rng(7), 2, 50)
+        rounding = 10.0**-decimals
+        assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 3.0 * rounding)
+
+
+# ---------------------------------------------------------------------------------------------- names
+
+
+def test_names_of_a_planar_leg_can_be_read():
+    assert numeric(exoid.load_leg("bleex").model, ("thigh", "shank", "foot")).names == (
+        "mcx_thigh",
+        "mcz_thigh - 0.43*m_shank - 0.43*m_foot",
+        "Iyy_thigh + 0.185*m_shank + 0.185*m_foot",
+        "mcx_shank",
+        "mcz_shank - 0.43*m_foot",
+        "Iyy_shank + 0.185*m_foot",
+        "mcx_foot",
+        "mcz_foot",
+        "Iyy_foot",
+    )
+
+
+def test_numeric_parameters_of_a_planar_leg_are_the_documents(side):
+    """X = −(mcz …), Y = mcx, J not cumulative."""
+    leg = exoid.load_leg("cuhk", side=side)
+    reduction = numeric(leg.model, ("thigh", "shank"))
+    link_parameters = np.concatenate([leg.model.inertias[j].toDynamicParameters() for j in (1, 2)])
+    Y1, X1, J1, Y2, X2, J2 = reduction.parameters(link_parameters)
+    np.testing.assert_allclose([-X1, Y1, J1, -X2, Y2, J2], leg.parameters, rtol=1e-12)
+
+
+def test_names_are_unique_and_each_begins_with_the_parameter_that_stands_for_the_sum(robot):
+    _, leg = robot
+    assert len(set(leg.parameter_names)) == len(leg.parameter_names)
+    links = [leg.description.child_links[joint] for joint in leg.joint_names]
+    for name, unit, row, column in zip(
+        leg.parameter_names, leg.parameter_units, leg.reduction.collect, leg.reduction.spread.T, strict=True
+    ):
+        (kept,) = np.flatnonzero(column)
+        assert name.split(" ")[0] == f"{LINK_PARAMETERS[kept % 10]}_{links[kept // 10]}"
+        assert unit == LINK_UNITS[kept % 10]
+        assert row[kept] == 1.0
+        assert name.endswith("…") == (np.count_nonzero(row) > 4)
+
+
+def test_names_of_a_planar_leg_do_not_depend_on_the_random_motions():
+    model = exoid.load_leg("bleex").model
+    assert len({numeric(model, labels(3), seed=seed).names for seed in range(10)}) == 1
+
+
+def test_names_are_the_same_in_two_runs():
+    first, second = (Leg.from_urdf(urdf_of("ur5")) for _ in range(2))
+    assert first.parameter_names == second.parameter_names
+    np.testing.assert_array_equal(first.reduction.collect, second.reduction.collect)
+
+
+def test_names_are_the_same_in_another_process():
+    joints = CASES["panda"][0]
+    program = (
+        "import sys, exoid\n"
+        "leg = exoid.Leg.from_urdf(sys.argv[1], joints=sys.argv[2:])\n"
+        "sys.stdout.buffer.write('\\n'.join(leg.parameter_names).encode())"
+    )
+    command = [sys.executable, "-c", program, str(urdf_of("panda")), *joints]
+    there = subprocess.run(command, check=True, capture_output=True).stdout.decode()
+    here = Leg.from_urdf(urdf_of("panda"), joints=joints).parameter_names
+    assert there.split("\n") == list(here)
+
+
+def test_a_link_and_a_fixed_joint_may_share_a_name():
+    """As in the Z1, on whose gripper a moving joint hangs: locking joints of such a robot must not fail."""
+    joints = ("joint2", "joint3", "jointGripper")
+    leg = Leg.from_urdf(urdf_of("z1"), joints=joints, locked={"joint1": 0.4})
+    assert leg.joint_names == joints
+    q, v, a = random_motion(np.random.default_rng(5), 3)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-12)

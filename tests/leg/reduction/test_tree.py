@@ -1,0 +1,198 @@
+"""The batched regressor of any tree of joints against Pinocchio's, sample by sample."""
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from planar_chains import assert_relative, random_motion
+from public_robots import urdf_of
+
+from exoid import ExoidError, Leg
+from exoid.leg.catalog import URDFS, urdf_folder
+from exoid.leg.dynamics import joint_torque_regressor
+from exoid.leg.reduction import BaseSamples, Tree, fill_tree_regressor
+from exoid.leg.reduction import tree_regressor as batched
+
+TOLERANCE = 1e-12
+SMALL_BLOCK = 7
+"""Samples computed at once in the tests, so that there are several blocks, the last of them shorter."""
+
+KINDS = (
+    *(pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ, pin.JointModelRUBX, pin.JointModelRUBZ),
+    *(pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ),
+)
+
+
+@pytest.fixture
+def small_blocks(monkeypatch):
+    monkeypatch.setattr(batched, "BLOCK", SMALL_BLOCK)
+
+
+def random_joint(rng: np.random.Generator) -> pin.JointModel:
+    """Along a coordinate axis, against one, or oblique."""
+    choice = rng.integers(4)
+    axis = rng.standard_normal(3) if choice == 0 else -np.eye(3)[rng.integers(3)]
+    axis = axis / np.linalg.norm(axis)
+    if choice < 2:
+        return (pin.JointModelRevoluteUnaligned if rng.integers(2) else pin.JointModelPrismaticUnaligned)(axis)
+    return KINDS[rng.integers(len(KINDS))]()
+
+
+def random_tree(rng: np.random.Generator, joints: int, *, floating: bool = False) -> pin.Model:
+    model = pin.Model()
+    if floating:
+        model.addJoint(0, pin.JointModelFreeFlyer(), random_placement(rng), "base")
+    for j in range(joints):
+        parent = int(rng.integers(int(floating), model.njoints))
+        model.addJoint(parent, random_joint(rng), random_placement(rng), f"joint{j}")
+    model.gravity.linear = rng.standard_normal(3) * 5.0
+    return model
+
+
+def random_placement(rng: np.random.Generator) -> pin.SE3:
+    return pin.SE3(pin.exp3(rng.standard_normal(3)), rng.standard_normal(3))
+
+
+def regressor(model: pin.Model, q, v, a, columns=None, base=None) -> np.ndarray:
+    """Columns of the batched regressor, (N, rows, p)."""
+    tree = Tree.from_model(model)
+    columns = np.arange(10 * tree.bodies) if columns is None else columns
+    out = np.zeros((len(columns), tree.rows, len(q)))
+    fill_tree_regressor(tree, q, v, a, columns, out, base)
+    return out.transpose(2, 1, 0)
+
+
+# --------------------------------------------------------------------------------- equal to Pinocchio
+
+
+@pytest.mark.usefixtures("small_blocks")
+def test_random_trees_have_pinocchios_regressor():
+    rng = np.random.default_rng(0)
+    for number in range(80):
+        model = random_tree(rng, 1 + number % 9)
+        motion = random_motion(rng, model.nv, 3 * SMALL_BLOCK + 2)
+        assert_relative(regressor(model, *motion), joint_torque_regressor(model, *motion), TOLERANCE)
+
+
+@pytest.mark.usefixtures("small_blocks")
+def test_any_columns_are_those_of_the_whole_regressor():
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        model = random_tree(rng, 5)
+        motion = random_motion(rng, model.nv, 10)
+        columns = np.flatnonzero(rng.random(50) < 0.4)
+        expected = joint_torque_regressor(model, *motion)
+        np.testing.assert_allclose(
+            regressor(model, *motion, columns), expected[..., columns], rtol=0, atol=TOLERANCE * np.abs(expected).max()
+        )
+
+
+@pytest.mark.parametrize("robot", ["panda", "ur5", "tiago_no_hand"])
+def test_the_regressor_of_a_public_robot_is_pinocchios(robot):
+    names = [
+        name for name in Leg.from_urdf(urdf_of(robot)).joint_names if "gripper" not in name and "finger" not in name
+    ]
+    leg = Leg.from_urdf(urdf_of(robot), joints=names)
+    motion = random_motion(np.random.default_rng(2), len(names), 5000, turns=3.0)
+    W, exact = leg.regressor(*motion), leg.reduction.reduce(joint_torque_regressor(leg.model, *motion))
+    assert_relative(W, exact, TOLERANCE)
+    largest = np.abs(exact).max(axis=(0, 1))  # columns of small parameters, too
+    assert (np.abs(W - exact).max(axis=(0, 1)) <= TOLERANCE * largest).all()
+
+
+def test_a_reduction_that_does_not_select_columns_is_applied():
+    leg = Leg.from_urdf(urdf_of("ur5"))
+    assert leg.reduction.selects
+    count = len(leg.parameter_names)
+    mixed = leg.reduction.spread @ np.linalg.qr(np.random.default_rng(3).standard_normal((count, count)))[0]
+    other = replace(leg, reduction=replace(leg.reduction, spread=mixed))
+    assert not other.reduction.selects
+    motion = random_motion(np.random.default_rng(4), len(leg.joint_names), 30)
+    assert_relative(
+        other.regressor(*motion), other.reduction.reduce(joint_torque_regressor(leg.model, *motion)), TOLERANCE
+    )
+
+
+# --------------------------------------------------------------------------------------- moving base
+
+
+def floating_motion(rng: np.random.Generator, model: pin.Model, samples: int):
+    """Configurations, velocities and accelerations for Pinocchio, and the motion of the base for exoid."""
+    q = np.array([pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv)) for _ in range(samples)])
+    v, a = rng.standard_normal((2, samples, model.nv)) * [[[3.0]], [[10.0]]]
+    placement = model.jointPlacements[1].rotation
+    turned = [(placement @ pin.Quaternion(row[3:7]).matrix()).T @ model.gravity.linear for row in q]
+    acceleration = a[:, :6] - np.hstack([turned, np.zeros((samples, 3))])
+    return q, v, a, BaseSamples(v[:, :6], acceleration)
+
+
+def looped(model: pin.Model, q, v, a) -> np.ndarray:
+    data = model.createData()
+    return np.array([pin.computeJointTorqueRegressor(model, data, *row).copy() for row in zip(q, v, a, strict=True)])
+
+
+@pytest.mark.usefixtures("small_blocks")
+def test_random_trees_on_a_floating_base_have_pinocchios_regressor():
+    rng = np.random.default_rng(5)
+    for number in range(40):
+        model = random_tree(rng, number % 6, floating=True)
+        continuous = [j for j in range(2, model.njoints) if model.nqs[j] == 2]
+        q, v, a, base = floating_motion(rng, model, 2 * SMALL_BLOCK + 3)
+        angles = np.empty((len(q), model.njoints - 2))
+        for j in range(2, model.njoints):
+            here = model.idx_qs[j]
+            angles[:, j - 2] = np.arctan2(q[:, here + 1], q[:, here]) if j in continuous else q[:, here]
+        assert_relative(regressor(model, angles, v[:, 6:], a[:, 6:], base=base), looped(model, q, v, a), TOLERANCE)
+
+
+def test_two_legs_on_a_floating_base_have_pinocchios_regressor():
+    model = pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]), pin.JointModelFreeFlyer())
+    q, v, a, base = floating_motion(np.random.default_rng(6), model, 300)
+    W = regressor(model, q[:, 7:], v[:, 6:], a[:, 6:], base=base)
+    assert W.shape == (300, 12, 70)
+    assert_relative(W, looped(model, q, v, a), TOLERANCE)
+
+
+def test_a_base_that_moves_without_a_body_of_its_own_gives_the_joint_rows_of_a_floating_one():
+    """As with an IMU on the torso: the joints' torques need its rates and specific force, and no more."""
+    rng = np.random.default_rng(7)
+    model = pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]), pin.JointModelFreeFlyer())
+    q, v, a, base = floating_motion(rng, model, 50)
+    v[:, :3] = 0.0
+    at_imu = BaseSamples(np.hstack([np.zeros((50, 3)), v[:, 3:6]]), base.acceleration)
+    tree = replace(Tree.from_model(pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]))), floating=False)
+    out = np.zeros((60, 6, 50))
+    fill_tree_regressor(tree, q[:, 7:], v[:, 6:], a[:, 6:], np.arange(60), out, at_imu)
+    assert_relative(out.transpose(2, 1, 0), looped(model, q, v, a)[:, 6:, 10:], TOLERANCE)
+
+
+# ------------------------------------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize("joint", [pin.JointModelSpherical(), pin.JointModelHX(0.1)])
+def test_a_joint_that_neither_turns_nor_slides_is_refused_by_name(joint):
+    model = random_tree(np.random.default_rng(8), 2)
+    model.addJoint(1, joint, pin.SE3.Identity(), "screw")
+    with pytest.raises(ExoidError, match="'screw' is neither revolute nor prismatic"):
+        Tree.from_model(model)
+
+
+# --------------------------------------------------------------------------------------------- memory
+
+
+@pytest.mark.parametrize("joints", [7, 60])
+def test_memory_beside_the_output_does_not_grow_with_samples_or_joints(joints):
+    model = pin.Model()
+    for j in range(joints):  # one long chain
+        model.addJoint(j, pin.JointModelRY(), pin.SE3(np.eye(3), np.array([0.1, 0.0, 0.0])), f"joint{j}")
+    columns, samples = np.array([1, 11]), 20_000
+    motion = random_motion(np.random.default_rng(9), joints, samples)
+    tree, out = Tree.from_model(model), np.zeros((2, joints, samples))
+    tracemalloc.start()
+    try:
+        fill_tree_regressor(tree, *motion, columns, out)
+        assert tracemalloc.get_traced_memory()[1] < 80e6
+    finally:
+        tracemalloc.stop()

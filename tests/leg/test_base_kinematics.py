@@ -1,0 +1,147 @@
+"""A base that moves in space: joint torques need ω, ω̇ and f only, and no further parameter in the plane of the leg."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import urdf_of
+from planar_chains import assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import ExoidError, Leg, TorsoMotion
+from exoid.identification.findings.out_of_plane import out_of_plane_torque
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.torso import base_kinematics
+
+TOLERANCE = 1e-12
+
+
+def free_flyer_torques(leg, q, v, a, rng):
+    """Joint torques of a base with random pose and velocity in the world, by Pinocchio, and what an IMU would see."""
+    model = pin.Model()
+    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "free base")
+    frame = model.addFrame(pin.Frame("free base frame", root, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    model = pin.appendModel(model, leg.model, frame, pin.SE3.Identity())
+    model.gravity.linear = np.array([0.0, 0.0, -9.81])
+    data, samples = model.createData(), len(q)
+    turns = [pin.Quaternion(*x / np.linalg.norm(x)) for x in rng.normal(size=(samples, 4))]
+    place, speed, acceleration = 10.0 * rng.normal(size=(3, samples, 3))  # in the world
+    omega, alpha = 4.0 * rng.normal(size=(2, samples, 3))  # in the base
+    torques, forces = [], []
+    for i, turn in enumerate(turns):
+        R = turn.matrix()
+        u = R.T @ speed[i]
+        spatial = R.T @ acceleration[i] - np.cross(omega[i], u)
+        twist, slope = np.r_[u, omega[i], v[i]], np.r_[spatial, alpha[i], a[i]]
+        torques.append(pin.rnea(model, data, np.r_[place[i], turn.coeffs(), q[i]], twist, slope)[6:].copy())
+        forces.append(R.T @ (acceleration[i] - model.gravity.linear))
+    return np.array(torques), BaseKinematics(omega, alpha, np.array(forces))
+
+
+def test_position_heading_and_velocity_of_the_base_have_no_effect():
+    leg = exoid.load_leg("bleex")
+    rng = np.random.default_rng(1)
+    motion = random_motion(rng, 3, 40)
+    torques, base = free_flyer_torques(leg, *motion, rng)
+    assert_relative(leg.inverse_dynamics(*motion, base), torques, TOLERANCE)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_planar_leg_needs_no_further_parameter_for_motion_within_its_plane(seed):
+    rng = np.random.default_rng(seed)
+    leg = random_chain(rng, 1 + seed % 4, axis="yx"[seed % 2]).leg()
+    motion = random_motion(rng, len(leg.joint_names), 40)
+    _, base = free_flyer_torques(leg, *motion, rng)
+    plane = base.within_plane(leg.chain.plane, leg.hip)
+    assert_relative(leg.regressor(*motion, plane) @ leg.parameters, leg.inverse_dynamics(*motion, plane), TOLERANCE)
+    assert_relative(leg.regressor(*motion, base), leg.regressor(*motion, plane), TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_the_torso_s_motion_is_a_case_of_the_base_s(name):
+    leg, rng = exoid.load_leg(name), np.random.default_rng(3)
+    motion = random_motion(rng, len(leg.joint_names), 30)
+    torso = TorsoMotion(*rng.normal(size=(3, 30)), 5.0 * rng.normal(size=(30, 2)))
+    base = base_kinematics(torso, 30, leg.chain.plane, leg.hip)
+    assert_relative(leg.inverse_dynamics(*motion, base), leg.inverse_dynamics(*motion, torso), TOLERANCE)
+    assert_relative(leg.regressor(*motion, base), leg.regressor(*motion, torso), TOLERANCE)
+
+
+def legs_in_space():
+    for name in ("bleex", "cuhk"):
+        yield Leg.from_description(exoid.load_leg(name).description, exoid.load_leg(name).joint_names, base="moving")
+    yield Leg.from_urdf(urdf_of("ur5"), base="moving")
+    yield Leg.from_description(random_chain(np.random.default_rng(5), 3, axis="y").description, base="moving")
+
+
+@pytest.mark.parametrize("leg", list(legs_in_space()), ids=lambda leg: leg.description.name)
+def test_a_leg_made_for_it_describes_every_motion_of_its_base(leg):
+    rng = np.random.default_rng(2)
+    motion = random_motion(rng, len(leg.joint_names), 40)
+    torques, base = free_flyer_torques(leg, *motion, rng)
+    assert_relative(leg.regressor(*motion, base) @ leg.parameters, torques, TOLERANCE)
+    assert_relative(leg.regressor(*motion) @ leg.parameters, leg.inverse_dynamics(*motion), TOLERANCE)
+
+
+def test_a_moving_base_shows_more_parameters_than_a_fixed_one():
+    fixed, moving = (Leg.from_urdf(urdf_of("ur5"), base=base) for base in ("fixed", "moving"))
+    assert fixed.reduction.rank.rank == 36
+    assert moving.reduction.rank.rank == 42
+
+
+def test_a_spatial_leg_of_a_fixed_base_refuses_a_moving_one():
+    leg = Leg.from_urdf(urdf_of("ur5"))
+    motion = random_motion(np.random.default_rng(0), 6, 5)
+    base = BaseKinematics(*np.zeros((2, 5, 3)), np.tile([0.0, 0.0, 9.81], (5, 1)))
+    with pytest.raises(ExoidError, match="moving base") as error:
+        leg.regressor(*motion, base)
+    assert 'base="moving"' in error.value.remedy
+
+
+def test_the_torque_out_of_the_plane_is_that_of_pinocchio_and_nothing_moves_it_sideways():
+    leg, rng = exoid.load_leg("bleex"), np.random.default_rng(4)
+    motion = random_motion(rng, 3, 40)
+    torques, base = free_flyer_torques(leg, *motion, rng)
+    extra, whole = out_of_plane_torque(leg, *motion, base)
+    assert_relative(whole, torques, TOLERANCE)
+    assert_relative(leg.regressor(*motion, base) @ leg.parameters, torques - extra, TOLERANCE)
+    sideways = BaseKinematics(np.zeros((40, 3)), np.zeros((40, 3)), rng.normal(size=(40, 3)) * [5.0, 8.0, 5.0])
+    assert np.abs(out_of_plane_torque(leg, *motion, sideways)[0]).max() < 1e-12
+    turning = BaseKinematics(rng.normal(size=(40, 3)) * [1.0, 0.0, 1.0], np.zeros((40, 3)), base.specific_force)
+    products = np.abs(turning.angular_velocity[:, [0]] * turning.angular_velocity[:, [2]]) + np.sum(
+        turning.angular_velocity**2, axis=1, keepdims=True
+    )
+    bound = products * leg.parameters[2]  # J of the whole leg
+    assert (np.abs(out_of_plane_torque(leg, *motion, turning)[0]) <= bound + 1e-12).all()
+
+
+def test_specific_force_moves_along_the_base_and_back():
+    rng = np.random.default_rng(6)
+    base = BaseKinematics(*rng.normal(size=(3, 20, 3)))
+    there = np.array([0.1, -0.2, 0.3])
+    assert np.allclose(base.moved(there).moved(-there).specific_force, base.specific_force, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "match"),
+    [
+        ((np.zeros((5, 2)), np.zeros((5, 2)), np.zeros((5, 2))), "shapes"),
+        ((np.zeros((5, 3)), np.zeros((4, 3)), np.zeros((5, 3))), "shapes"),
+        ((np.full((5, 3), np.nan), np.zeros((5, 3)), np.zeros((5, 3))), "finite"),
+    ],
+)
+def test_arrays_that_are_no_motion_of_a_base_are_refused(arrays, match):
+    with pytest.raises(ExoidError, match=match):
+        BaseKinematics(*arrays)
+
+
+def test_a_base_of_another_length_than_the_joints_is_refused():
+    leg, base = exoid.load_leg("cuhk"), BaseKinematics(*np.zeros((3, 4, 3)))
+    for of_leg in (leg.regressor, leg.inverse_dynamics):
+        with pytest.raises(ExoidError, match="4 samples"):
+            of_leg(*np.zeros((3, 5, 2)), base)
+
+
+def test_a_base_that_is_neither_fixed_nor_moving_is_refused():
+    leg = exoid.load_leg("cuhk")
+    with pytest.raises(ExoidError, match="floats"):
+        Leg.from_description(leg.description, base="floats")

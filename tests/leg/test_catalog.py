@@ -1,0 +1,79 @@
+"""The built-in legs by name."""
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import ExoidError, catalog
+
+
+@pytest.mark.parametrize(
+    ("name", "segments", "parameters"),
+    [
+        ("bleex", ("hip", "knee", "ankle"), ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")),
+        ("cuhk", ("hip", "knee"), ("X1", "Y1", "J1", "X2", "Y2", "J2")),
+    ],
+)
+def test_a_leg_has_the_joints_of_its_side_and_the_documents_parameters(name, segments, parameters, side):
+    leg = exoid.load_leg(name, side=side)
+    assert leg.joint_names == tuple(f"{side}_{segment}" for segment in segments)
+    assert leg.joint_labels == segments
+    assert leg.parameter_names == parameters
+    assert leg.parameter_units == ("kg·m", "kg·m", "kg·m²") * len(segments)
+
+
+def test_j_is_cumulative_as_each_document_defines_it():
+    assert exoid.load_leg("bleex").cumulative
+    assert not exoid.load_leg("cuhk").cumulative
+
+
+def test_the_left_leg_with_the_first_inertia_set_is_the_default():
+    for name, inertias in (("bleex", "cad"), ("cuhk", "nominal")):
+        default, explicit = exoid.load_leg(name), exoid.load_leg(name, side="left", inertias=inertias)
+        assert default.joint_names == explicit.joint_names
+        assert default.description.sha256 == explicit.description.sha256
+
+
+def test_cad_inertias_are_the_same_on_both_sides_and_identified_ones_are_not():
+    cad, identified = (
+        [exoid.load_leg("bleex", side=side, inertias=inertias).parameters for side in ("left", "right")]
+        for inertias in ("cad", "identified")
+    )
+    np.testing.assert_allclose(cad[0], cad[1], rtol=1e-13)
+    assert np.abs(identified[0] - identified[1]).max() > 0.05
+    np.testing.assert_allclose(identified[0][:3], [3.9819, -0.4083, 2.380], rtol=1e-12)
+    np.testing.assert_allclose(identified[1][:3], [4.0474, -0.4990, 2.598], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"name": "hal"}, "no built-in leg 'hal'. To fix it: use one of bleex, cuhk, or Leg.from_urdf"),
+        ({"name": ""}, "no built-in leg ''"),
+        ({"name": "BLEEX"}, "no built-in leg 'BLEEX'"),
+        ({"name": "bleex", "side": "both"}, "no side 'both'. To fix it: use 'left' or 'right'"),
+        ({"name": "bleex", "side": "Left"}, "no side 'Left'"),
+        ({"name": "bleex", "side": None}, "no side None"),
+        ({"name": "bleex", "inertias": "nominal"}, "no inertias 'nominal' for 'bleex'. To fix it: use one of cad, "),
+        ({"name": "cuhk", "inertias": "cad"}, "no inertias 'cad' for 'cuhk'. To fix it: use one of nominal"),
+    ],
+)  # fmt: skip
+def test_a_wrong_name_is_refused_with_the_right_ones(arguments, message):
+    with pytest.raises(ExoidError) as caught:
+        exoid.load_leg(**arguments)
+    assert str(caught.value).startswith(message)
+
+
+def test_an_incomplete_installation_says_so(monkeypatch, tmp_path):
+    (tmp_path / "exoid").mkdir()
+    monkeypatch.setattr(catalog, "__file__", str(tmp_path / "exoid" / "leg" / "catalog.py"))
+    with pytest.raises(ExoidError, match=r"the built-in URDFs are missing\. To fix it: reinstall exoid"):
+        exoid.load_leg("bleex")
+
+
+def test_urdfs_inside_the_package_come_before_those_beside_it(monkeypatch, tmp_path):
+    for folder in (tmp_path / "exoid" / "urdf", tmp_path / "urdf"):
+        folder.mkdir(parents=True)
+        (folder / "bleex.urdf").touch()
+    monkeypatch.setattr(catalog, "__file__", str(tmp_path / "exoid" / "leg" / "catalog.py"))
+    assert catalog.urdf_folder() == tmp_path / "exoid" / "urdf"

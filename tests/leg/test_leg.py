@@ -1,0 +1,337 @@
+"""The leg: its dynamics against identities and other libraries, its names, limits and refusals."""
+
+import mujoco
+import numpy as np
+import pytest
+import yourdfpy
+from planar_chains import assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import ExoidError, Leg, TorsoMotion
+from exoid.leg.catalog import URDFS, urdf_folder
+from exoid.leg.description import describe
+from exoid.leg.model import dynamic_parameters
+
+STEP = 1e-6
+"""Of finite differences [rad]."""
+
+
+def legs() -> list[Leg]:
+    """Both documents' legs and some random chains."""
+    rng = np.random.default_rng(0)
+    chains = [random_chain(rng, length, continuous=True).leg() for length in (1, 2, 3, 4, 5)]
+    return [exoid.load_leg("bleex"), exoid.load_leg("cuhk", side="right"), *chains]
+
+
+LEGS = pytest.mark.parametrize("leg", legs(), ids=lambda leg: f"{leg.description.name}-{len(leg.joint_names)}")
+
+
+def motion_of(leg: Leg, samples: int = 20, seed: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return random_motion(np.random.default_rng(seed), len(leg.joint_names), samples)
+
+
+# ------------------------------------------------------------------------------- properties of M, C, G
+
+
+@LEGS
+def test_the_mass_matrix_is_symmetric_and_positive_definite(leg):
+    M = leg.mass_matrix(motion_of(leg)[0])
+    np.testing.assert_array_equal(M, np.swapaxes(M, 1, 2))
+    assert (np.linalg.eigvalsh(M)[:, 0] > 0).all()
+
+
+@LEGS
+def test_half_the_rate_of_the_mass_matrix_less_coriolis_is_skew(leg):
+    """Property 2 of doc. 2; Ṁ by central differences along v."""
+    q, v, _ = motion_of(leg)
+    rate = (leg.mass_matrix(q + STEP * v) - leg.mass_matrix(q - STEP * v)) / (2 * STEP)
+    S = 0.5 * rate - leg.coriolis(q, v)
+    assert np.abs(S + np.swapaxes(S, 1, 2)).max() < 1e-7 * max(1.0, np.abs(rate).max())
+
+
+def test_another_coriolis_matrix_with_the_same_torque_is_not_skew():
+    """The property above is one of the matrix, not of C v: it can fail."""
+    leg = exoid.load_leg("bleex")
+    q, v, _ = motion_of(leg)
+    rate = (leg.mass_matrix(q + STEP * v) - leg.mass_matrix(q - STEP * v)) / (2 * STEP)
+    beside = np.stack([v[:, 1], -v[:, 0], np.zeros(len(v))], axis=-1)[:, None, :]  # adds nothing to C v
+    C = leg.coriolis(q, v) + beside
+    assert_relative(np.einsum("nij,nj->ni", C, v), np.einsum("nij,nj->ni", leg.coriolis(q, v), v), 1e-12)
+    S = 0.5 * rate - C
+    assert np.abs(S + np.swapaxes(S, 1, 2)).max() > 0.1
+
+
+@LEGS
+def test_inertia_coriolis_and_gravity_add_up_to_the_inverse_dynamics(leg):
+    q, v, a = motion_of(leg)
+    parts = np.einsum("nij,nj->ni", leg.mass_matrix(q), a) + np.einsum("nij,nj->ni", leg.coriolis(q, v), v)
+    assert_relative(parts + leg.gravity(q), leg.inverse_dynamics(q, v, a), 1e-12)
+
+
+@LEGS
+def test_gravity_is_the_gradient_of_the_potential_energy(leg):
+    """The energy from masses and heights of the links' centres of mass, by forward kinematics."""
+    q, _, _ = motion_of(leg)
+
+    def energy(angles: np.ndarray) -> np.ndarray:
+        rotation, translation = leg.forward_kinematics(angles)
+        inertias = leg.model.inertias.tolist()[1:]
+        centres = np.array([inertia.lever for inertia in inertias])
+        heights = (np.einsum("njab,jb->nja", rotation, centres) + translation)[..., 2]
+        return 9.81 * heights @ np.array([inertia.mass for inertia in inertias])
+
+    gradient = np.empty_like(q)
+    for joint in range(q.shape[1]):
+        step = STEP * np.eye(q.shape[1])[joint]
+        gradient[:, joint] = (energy(q + step) - energy(q - step)) / (2 * STEP)
+    assert_relative(gradient, leg.gravity(q), 1e-7)
+
+
+@LEGS
+def test_joint_power_is_the_rate_of_the_whole_energy(leg):
+    """τ·v = d/dt (½ vᵀ M v) + G·v along an accelerated motion."""
+    q, v, a = motion_of(leg)
+
+    def kinetic(angles: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+        return 0.5 * np.einsum("ni,nij,nj->n", velocities, leg.mass_matrix(angles), velocities)
+
+    before, after = (kinetic(q + s * STEP * v, v + s * STEP * a) for s in (-1, 1))
+    power = np.einsum("ni,ni->n", leg.inverse_dynamics(q, v, a), v)
+    assert_relative((after - before) / (2 * STEP) + np.einsum("ni,ni->n", leg.gravity(q), v), power, 1e-7)
+
+
+# ------------------------------------------------------------------------------------ other libraries
+
+
+@pytest.mark.parametrize(("name", "inertias"), list(URDFS))
+def test_mujoco_has_the_same_inverse_dynamics(name, inertias, side):
+    """MuJoCo's own reading of the URDF and its own algorithm.
+
+    Its inverse dynamics would add what exoid keeps apart as terms or does not model: the <dynamics> of the URDF
+    (damping, friction loss) and the forces of joint limits and contacts. All are switched off.
+    """
+    leg = exoid.load_leg(name, side=side, inertias=inertias)
+    model = mujoco.MjModel.from_xml_path(str(urdf_folder() / URDFS[name, inertias]))
+    model.dof_damping[:] = 0.0
+    model.dof_frictionloss[:] = 0.0
+    off = mujoco.mjtDisableBit
+    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
+    data = mujoco.MjData(model)
+    joints = [model.joint(joint) for joint in leg.joint_names]
+    rng = np.random.default_rng(2)
+    samples, n = 50, len(joints)
+    q = rng.uniform(leg.limits.lower, leg.limits.upper, (samples, n))
+    v, a = rng.uniform(-1, 1, (2, samples, n)) * np.array([5.0, 20.0])[:, None, None]
+    torque = np.empty((samples, n))
+    for i in range(samples):
+        for k, joint in enumerate(joints):
+            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = q[i, k], v[i, k], a[i, k]
+        mujoco.mj_inverse(model, data)
+        torque[i] = [data.qfrc_inverse[joint.dofadr][0] for joint in joints]
+    np.testing.assert_allclose(torque, leg.inverse_dynamics(q, v, a), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(torque, leg.regressor(q, v, a) @ leg.parameters, rtol=0, atol=1e-9)
+
+
+def test_yourdfpy_places_the_segments_alike(built_in_leg):
+    leg = built_in_leg
+    robot = yourdfpy.URDF.load(str(urdf_folder() / leg.description.name), load_meshes=False, build_scene_graph=True)
+    q = np.random.default_rng(3).uniform(-1.5, 1.5, (10, len(leg.joint_names)))
+    placed = leg.forward_kinematics(q)
+    for i, angles in enumerate(q):
+        robot.update_cfg(dict(zip(leg.joint_names, angles, strict=True)))
+        for j, joint in enumerate(leg.joint_names):
+            expected = robot.get_transform(leg.description.child_links[joint])
+            np.testing.assert_allclose(placed.rotation[i, j], expected[:3, :3], atol=1e-12)
+            np.testing.assert_allclose(placed.translation[i, j], expected[:3, 3], atol=1e-12)
+
+
+# ------------------------------------------------------------------------------ joints, locked and not
+
+
+@LEGS
+def test_legs_of_any_length_have_arrays_of_documented_shape(leg):
+    n, p = len(leg.joint_names), len(leg.parameters)
+    for samples in (0, 1, 3):
+        q, v, a = motion_of(leg, samples)
+        for torso in (None, TorsoMotion(0.1)):
+            assert leg.regressor(q, v, a, torso).shape == (samples, n, p)
+            assert leg.inverse_dynamics(q, v, a, torso).shape == (samples, n)
+            assert leg.coriolis(q, v, torso).shape == (samples, n, n + (torso is not None))
+            assert leg.gravity(q, torso).shape == (samples, n)
+            assert leg.forward_kinematics(q, torso).rotation.shape == (samples, n, 3, 3)
+            assert leg.forward_kinematics(q, torso).translation.shape == (samples, n, 3)
+        assert leg.mass_matrix(q).shape == (samples, n, n)
+
+
+@pytest.mark.parametrize("continuous", [False, True])
+def test_locking_a_joint_is_holding_it_still_at_that_angle(continuous):
+    rng = np.random.default_rng(4)
+    for _ in range(10):
+        chain = random_chain(rng, 4, continuous=continuous)
+        full, angles = chain.leg(), rng.uniform(-3, 3, 2)
+        moving, held = ("hip", "toe"), ("knee", "ankle")
+        locked = Leg.from_description(full.description, moving, locked=dict(zip(held, angles, strict=True)))
+        assert locked.joint_names == moving
+        q, v, a = random_motion(rng, 2)
+        whole = [np.zeros((len(q), 4)) for _ in range(3)]
+        for target, x in zip(whole, (q, v, a), strict=True):
+            target[:, [0, 3]] = x
+        whole[0][:, [1, 2]] = angles
+        expected = full.inverse_dynamics(*whole)[:, [0, 3]]
+        assert_relative(locked.inverse_dynamics(q, v, a), expected, 1e-12)
+        assert_relative(locked.regressor(q, v, a) @ locked.parameters, expected, 1e-12)
+
+
+def test_joints_that_are_neither_moving_nor_locked_are_held_at_zero():
+    leg = exoid.load_leg("bleex")
+    thigh_and_shank = Leg.from_description(leg.description, ("left_hip", "left_knee"))
+    q, v, a = random_motion(np.random.default_rng(5), 2)
+    expected = leg.inverse_dynamics(*(np.hstack([x, np.zeros((len(x), 1))]) for x in (q, v, a)))[:, :2]
+    assert_relative(thigh_and_shank.inverse_dynamics(q, v, a), expected, 1e-12)
+
+
+def test_no_joints_named_means_every_joint_of_one_degree_of_freedom():
+    chain = random_chain(np.random.default_rng(6), 4, continuous=True)
+    assert Leg.from_description(chain.description).joint_names == ("hip", "knee", "ankle", "toe")
+    assert Leg.from_description(chain.description, locked={"knee": 1.0}).joint_names == ("hip", "ankle", "toe")
+
+
+def test_continuous_joints_compute_like_revolute_ones_and_have_no_limits():
+    rng = np.random.default_rng(7)
+    chain = random_chain(rng, 3)
+    turning = Leg.from_description(describe(chain.text.replace('"revolute"', '"continuous"')))
+    revolute = chain.leg()
+    assert turning.model.nq == 6
+    motion = random_motion(rng, 3)
+    assert_relative(turning.inverse_dynamics(*motion), revolute.inverse_dynamics(*motion), 1e-12)
+    assert_relative(turning.regressor(*motion), revolute.regressor(*motion), 1e-13)
+    assert_relative(turning.coriolis(*motion[:2]), revolute.coriolis(*motion[:2]), 1e-12)
+    np.testing.assert_array_equal(turning.limits.lower, [-np.inf] * 3)
+    np.testing.assert_array_equal(turning.limits.upper, [np.inf] * 3)
+    np.testing.assert_array_equal(revolute.limits.upper, [3.0] * 3)
+
+
+def test_limits_are_those_of_the_urdf(side):
+    limits = exoid.load_leg("bleex", side=side).limits
+    np.testing.assert_allclose(np.rad2deg(limits.lower), [-10, -121, -45], atol=1e-12)
+    np.testing.assert_allclose(np.rad2deg(limits.upper), [121, 0, 45], atol=1e-12)
+    np.testing.assert_array_equal(limits.velocity, [6.0, 8.0, 8.0])
+    np.testing.assert_array_equal(limits.effort, [150.0, 125.0, 150.0])
+
+
+def test_limits_of_continuous_and_revolute_joints_mix():
+    text = random_chain(np.random.default_rng(8), 3).text.replace('"revolute"', '"continuous"', 1)
+    limits = Leg.from_description(describe(text)).limits
+    np.testing.assert_array_equal(limits.lower, [-np.inf, -3.0, -3.0])
+    np.testing.assert_array_equal(limits.velocity[1:], [10.0, 10.0])
+    np.testing.assert_array_equal(limits.effort[1:], [100.0, 100.0])
+
+
+def test_labels_leave_the_side_out_so_that_sides_compare(side):
+    leg = exoid.load_leg("bleex", side=side)
+    assert leg.joint_names == tuple(f"{side}_{joint}" for joint in ("hip", "knee", "ankle"))
+    assert leg.joint_labels == ("hip", "knee", "ankle")
+
+
+@pytest.mark.parametrize(
+    "names", [("left_hip", "right_knee"), ("left_hip", "knee"), ("hip", "knee"), ("left_", "left_knee")]
+)
+def test_labels_are_the_names_where_the_side_is_not_the_same_for_all(names):
+    text = random_chain(np.random.default_rng(9), 2).text
+    for old, new in zip(("hip", "knee"), names, strict=True):
+        text = text.replace(f'<joint name="{old}"', f'<joint name="{new}"')
+    assert Leg.from_description(describe(text)).joint_labels == names
+
+
+def test_a_leg_says_what_it_is():
+    assert repr(exoid.load_leg("cuhk")) == (
+        "Leg('cuhk.urdf', joints=('left_hip', 'left_knee'), planar: X1, Y1, J1, X2, Y2, J2)"
+    )
+
+
+# --------------------------------------------------------------------------------- other parameters
+
+
+def test_a_leg_with_other_parameters_has_their_torques(built_in_leg):
+    rng = np.random.default_rng(10)
+    new = built_in_leg.parameters * rng.uniform(0.7, 1.3, len(built_in_leg.parameters))
+    changed = built_in_leg.with_parameters(new)
+    motion = motion_of(built_in_leg)
+    np.testing.assert_allclose(changed.parameters, new, rtol=1e-13)
+    assert_relative(changed.inverse_dynamics(*motion), built_in_leg.regressor(*motion) @ new, 1e-12)
+    assert_relative(changed.regressor(*motion), built_in_leg.regressor(*motion), 1e-15)
+    torso = TorsoMotion(0.3, 0.2, 0.1, (0.5, -0.5))
+    assert_relative(changed.inverse_dynamics(*motion, torso), built_in_leg.regressor(*motion, torso) @ new, 1e-12)
+
+
+def test_other_parameters_leave_the_masses_and_the_old_leg_alone(built_in_leg):
+    before = dynamic_parameters(built_in_leg.model)
+    changed = built_in_leg.with_parameters(2.0 * built_in_leg.parameters)
+    np.testing.assert_array_equal(dynamic_parameters(built_in_leg.model), before)
+    np.testing.assert_allclose(dynamic_parameters(changed.model)[::10], before[::10], rtol=1e-15)
+    assert changed.joint_names == built_in_leg.joint_names
+    assert not np.allclose(changed.parameters, built_in_leg.parameters)
+
+
+def test_the_same_parameters_give_the_same_leg(built_in_leg):
+    same = built_in_leg.with_parameters(built_in_leg.parameters)
+    np.testing.assert_allclose(dynamic_parameters(same.model), dynamic_parameters(built_in_leg.model), atol=1e-14)
+
+
+@pytest.mark.parametrize("values", [[1.0] * 8, [1.0] * 10, [[1.0] * 9], 1.0, [], [np.nan, *[1.0] * 8], [np.inf] * 9])
+def test_a_wrong_number_of_parameters_or_one_that_is_not_finite_is_refused(values):
+    with pytest.raises(ExoidError, match=r"expected 9 finite values for \('X1', 'Y1', 'J1'"):
+        exoid.load_leg("bleex").with_parameters(values)
+
+
+def test_parameters_cannot_be_changed_in_place():
+    leg = exoid.load_leg("bleex")
+    with pytest.raises(ValueError, match="read-only"):
+        leg.parameters[0] = 1.0
+    with pytest.raises(AttributeError):
+        leg.cumulative = False
+
+
+# ------------------------------------------------------------------------------------ wrong arguments
+
+GOOD = (4, 3)
+
+
+@pytest.mark.parametrize("shape", [(4, 2), (4, 4), (3, 4), (5, 3), (4, 3, 1), (4,), (0,), ()], ids=str)
+@pytest.mark.parametrize("position", [0, 1, 2])
+@pytest.mark.parametrize("method", ["regressor", "inverse_dynamics"])
+def test_an_array_of_the_wrong_shape_is_refused(method, position, shape):
+    leg = exoid.load_leg("bleex")
+    arrays = [np.zeros(shape if k == position else GOOD) for k in range(3)]
+    with pytest.raises(ExoidError, match=r"do not fit a leg of 3 joints.*pass \(N, 3\) arrays.*left_hip, left_knee"):
+        getattr(leg, method)(*arrays)
+
+
+@pytest.mark.parametrize("shape", [(4, 3, 1), (4, 2), (3,) * 4, (2,)], ids=str)
+def test_arrays_that_agree_with_each_other_but_not_with_the_leg_are_refused(shape):
+    with pytest.raises(ExoidError, match="do not fit a leg of 3 joints"):
+        exoid.load_leg("bleex").regressor(*np.zeros((3, *shape)))
+
+
+@pytest.mark.parametrize("method", ["mass_matrix", "gravity", "forward_kinematics"])
+def test_methods_of_the_angles_alone_refuse_the_wrong_shape_too(method):
+    with pytest.raises(ExoidError, match=r"\(4, 2\) do not fit a leg of 3 joints"):
+        getattr(exoid.load_leg("bleex"), method)(np.zeros((4, 2)))
+    with pytest.raises(ExoidError, match=r"\(4, 3\), \(5, 3\) do not fit"):
+        exoid.load_leg("bleex").coriolis(np.zeros((4, 3)), np.zeros((5, 3)))
+
+
+@pytest.mark.parametrize("array", ["a", [[1, 2, 3], [3]], [["x"] * 3], [[object()] * 3], {"hip": 1.0}])
+def test_what_is_not_an_array_of_numbers_is_refused(array):
+    leg = exoid.load_leg("bleex")
+    with pytest.raises(ExoidError, match="not an array of numbers"):
+        leg.regressor(array, array, array)
+    with pytest.raises(ExoidError, match="not an array of numbers"):
+        leg.with_parameters(array)
+
+
+def test_the_parts_of_a_leg_print_one_line():
+    leg = exoid.load_leg("cuhk")
+    assert repr(leg.reduction) == "Reduction(20 link parameters to 6: X1, Y1, J1, X2, Y2, J2)"
+    assert repr(leg.description) == f"Description(name='cuhk.urdf', sha256={leg.description.sha256!r})"
+    assert repr(leg.forward_kinematics(np.zeros((5000, 2)))) == "SegmentPlacements(5000 samples, 2 segments)"

@@ -1,0 +1,63 @@
+"""Frames of all joints by batched forward kinematics, against Pinocchio's loop over samples."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from public_robots import urdf_of
+
+import exoid
+from exoid.leg.dynamics import segment_placements
+from exoid.leg.model import configuration
+
+
+def mixed() -> pin.Model:
+    """Tree of all kinds of joints: oblique and continuous ones, slides, and a branch."""
+    rng, model = np.random.default_rng(4), pin.Model()
+    oblique = rng.standard_normal(3)
+    joints = [
+        pin.JointModelRevoluteUnaligned(oblique / np.linalg.norm(oblique)),
+        pin.JointModelPrismaticUnaligned(np.array([0.6, 0.0, -0.8])),
+        pin.JointModelRUBX(),
+        pin.JointModelPY(),
+        pin.JointModelRZ(),
+        pin.JointModelRUBZ(),
+    ]
+    for k, (joint, parent) in enumerate(zip(joints, (0, 1, 2, 1, 4, 5), strict=True)):
+        model.addJoint(parent, joint, pin.SE3.Random(), f"joint {k}")
+    return model
+
+
+MODELS = {
+    "mixed": mixed,
+    "two legs": lambda: exoid.load_exo("bleex", base="floating").model,
+    "torso": lambda: exoid.load_leg("bleex")._on_torso,
+    "arm": lambda: exoid.Leg.from_urdf(urdf_of("panda"), joints=tuple(f"panda_joint{k}" for k in range(1, 8))).model,
+}
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+def test_frames_are_those_of_pinocchio(name):
+    model = MODELS[name]()
+    q = np.random.default_rng(0).uniform(-4.0, 4.0, (50, model.nv))
+    placed, data = segment_placements(model, q), model.createData()
+    for i, row in enumerate(configuration(model, q)):
+        pin.forwardKinematics(model, data, row)
+        for j in range(model.njoints - 1):
+            np.testing.assert_allclose(placed.rotation[i, j], data.oMi[j + 1].rotation, rtol=0.0, atol=1e-12)
+            np.testing.assert_allclose(placed.translation[i, j], data.oMi[j + 1].translation, rtol=0.0, atol=1e-12)
+
+
+def test_joints_of_several_degrees_of_freedom_are_neutral_as_in_the_configuration():
+    model = pin.Model()
+    base = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Random(), "base")
+    model.addJoint(base, pin.JointModelRX(), pin.SE3.Random(), "hip")
+    q = np.random.default_rng(1).standard_normal((5, model.nv))
+    placed, data = segment_placements(model, q), model.createData()
+    for i, row in enumerate(configuration(model, q)):
+        pin.forwardKinematics(model, data, row)
+        np.testing.assert_allclose(placed.rotation[i], [each.rotation for each in list(data.oMi)[1:]], atol=1e-12)
+
+
+def test_no_samples_have_no_frames():
+    model = mixed()
+    assert segment_placements(model, np.zeros((0, model.nv))).rotation.shape == (0, 6, 3, 3)

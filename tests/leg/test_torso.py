@@ -1,0 +1,271 @@
+"""A moving torso: no further parameter, a changed gravity and an offset of the hip angle (doc. 1, end of II-B)."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from planar_chains import PlanarURDF, assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import ExoidError, Leg, TorsoMotion
+from exoid.leg.description import describe
+
+TOLERANCE = 1e-12
+
+
+def random_torso(rng: np.random.Generator, samples: int) -> TorsoMotion:
+    pitch, rate, acceleration = rng.uniform(-1, 1, (3, samples)) * np.array([[np.pi], [3.0], [10.0]])
+    return TorsoMotion(pitch, rate, acceleration, rng.uniform(-8, 8, (samples, 2)))
+
+
+def moved(leg: Leg, seed: int, samples: int = 50) -> tuple[np.ndarray, np.ndarray, np.ndarray, TorsoMotion]:
+    rng = np.random.default_rng(seed)
+    return (*random_motion(rng, len(leg.joint_names), samples), random_torso(rng, samples))
+
+
+def chain_of(seed: int, axis: str) -> PlanarURDF:
+    rng = np.random.default_rng(seed)
+    return random_chain(rng, 1 + seed % 5, axis=axis, continuous=True)
+
+
+def free_torso_torques(leg: Leg, q: np.ndarray, v: np.ndarray, a: np.ndarray, torso: TorsoMotion) -> np.ndarray:
+    """Joint torques by Pinocchio with a free-flyer at the hip: three directions, a quaternion and twists in its frame.
+
+    The leg's first joint is where the free-flyer is; its velocity is left at zero but for the rotation.
+    """
+    model = pin.Model()
+    base = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "free torso")
+    frame = model.addFrame(pin.Frame("free torso frame", base, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    hip = pin.SE3(np.eye(3), leg.model.jointPlacements[1].translation)
+    model = pin.appendModel(model, leg.model, frame, hip.inverse())
+    data = model.createData()
+    forward, lateral, up = leg.chain.plane
+    samples = torso.samples(len(q))
+    out = np.empty_like(q)
+    for i in range(len(q)):
+        R = pin.exp3(-lateral * samples.pitch[i])
+        spin, spin_rate = -lateral * samples.pitch_rate[i], -lateral * samples.pitch_acceleration[i]
+        linear = R.T @ (forward * samples.hip_acceleration_x[i] + up * samples.hip_acceleration_z[i])
+        position = np.concatenate([np.zeros(3), pin.Quaternion(R).coeffs()])
+        angles = np.concatenate(
+            [
+                np.r_[np.cos(x), np.sin(x)] if joint.nq == 2 else [x]
+                for x, joint in zip(q[i], list(leg.model.joints)[1:], strict=True)
+            ]
+        )
+        torque = pin.rnea(
+            model,
+            data,
+            np.concatenate([position, angles]),
+            np.concatenate([np.zeros(3), R.T @ spin, v[i]]),
+            np.concatenate([linear, R.T @ spin_rate, a[i]]),
+        )
+        out[i] = torque[6:]
+    return out
+
+
+# ------------------------------------------------------------------------------- no further parameter
+
+
+def test_a_moving_torso_adds_no_parameter_to_a_built_in_leg(built_in_leg):
+    q, v, a, torso = moved(built_in_leg, 0, 200)
+    W = built_in_leg.regressor(q, v, a, torso)
+    assert_relative(W @ built_in_leg.parameters, built_in_leg.inverse_dynamics(q, v, a, torso), TOLERANCE)
+    still = built_in_leg.inverse_dynamics(q, v, a)
+    assert np.abs(W @ built_in_leg.parameters - still).max() > 0.1 * np.abs(still).max()
+
+
+@pytest.mark.parametrize("cumulative", [True, False])
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_moving_torso_adds_no_parameter_to_any_planar_chain(axis, cumulative):
+    for seed in range(25):
+        leg = chain_of(seed, axis).leg(cumulative=cumulative)
+        q, v, a, torso = moved(leg, seed, 10)
+        torque = leg.inverse_dynamics(q, v, a, torso)
+        assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, torque, TOLERANCE)
+
+
+# -------------------------------------------------------------------------------- independent truths
+
+
+def test_the_torques_are_those_of_a_leg_on_a_free_flyer(built_in_leg):
+    q, v, a, torso = moved(built_in_leg, 1)
+    torque = free_torso_torques(built_in_leg, q, v, a, torso)
+    assert_relative(built_in_leg.inverse_dynamics(q, v, a, torso), torque, TOLERANCE)
+    assert_relative(built_in_leg.regressor(q, v, a, torso) @ built_in_leg.parameters, torque, TOLERANCE)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_the_torques_of_any_planar_chain_are_those_on_a_free_flyer(axis):
+    for seed in range(10):
+        leg = chain_of(seed, axis).leg()
+        q, v, a, torso = moved(leg, seed, 5)
+        assert_relative(leg.inverse_dynamics(q, v, a, torso), free_torso_torques(leg, q, v, a, torso), TOLERANCE)
+
+
+def test_pitch_is_an_offset_of_the_hip_angle(built_in_leg):
+    q, v, a, torso = moved(built_in_leg, 2)
+    pitching = TorsoMotion(torso.pitch, torso.pitch_rate, torso.pitch_acceleration)
+    shifted = [x.copy() for x in (q, v, a)]
+    entries = (torso.pitch, torso.pitch_rate, torso.pitch_acceleration)
+    for x, entry in zip(shifted, entries, strict=True):
+        x[:, 0] += entry  # the hip's axis is −lateral in both robots
+    expected = built_in_leg.inverse_dynamics(*shifted)
+    assert_relative(built_in_leg.inverse_dynamics(q, v, a, pitching), expected, TOLERANCE)
+    # of the regressor too, but for a cumulative J, which multiplies the joints' own accelerations
+    own = Leg.from_description(built_in_leg.description, built_in_leg.joint_names, cumulative=False)
+    assert_relative(own.regressor(q, v, a, pitching), own.regressor(*shifted), TOLERANCE)
+
+
+def test_pitch_counts_against_the_angle_of_a_hip_that_turns_the_other_way():
+    rng = np.random.default_rng(3)
+    for _ in range(10):
+        chain = random_chain(rng, 3)
+        leg, sign = chain.leg(), chain.segments[0].sign
+        q, v, a = random_motion(rng, 3)
+        shifted = q + np.array([sign * 0.4, 0.0, 0.0])
+        expected = leg.inverse_dynamics(shifted, v, a)
+        assert_relative(leg.inverse_dynamics(q, v, a, TorsoMotion(pitch=0.4)), expected, TOLERANCE)
+
+
+def test_hip_acceleration_is_a_changed_gravity(built_in_leg):
+    """Accelerating up adds to gravity, accelerating forward makes it point backwards."""
+    q, v, a, _ = moved(built_in_leg, 4)
+    model = built_in_leg.model.copy()
+    model.gravity.linear = -np.array([1.7, 0.0, 9.81 - 2.3])
+    data = model.createData()
+    expected = np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)])
+    torso = TorsoMotion(hip_acceleration=(1.7, -2.3))
+    assert_relative(built_in_leg.inverse_dynamics(q, v, a, torso), expected, TOLERANCE)
+    assert_relative(built_in_leg.regressor(q, v, a, torso) @ built_in_leg.parameters, expected, TOLERANCE)
+
+
+def test_a_leg_in_free_fall_weighs_nothing(built_in_leg):
+    q, _, _, _ = moved(built_in_leg, 5)
+    rest, falling = np.zeros_like(q), TorsoMotion(hip_acceleration=(0.0, -9.81))
+    assert np.abs(built_in_leg.inverse_dynamics(q, rest, rest, falling)).max() < 1e-12
+    assert np.abs(built_in_leg.regressor(q, rest, rest, falling)).max() < 1e-12
+
+
+def test_a_torso_at_rest_is_the_same_as_none(built_in_leg):
+    q, v, a, _ = moved(built_in_leg, 6)
+    leg, rest = built_in_leg, TorsoMotion()
+    np.testing.assert_array_equal(leg.regressor(q, v, a, rest), leg.regressor(q, v, a))
+    assert_relative(leg.inverse_dynamics(q, v, a, rest), leg.inverse_dynamics(q, v, a), TOLERANCE)
+    assert_relative(leg.gravity(q, rest), leg.gravity(q), TOLERANCE)
+    assert_relative(leg.coriolis(q, v, rest)[..., 1:], leg.coriolis(q, v), TOLERANCE)
+
+
+def test_a_constant_is_the_same_as_that_number_at_every_sample():
+    leg = exoid.load_leg("bleex")
+    q, v, a, _ = moved(leg, 7, 10)
+    constant = TorsoMotion(0.3, 0.2, -0.5, (1.0, 2.0))
+    spelt_out = TorsoMotion([0.3] * 10, np.full(10, 0.2), np.full(10, -0.5), np.tile([1.0, 2.0], (10, 1)))
+    np.testing.assert_array_equal(leg.regressor(q, v, a, constant), leg.regressor(q, v, a, spelt_out))
+
+
+# --------------------------------------------------------------------- gravity, Coriolis, kinematics
+
+
+def test_gravity_under_a_tilt_is_that_of_the_shifted_hip(built_in_leg):
+    q, _, _, torso = moved(built_in_leg, 8)
+    shifted = q.copy()
+    shifted[:, 0] += torso.pitch
+    assert_relative(built_in_leg.gravity(q, torso), built_in_leg.gravity(shifted), TOLERANCE)
+
+
+def test_inertia_coriolis_and_gravity_add_up_under_a_turning_torso(built_in_leg):
+    """C's first column multiplies the pitch rate."""
+    leg = built_in_leg
+    q, v, a, torso = moved(leg, 9)
+    turning = TorsoMotion(torso.pitch, torso.pitch_rate)
+    C = leg.coriolis(q, v, turning)
+    assert C.shape == (len(q), v.shape[1], 1 + v.shape[1])
+    rates = np.column_stack([torso.pitch_rate, v])
+    parts = np.einsum("nij,nj->ni", leg.mass_matrix(q), a) + np.einsum("nij,nj->ni", C, rates)
+    assert_relative(parts + leg.gravity(q, turning), leg.inverse_dynamics(q, v, a, turning), TOLERANCE)
+
+
+def test_the_coriolis_matrix_with_a_turning_torso_keeps_its_skew_property(built_in_leg):
+    leg, step = built_in_leg, 1e-6
+    q, v, _, torso = moved(leg, 10)
+    rate = (leg.mass_matrix(q + step * v) - leg.mass_matrix(q - step * v)) / (2 * step)
+    S = 0.5 * rate - leg.coriolis(q, v, torso)[..., 1:]
+    assert np.abs(S + np.swapaxes(S, 1, 2)).max() < 1e-7
+
+
+def test_the_mass_matrix_is_the_torques_response_to_acceleration_whatever_the_torso_does(built_in_leg):
+    leg = built_in_leg
+    q, v, a, torso = moved(leg, 11)
+    difference = leg.inverse_dynamics(q, v, a, torso) - leg.inverse_dynamics(q, v, 0 * a, torso)
+    assert_relative(np.einsum("nij,nj->ni", leg.mass_matrix(q), a), difference, TOLERANCE)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_pitching_torso_turns_the_leg_about_its_hip(axis):
+    for seed in range(5):
+        leg = chain_of(seed, axis).leg()
+        q, _, _, torso = moved(leg, seed, 5)
+        upright, tilted = leg.forward_kinematics(q), leg.forward_kinematics(q, torso)
+        hip = upright.translation[:, :1]
+        for i, pitch in enumerate(torso.pitch):
+            R = pin.exp3(-leg.chain.plane.lateral * pitch)
+            np.testing.assert_allclose(tilted.rotation[i], R @ upright.rotation[i], atol=TOLERANCE)
+            turned = hip[i] + (upright.translation[i] - hip[i]) @ R.T
+            np.testing.assert_allclose(tilted.translation[i], turned, atol=TOLERANCE)
+
+
+def test_positive_pitch_moves_a_hanging_leg_forward():
+    """As the shoulders move backwards."""
+    placed = exoid.load_leg("bleex").forward_kinematics(np.zeros(3), TorsoMotion(pitch=0.2))
+    assert placed.translation[0, 1, 0] == pytest.approx(0.43 * np.sin(0.2))
+
+
+# ----------------------------------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    "torso",
+    [
+        TorsoMotion(pitch=np.zeros(3)),
+        TorsoMotion(pitch_rate=np.zeros((4, 1))),
+        TorsoMotion(hip_acceleration=np.zeros((3, 2))),
+        TorsoMotion(hip_acceleration=np.zeros((4, 3))),
+        TorsoMotion(pitch="upright"),
+        TorsoMotion(hip_acceleration=[[1.0], [1.0, 2.0]]),
+    ],
+)
+def test_a_torso_motion_of_the_wrong_shape_is_refused(torso):
+    with pytest.raises(ExoidError, match="torso motion does not fit 4 samples"):
+        exoid.load_leg("bleex").regressor(*np.zeros((3, 4, 3)), torso)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("entry", ["pitch", "pitch_rate", "pitch_acceleration", "hip_acceleration"])
+def test_a_torso_motion_that_is_not_finite_is_refused(entry, bad):
+    torso = TorsoMotion(**{entry: (bad, 0.0) if entry == "hip_acceleration" else bad})
+    with pytest.raises(ExoidError, match="torso motion is not finite"):
+        exoid.load_leg("bleex").inverse_dynamics(*np.zeros((3, 4, 3)), torso)
+
+
+def test_a_leg_that_is_not_planar_has_no_regressor_under_a_moving_torso_but_has_torques():
+    text = random_chain(np.random.default_rng(12), 2, axis="y").text
+    slant = (
+        '<joint name="slant" type="fixed"><origin rpy="0.3 0 0"/><parent link="torso"/><child link="tilted"/></joint>'
+    )
+    text = text.replace('<parent link="torso"/>', '<parent link="tilted"/>')
+    slanted = describe(text.replace('<link name="torso"/>', f'<link name="torso"/><link name="tilted"/>{slant}'))
+    leg = Leg.from_description(slanted)
+    assert leg.chain is None
+    q, v, a, torso = moved(leg, 13, 4)
+    with pytest.raises(ExoidError, match=r"needs more parameters.*base=\"moving\""):
+        leg.regressor(q, v, a, torso)
+    assert np.isfinite(leg.inverse_dynamics(q, v, a, torso)).all()
+    assert_relative(leg.inverse_dynamics(q, v, a, TorsoMotion()), leg.inverse_dynamics(q, v, a), TOLERANCE)
+
+
+def test_a_torso_motion_prints_one_line():
+    assert repr(TorsoMotion()) == "TorsoMotion()"
+    assert (
+        repr(TorsoMotion(0.25, hip_acceleration=(1.0, 0.0))) == "TorsoMotion(pitch=0.25, hip_acceleration=[1.0, 0.0])"
+    )
+    assert repr(TorsoMotion(np.ones(5000))) == "TorsoMotion(pitch=<array of shape (5000,)>)"

@@ -1,0 +1,142 @@
+"""Torso and both legs in one tree, from a log or a URDF to an estimate, a picture and a URDF again."""
+
+import json
+
+import numpy as np
+import pytest
+from free_flyers import Flight
+from planar_chains import assert_relative
+from public_robots import urdf_of
+from typer.testing import CliRunner
+from unchecked import identify
+from walking import Walk
+
+import exoid
+from exoid import ExoidError, Leg, Payload
+from exoid.cli import app
+from exoid.leg.description import describe
+from exoid.leg.exported import read_exported
+from exoid.leg.lift import distribute_bodies, lift
+from exoid.leg.rewriting import rewrite
+from exoid.torques import Motion
+from exoid.torques.payloads import payload_torque
+
+TOLERANCE = 1e-12
+
+
+@pytest.fixture(scope="module")
+def walk():
+    """A log of both legs in the plane, with an IMU on the torso."""
+    return Walk(exoid.load_exo("bleex"), seconds=40.0).recording()
+
+
+def test_a_walk_gives_the_documented_parameters_of_both_legs(walk):
+    exo = exoid.load_exo("bleex")
+    estimate = exoid.identify(exo, walk, terms=())
+    assert estimate.names == exo.parameter_names
+    relative = dict(zip(estimate.names, estimate.values / exo.parameters - 1.0, strict=True))
+    assert max(abs(error) for name, error in relative.items() if name[0] == "X") < 0.005
+    assert max(abs(error) for name, error in relative.items() if name[0] == "J") < 0.03
+    assert not [finding for finding in estimate.findings if finding.severity == "error"]
+
+
+def test_a_torso_that_was_taken_for_fixed_is_called_wrong(walk):
+    held = exoid.Recording(walk.time, walk.q, tau=walk.tau, joint_names=walk.joint_names)
+    findings = exoid.check(exoid.load_exo("bleex"), held, terms=())
+    assert {finding.kind for finding in findings} & {"large-residual", "gravity-direction"}
+
+
+def test_a_torso_that_rolls_is_out_of_the_plane_of_both_legs():
+    exo = exoid.load_exo("cuhk")
+    findings = exoid.check(exo, Walk(exo, seconds=30.0, sideways=0.4).recording(), terms=())
+    assert "out-of-plane-base" in {finding.kind for finding in findings}
+
+
+@pytest.mark.parametrize("robot", ["planar", "spatial"])
+def test_payloads_on_torso_and_legs_take_pinocchios_forces(robot):
+    leg = (
+        exoid.load_exo("bleex", base="floating")
+        if robot == "planar"
+        else Leg.from_urdf(urdf_of("solo12"), base="floating")
+    )
+    root, last = leg.description.root_link, leg.joint_names[-1]
+    loads = (Payload(root, 8.0, (-0.1, 0.0, 0.4), 0.1), Payload(last, 1.5, (0.1, 0.0, -0.05)))
+    flight = Flight.random(leg, np.random.default_rng(0), within_plane=robot == "planar")
+    motion = Motion(*flight.joints, flight.base)
+    bodies = leg.model.copy()
+    for load in loads:
+        body = 0 if load.joint == root else bodies.getJointId(load.joint)
+        own = load.mass * load.gyration**2 * np.eye(3)
+        bodies.inertias[body] += type(bodies.inertias[0])(load.mass, np.array(load.position), own)
+    loaded = Leg(leg.description, bodies, leg.reduction, leg.chain, base="floating", machine=leg.machine)
+    expected = loaded.inverse_dynamics(*flight.joints, flight.base) - leg.inverse_dynamics(*flight.joints, flight.base)
+    assert_relative(payload_torque(leg, loads, motion), expected, 1e-10)
+
+
+def test_a_payload_on_a_torso_that_does_not_float_is_refused():
+    exo, q = exoid.load_exo("bleex"), np.zeros((1, 6))
+    with pytest.raises(ExoidError, match="a payload on 'torso', which the leg does not have"):
+        payload_torque(exo, (Payload("torso", 1.0),), Motion(q, q, q, None))
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_links_of_changed_parameters_go_into_a_urdf_with_the_torso(name):
+    exo = exoid.load_exo(name, base="floating")
+    values = exo.parameters * np.random.default_rng(1).uniform(0.97, 1.03, len(exo.parameters))
+    lifted = lift(exo, values)
+    assert lifted.feasible
+    assert lifted.links == ("torso", *exo.link_names)
+    links = distribute_bodies(exo, lifted.link_parameters)
+    assert set(links) == {"torso", *exo.link_names}
+    text = rewrite(exo.description, links, {})
+    again = Leg.from_description(
+        describe(text, name="again.urdf"), exo.joint_names, base="floating", cumulative=exo.cumulative
+    )
+    np.testing.assert_allclose(again.parameters, values, rtol=1e-11, atol=1e-12)
+
+
+def test_a_mass_beyond_those_of_the_links_is_not_possible():
+    exo = exoid.load_exo("bleex", base="floating")
+    names = list(exo.parameter_names)
+    values = exo.parameters.copy()
+    values[names.index("M")] = 3.0
+    assert not exoid.lift.check(exo, values)
+    assert exoid.lift.check(exo, exo.parameters)
+
+
+def test_the_base_of_an_exported_leg_is_read_again(tmp_path, walk):
+    estimate = identify(exoid.load_exo("bleex"), walk, terms=())
+    export = estimate.to_urdf(tmp_path / "exo.urdf")
+    data = json.loads(export.sidecar.read_text())
+    export.sidecar.write_text(json.dumps(data | {"base": "floating"}))
+    assert read_exported(export.urdf).leg.row_names[0] == "base_forward"
+
+
+def test_the_command_line_knows_both_legs(tmp_path, walk):
+    walk.to_csv(tmp_path / "walk.csv")
+    arguments = [
+        "identify",
+        "bleex",
+        str(tmp_path / "walk.csv"),
+        "-o",
+        str(tmp_path / "est.json"),
+        "--terms",
+        "none",
+        "--no-check",
+    ]
+    refused = CliRunner().invoke(app, arguments)
+    assert "both sides" in str(refused.exception)
+    done = CliRunner().invoke(app, [*arguments, "--side", "both"])
+    assert done.exit_code == 0, done.output
+    assert "J3_right" in exoid.Estimate.load(tmp_path / "est.json").names
+
+
+def test_options_of_a_floating_base_that_have_no_effect_are_refused(tmp_path):
+    log = tmp_path / "log.csv"
+    Walk(Leg.from_urdf(urdf_of("ur5"), base="moving"), seconds=5.0).recording().to_csv(log)
+    for leg, options, said in (
+        (urdf_of("ur5"), ["--moving-base", "--floating-base"], "--floating-base has no effect"),
+        ("bleex_swing", ["--floating-base"], "--floating-base has no effect"),
+    ):
+        done = CliRunner().invoke(app, ["check", str(leg), str(log), *options])
+        assert said in str(done.exception)

@@ -1,0 +1,444 @@
+"""The URDFs in urdf/: their numbers, their geometry, and three libraries that must read them alike."""
+
+import importlib
+import logging
+import math
+import re
+import subprocess
+import sys
+import warnings
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+
+from exoid import published
+
+ROOT = Path(__file__).resolve().parents[2]
+URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
+LEGS = [  # file, side, parameter set
+    ("bleex.urdf", "left", "cad"),
+    ("bleex.urdf", "right", "cad"),
+    ("bleex_identified.urdf", "left", "left"),
+    ("bleex_identified.urdf", "right", "right"),
+]
+BOUNDS = {"cad": (1.81, 5.05, 8.94), "left": (1.82, 5.22, 10.03), "right": (1.56, 5.18, 9.20)}
+G = 9.81
+
+
+@pytest.fixture
+def make_urdfs(monkeypatch):
+    """The script as a module."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    return importlib.import_module("make_urdfs")
+
+
+def model_of(name: str, *, floating: bool = False) -> pin.Model:
+    """Pinocchio's model; floating keeps the root link as a body."""
+    path = str(ROOT / "urdf" / name)
+    return pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
+
+
+def xml_of(name: str) -> ET.Element:
+    return ET.parse(ROOT / "urdf" / name).getroot()
+
+
+def links_of(model: pin.Model, side: str, joints: tuple[str, ...]) -> list[tuple[float, float, float, float]]:
+    """Mass, c_x, c_z and I_yy about the centre of mass of the link below each joint."""
+    inertias = [model.inertias[model.getJointId(f"{side}_{joint}")] for joint in joints]
+    assert all(i.lever[1] == 0.0 for i in inertias)
+    return [(i.mass, i.lever[0], i.lever[2], i.inertia[1, 1]) for i in inertias]
+
+
+def bleex_reduced(model: pin.Model, side: str) -> dict[str, float]:
+    """Doc. 1, eqs. (1)-(9), from the links."""
+    l_t = l_s = 0.43
+    thigh, shank, foot = links_of(model, side, ("hip", "knee", "ankle"))
+    (m_t, x_t, z_t, i_t), (m_s, x_s, z_s, i_s), (m_f, x_f, z_f, i_f) = thigh, shank, foot
+    j3 = i_f + m_f * (x_f**2 + z_f**2)
+    j2 = j3 + i_s + m_s * (x_s**2 + z_s**2) + m_f * l_s**2
+    j1 = j2 + i_t + m_t * (x_t**2 + z_t**2) + (m_s + m_f) * l_t**2
+    return {
+        "X1": -m_t * z_t + (m_s + m_f) * l_t,
+        "Y1": m_t * x_t,
+        "J1": j1,
+        "X2": -m_s * z_s + m_f * l_s,
+        "Y2": m_s * x_s,
+        "J2": j2,
+        "X3": -m_f * z_f,
+        "Y3": m_f * x_f,
+        "J3": j3,
+    }
+
+
+def cuhk_reduced(model: pin.Model, side: str) -> dict[str, float]:
+    """Doc. 2, Table I with J_t, from the links."""
+    l_t = 0.4165
+    (m_t, x_t, z_t, i_t), (m_s, x_s, z_s, i_s) = links_of(model, side, ("hip", "knee"))
+    return {
+        "X1": -m_t * z_t + m_s * l_t,
+        "Y1": m_t * x_t,
+        "J1": i_t + m_t * (x_t**2 + z_t**2) + m_s * l_t**2,
+        "X2": -m_s * z_s,
+        "Y2": m_s * x_s,
+        "J2": i_s + m_s * (x_s**2 + z_s**2),
+    }
+
+
+# ------------------------------------------------------------------------------------------- numbers
+
+
+@pytest.mark.parametrize(("name", "side", "which"), LEGS)
+def test_a_bleex_urdf_has_the_tables_reduced_parameters(name, side, which):
+    reduced = bleex_reduced(model_of(name), side)
+    assert reduced == pytest.approx(published.bleex_parameters(which), abs=1e-13, rel=0)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_cuhk_urdf_has_the_plants_reduced_parameters(side):
+    reduced = cuhk_reduced(model_of("cuhk.urdf"), side)
+    assert reduced == pytest.approx(published.cuhk_parameters(), abs=1e-13, rel=0)
+
+
+@pytest.mark.parametrize(("name", "side", "which"), LEGS)
+def test_a_bleex_leg_weighs_on_its_joints_as_the_document_says(name, side, which):
+    """Gravity torques of doc. 1, eqs. (10)-(12), with the repaired bracket of (12)."""
+    model = model_of(name)
+    p = published.bleex_parameters(which)
+    q = np.random.default_rng(1).uniform(-1.0, 1.0, model.nq)
+    ids = [model.joints[model.getJointId(f"{side}_{joint}")].idx_q for joint in ("hip", "knee", "ankle")]
+    angles = np.cumsum(q[ids])
+    own = [G * (p[f"X{i}"] * np.sin(t) + p[f"Y{i}"] * np.cos(t)) for i, t in enumerate(angles, start=1)]
+    torques = pin.computeGeneralizedGravity(model, model.createData(), q)[ids]
+    np.testing.assert_allclose(torques, np.cumsum(own[::-1])[::-1], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_cuhk_leg_weighs_on_its_joints_as_the_document_says(side):
+    """Gravity torques of doc. 2, eqs. (20) and (21), the latter repaired."""
+    model = model_of("cuhk.urdf")
+    p = published.cuhk_parameters()
+    q = np.random.default_rng(2).uniform(-1.0, 1.0, model.nq)
+    hip, knee = (model.joints[model.getJointId(f"{side}_{joint}")].idx_q for joint in ("hip", "knee"))
+    delta = q[knee] - q[hip]
+    shank = p["X2"] * np.sin(delta) - p["Y2"] * np.cos(delta)
+    thigh = p["X1"] * np.sin(q[hip]) + p["Y1"] * np.cos(q[hip])
+    torques = pin.computeGeneralizedGravity(model, model.createData(), q)[[hip, knee]]
+    np.testing.assert_allclose(torques, [G * (thigh - shank), G * shank], rtol=0, atol=1e-12)
+
+
+def test_the_double_pendulum_has_the_published_model():
+    model = model_of("dfki_double_pendulum.urdf")
+    published_model = {"shoulder": (0.608, 0.275, 0.05472), "elbow": (0.630, 0.166, 0.02522)}
+    for joint, (m, r, about_joint) in published_model.items():
+        inertia = model.inertias[model.getJointId(joint)]
+        assert (inertia.mass, tuple(inertia.lever)) == (m, (0.0, 0.0, -r))
+        assert inertia.inertia[1, 1] + m * r**2 == pytest.approx(about_joint, abs=1e-15)
+    elbow = model.jointPlacements[model.getJointId("elbow")].translation
+    assert tuple(elbow) == (0.0, 0.0, -0.3)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_every_link_is_physical(name):
+    model = model_of(name, floating=True)
+    assert model.njoints - 1 == len(xml_of(name).findall("link"))
+    for inertia in model.inertias[1:]:
+        principal = np.linalg.eigvalsh(inertia.inertia)
+        assert inertia.mass > 0
+        assert principal[0] > 0
+        assert principal[0] + principal[1] > 1.01 * principal[2]  # strict, with room for rounding in other readers
+
+
+@pytest.mark.parametrize("which", BOUNDS)
+def test_the_assumed_masses_keep_the_bounds_that_need_no_assumption(which):
+    p = published.bleex_parameters(which)
+    bounds = (
+        (p["X3"] ** 2 + p["Y3"] ** 2) / p["J3"],
+        (p["X2"] ** 2 + p["Y2"] ** 2) / (p["J2"] - p["J3"]),
+        (p["X1"] ** 2 + p["Y1"] ** 2) / (p["J1"] - p["J2"]),
+    )
+    assert tuple(round(bound, 2) for bound in bounds) == BOUNDS[which]
+    m_t, m_s, m_f = (published.bleex().assumption(name).value for name in ("m_t", "m_s", "m_f"))
+    assert m_f > bounds[0]
+    assert m_s + m_f > bounds[1]
+    assert m_t + m_s + m_f > bounds[2]
+
+
+# ---------------------------------------------------------------------------------- joints and poses
+
+DEG = math.pi / 180
+BLEEX_JOINTS = {  # axis, limits [deg], effort, velocity
+    "hip": ((0, -1, 0), (-10, 121), 150, 6),
+    "knee": ((0, -1, 0), (-121, 0), 125, 8),
+    "ankle": ((0, -1, 0), (-45, 45), 150, 8),
+}
+CUHK_JOINTS = {
+    "hip": ((0, -1, 0), (-30, 110), 80, 6.5),
+    "knee": ((0, 1, 0), (-15, 120), 60, 6.5),
+}
+FRICTION = {  # damping, dry friction
+    "bleex.urdf": {
+        "left_hip": (0, 0),
+        "left_knee": (0, 0.5291),
+        "left_ankle": (0, 0.2646),
+        "right_hip": (0, 0),
+        "right_knee": (0, 0.4081),
+        "right_ankle": (0, 0.3370),
+    },
+    "cuhk.urdf": {
+        "left_hip": (0.038, 1.445),
+        "left_knee": (0.192, 0.593),
+        "right_hip": (0.038, 1.445),
+        "right_knee": (0.192, 0.593),
+    },
+    "dfki_double_pendulum.urdf": {
+        "shoulder": (0.081, 0.093 * math.pi / 2),
+        "elbow": (0.0, 0.186 * math.pi / 2),
+    },
+}
+FRICTION["bleex_identified.urdf"] = FRICTION["bleex.urdf"]
+
+
+def expected_joints(name: str) -> dict[str, tuple]:
+    if name.startswith("dfki"):
+        turn = ((0, -1, 0), (-360, 360), 10, 20)
+        return {"shoulder": turn, "elbow": turn}
+    joints = CUHK_JOINTS if name == "cuhk.urdf" else BLEEX_JOINTS
+    return {f"{side}_{joint}": facts for side in ("left", "right") for joint, facts in joints.items()}
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_joints_have_their_names_axes_and_limits(name):
+    joints = {joint.get("name"): joint for joint in xml_of(name).findall("joint")}
+    assert set(joints) == set(expected_joints(name))
+    for joint_name, (axis, degrees, effort, velocity) in expected_joints(name).items():
+        joint = joints[joint_name]
+        assert joint.get("type") == "revolute"
+        assert tuple(float(a) for a in joint.find("axis").get("xyz").split()) == axis
+        limit = {key: float(value) for key, value in joint.find("limit").attrib.items()}
+        expected = {
+            "lower": degrees[0] * DEG,
+            "upper": degrees[1] * DEG,
+            "effort": effort,
+            "velocity": velocity,
+        }
+        assert limit == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_joints_have_the_friction_that_the_documents_leave_to_them(name):
+    model = mujoco.MjModel.from_xml_path(str(ROOT / "urdf" / name))
+    joints = {joint.get("name"): joint.find("dynamics").attrib for joint in xml_of(name).findall("joint")}
+    read = {name: (float(d["damping"]), float(d["friction"])) for name, d in joints.items()}
+    assert read == FRICTION[name]
+    for joint, (damping, friction) in FRICTION[name].items():
+        dof = model.jnt_dofadr[model.joint(joint).id]
+        assert model.dof_damping[dof].item() == damping
+        assert model.dof_frictionloss[dof] == friction
+
+
+@pytest.mark.parametrize(
+    ("name", "joints", "height"),
+    [("bleex.urdf", ("hip", "knee", "ankle"), 0.43), ("cuhk.urdf", ("hip", "knee"), 0.4165)],
+)
+@pytest.mark.parametrize(("side", "sign"), [("left", 1), ("right", -1)])
+def test_the_leg_hangs_straight_down_at_the_zero_pose(name, joints, height, side, sign):
+    model = model_of(name)
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    for k, joint in enumerate(joints):
+        placement = data.oMi[model.getJointId(f"{side}_{joint}")]
+        np.testing.assert_allclose(placement.translation, [0.0, sign * 0.20, -k * height], atol=1e-15)
+        np.testing.assert_array_equal(placement.rotation, np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("name", "flexed"),
+    [("bleex.urdf", {"hip": 0.5, "knee": -1.0}), ("cuhk.urdf", {"hip": 0.5, "knee": 1.0})],
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_flexion_brings_the_knee_forward_and_the_shank_back(name, flexed, side):
+    model = model_of(name)
+    data, q = model.createData(), pin.neutral(model)
+    for joint, angle in flexed.items():
+        q[model.joints[model.getJointId(f"{side}_{joint}")].idx_q] = angle
+    pin.forwardKinematics(model, data, q)
+    knee = data.oMi[model.getJointId(f"{side}_knee")]
+    assert knee.translation[0] > 0.1
+    assert (knee.rotation @ [0.0, 0.0, -1.0])[0] == pytest.approx(-math.sin(0.5))
+
+
+@pytest.mark.parametrize(("name", "link", "ankle"), [("bleex.urdf", "foot", 0.0), ("cuhk.urdf", "shank", -0.4182)])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_foot_is_drawn_flat_and_forward_below_the_ankle(name, link, ankle, side):
+    drawn = xml_of(name).find(f"link[@name='{side}_{link}']").findall("visual")
+    soles = [v for v in drawn if v.find("material").get("name") == "rubber"]
+    places = [[float(x) for x in v.find("origin").get("xyz").split()] for v in soles]
+    assert len(places) == 3  # heel, ball and toe
+    assert min(x for x, _, _ in places) < 0.0
+    assert max(x for x, _, _ in places) > 0.15
+    assert all(ankle - 0.12 < z < ankle - 0.08 for _, _, z in places)
+    heel, ball = soles[:2]
+    assert {heel.find("origin").get("rpy"), ball.find("origin").get("rpy")} == {"0.0 0.0 0.0"}
+
+
+# ----------------------------------------------------------------------------------- three libraries
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_three_libraries_read_the_same_inertias(name):
+    path = ROOT / "urdf" / name
+    pinocchio_model = model_of(name)
+    mujoco_model = mujoco.MjModel.from_xml_path(str(path))
+    robot = yourdfpy.URDF.load(str(path), load_meshes=False)
+    children = {joint.child: joint.name for joint in robot.robot.joints}
+    assert mujoco_model.nbody - 1 == pinocchio_model.njoints - 1 == len(children)
+    for link, joint in children.items():
+        body = mujoco_model.body(link)
+        axes = np.empty(9)
+        mujoco.mju_quat2Mat(axes, body.iquat)
+        axes = axes.reshape(3, 3)
+        inertial = robot.link_map[link].inertial
+        readings = [
+            (body.mass[0], body.ipos, axes @ np.diag(body.inertia) @ axes.T),
+            (inertial.mass, inertial.origin[:3, 3], inertial.inertia),
+        ]
+        truth = pinocchio_model.inertias[pinocchio_model.getJointId(joint)]
+        for mass, com, tensor in readings:
+            assert mass == truth.mass
+            np.testing.assert_allclose(com, truth.lever, rtol=0, atol=1e-15)
+            np.testing.assert_allclose(tensor, truth.inertia, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_pinocchio_and_yourdfpy_read_the_same_root_link(name):
+    robot = yourdfpy.URDF.load(str(ROOT / "urdf" / name), load_meshes=False)
+    inertial = robot.link_map[robot.base_link].inertial
+    truth = model_of(name, floating=True).inertias[1]
+    assert inertial.mass == truth.mass
+    np.testing.assert_array_equal(inertial.origin[:3, 3], truth.lever)
+    np.testing.assert_allclose(inertial.inertia, truth.inertia, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_three_libraries_move_the_links_alike(name):
+    path = str(ROOT / "urdf" / name)
+    model, robot = model_of(name), yourdfpy.URDF.load(path)
+    mujoco_model = mujoco.MjModel.from_xml_path(path)
+    data, mujoco_data = model.createData(), mujoco.MjData(mujoco_model)
+    angles = dict(zip(robot.actuated_joint_names, np.linspace(-0.7, 0.8, model.nq), strict=True))
+    q = pin.neutral(model)
+    for joint, angle in angles.items():
+        q[model.joints[model.getJointId(joint)].idx_q] = angle
+        mujoco_data.qpos[mujoco_model.jnt_qposadr[mujoco_model.joint(joint).id]] = angle
+    pin.forwardKinematics(model, data, q)
+    mujoco.mj_kinematics(mujoco_model, mujoco_data)
+    robot.update_cfg(angles)
+    for joint in robot.robot.joints:
+        truth = data.oMi[model.getJointId(joint.name)]
+        np.testing.assert_allclose(robot.get_transform(joint.child), truth.homogeneous, atol=1e-12)
+        np.testing.assert_allclose(mujoco_data.body(joint.child).xpos, truth.translation, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_no_library_complains(name, capfd, caplog):
+    path = str(ROOT / "urdf" / name)
+    complaints = []
+    mujoco.set_mju_user_warning(complaints.append)
+    try:
+        with warnings.catch_warnings(), caplog.at_level(logging.WARNING):
+            warnings.simplefilter("error")
+            pin.buildModelFromUrdf(path)
+            pin.buildGeomFromUrdf(model_of(name), path, pin.GeometryType.VISUAL)
+            mujoco.MjModel.from_xml_path(path)
+            assert yourdfpy.URDF.load(path).validate()
+    finally:
+        mujoco.set_mju_user_warning(None)
+    assert capfd.readouterr() == ("", "")
+    assert not caplog.records
+    assert not complaints
+
+
+# --------------------------------------------------------------------------------- drawing and files
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_links_are_drawn_with_primitives_of_named_colours_and_collide_with_nothing(name):
+    root = xml_of(name)
+    assert not list(root.iter("mesh"))
+    assert not list(root.iter("collision"))
+    defined = {material.get("name") for material in root.findall("material")}
+    for link in root.findall("link"):
+        assert link.find("inertial") is not None
+        visuals = link.findall("visual")
+        assert len(visuals) >= 2, link.get("name")
+        for visual in visuals:
+            assert visual.find("geometry")[0].tag in ("box", "cylinder", "sphere")
+            assert visual.find("material").get("name") in defined
+
+
+@pytest.mark.parametrize("name", ["bleex.urdf", "bleex_identified.urdf", "cuhk.urdf"])
+def test_the_right_leg_is_drawn_as_the_mirror_image_of_the_left(name):
+    root = xml_of(name)
+    for part in ("thigh", "shank", *(("foot",) if name.startswith("bleex") else ())):
+        left, right = (
+            sorted(
+                (float(x), sign * float(y), float(z))
+                for visual in root.find(f"link[@name='{side}_{part}']").findall("visual")
+                for x, y, z in [visual.find("origin").get("xyz").split()]
+            )
+            for side, sign in (("left", 1), ("right", -1))
+        )
+        assert len(left) > 5
+        np.testing.assert_allclose(np.array(left), np.array(right), atol=2e-5)
+
+
+@pytest.mark.parametrize("name", URDFS)
+def test_the_file_is_what_the_script_writes(make_urdfs, name):
+    assert set(make_urdfs.robots()) == set(URDFS)
+    assert make_urdfs.urdf(make_urdfs.robots()[name]).encode() == (ROOT / "urdf" / name).read_bytes()
+
+
+def test_the_script_notices_a_file_that_differs(make_urdfs, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(make_urdfs, "URDF_FOLDER", tmp_path)
+    monkeypatch.setattr(sys, "argv", ["make_urdfs.py", "--check"])
+    assert make_urdfs.main() == 1
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr(sys, "argv", ["make_urdfs.py"])
+    assert make_urdfs.main() == 0
+    monkeypatch.setattr(sys, "argv", ["make_urdfs.py", "--check"])
+    capsys.readouterr()
+    assert make_urdfs.main() == 0
+    assert capsys.readouterr().out == ""
+    (tmp_path / "cuhk.urdf").write_text("<robot/>")
+    assert make_urdfs.main() == 1
+    assert capsys.readouterr().out == "cuhk.urdf: differs\n"
+
+
+def test_the_script_runs_from_anywhere(tmp_path):
+    script = str(ROOT / "scripts" / "make_urdfs.py")
+    subprocess.run([sys.executable, script, "--check"], cwd=tmp_path, check=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "document"),
+    [
+        ("bleex.urdf", published.bleex),
+        ("bleex_identified.urdf", published.bleex),
+        ("cuhk.urdf", published.cuhk),
+    ],
+)
+def test_every_assumed_number_stands_in_the_files_comment_and_in_the_documentation(name, document):
+    text = (ROOT / "urdf" / name).read_text(encoding="utf-8")
+    comment = text[text.index("<!--") : text.index("-->")]
+    section = (ROOT / "docs" / "legs.md").read_text(encoding="utf-8").split(f"\n### {document().robot}\n")[1]
+    rows = dict(re.findall(r"^\| `(\w+)` \| (.+) \|$", section.split("\n### ")[0], flags=re.MULTILINE))
+    assert set(rows) == set(document().assumptions)
+    for key, assumption in document().assumptions.items():
+        value = f"{assumption.value!r} {assumption.unit}".removesuffix(" 1")
+        assert rows[key] == f"{value} | {assumption.reason}"
+        assert f"  {key} = {value}: {assumption.reason}\n" in comment

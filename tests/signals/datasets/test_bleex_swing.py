@@ -1,0 +1,99 @@
+"""The example that comes along: made by its script, and good enough to find the published parameters in."""
+
+import dataclasses
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import published
+
+SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "make_bleex_swing.py"
+THREE_STD = 0.9973
+"""Part of a normal distribution within three standard deviations."""
+
+JOINTS = ("hip", "knee", "ankle")
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("make_bleex_swing", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def data():
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="module")
+def estimate(data):
+    return exoid.identify(data.leg, data.train)
+
+
+def assert_made(recording, again, script):
+    """Angles to two encoder counts, torques to what two counts do through the controller's stiffness."""
+    count = script.ENCODER_COUNT
+    np.testing.assert_allclose(again.time, recording.time[: len(again)], atol=1e-9)
+    np.testing.assert_allclose(again.q, recording.q[: len(again)], atol=2.0 * count)
+    np.testing.assert_allclose(again.tau, recording.tau[: len(again)], atol=2.0 * count * script.STIFFNESS.max())
+
+
+@pytest.mark.parametrize(("part", "seed"), [("train", 1), ("test", 2)])
+def test_the_files_begin_as_the_script_makes_them(data, script, part, seed, monkeypatch):
+    """The first second and a half, without the noise, which depends on how many samples are drawn."""
+    monkeypatch.setattr(script, "TORQUE_NOISE", np.zeros(3))
+    again, recording = script.record(seed, 1.5), getattr(data, part)
+    np.testing.assert_allclose(again.q, recording.q[: len(again)], atol=2.0 * script.ENCODER_COUNT)
+    error = again.tau - recording.tau[: len(again)]
+    np.testing.assert_allclose(error.std(axis=0), [0.3, 0.2, 0.1], rtol=0.2)
+    assert (np.abs(error.mean(axis=0)) < 4.0 * np.array([0.3, 0.2, 0.1]) / np.sqrt(len(again))).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("part", "seed", "duration"), [("train", 1, 30.0), ("test", 2, 15.0)])
+def test_the_files_are_what_the_script_makes(data, script, part, seed, duration):
+    recording = getattr(data, part)
+    again = script.record(seed, duration)
+    assert len(again) == len(recording)
+    assert_made(recording, again, script)
+
+
+def test_what_the_docstring_says_of_the_example_is_so(data):
+    assert data.leg.joint_names == data.train.joint_names == data.test.joint_names
+    assert [(len(r), r.sample_rate) for r in (data.train, data.test)] == [(3000, 100.0), (1500, 100.0)]
+    assert data.train.v is None
+    assert data.train.a is None
+    cad = list(published.bleex_parameters("cad").values())
+    np.testing.assert_allclose(data.leg.parameters, cad, rtol=1e-9)
+
+
+def test_intervals_of_three_standard_deviations_contain_the_published_parameters(estimate):
+    """Tables II and III of the left leg, though the leg that was passed has those of Table V."""
+    intervals = dict(zip(estimate.names, estimate.interval(THREE_STD), strict=True))
+    for name, value in published.bleex_parameters("left").items():
+        lower, upper = intervals[name]
+        assert lower < value < upper, name
+
+
+def test_friction_is_found_near_what_was_simulated(estimate, script):
+    """The simulated sign change is sharper than the model's and stick-slip is not in it: 10 %."""
+    for joint, coulomb in zip(JOINTS, script.COULOMB, strict=True):
+        assert estimate.value(f"c0_{joint}") == pytest.approx(coulomb, rel=0.1)
+
+
+def test_the_other_swing_is_predicted(estimate, data):
+    """Measured .0135, .0154 and .0655; the ankle's torque is hardly larger than its noise."""
+    assert (exoid.validate(estimate, data.test).nrmse <= [0.02, 0.02, 0.07]).all()
+
+
+def test_the_cad_model_must_predict_worse(estimate, data):
+    """Identification is worth it: the CAD inertias with the identified friction err several times as much."""
+    values = estimate.values.copy()
+    values[:9] = data.leg.parameters
+    cad = exoid.validate(dataclasses.replace(estimate, values=values), data.test)
+    assert (cad.nrmse[:2] > 3.0 * exoid.validate(estimate, data.test).nrmse[:2]).all()

@@ -1,0 +1,98 @@
+"""A real leg whose torque is a command: units and signs are those of a pendulum, and an estimate predicts its chirp."""
+
+from __future__ import annotations
+
+import numpy as np
+import pooch
+import pytest
+
+import exoid
+from exoid import ExoidError
+from exoid.signals.datasets import sydney
+
+AUTHORS = {"inner": (4.321897e-3, 5.452402e-3, 1.403128e-3), "outer": (4.374847e-3, 4.722823e-3, 2.158321e-3)}
+"""J [kg·m²], Kc [N·m] and Kv [N·m·s/rad] that the authors identified, as in their files times 1e-3."""
+
+
+def load(which):
+    """The dataset, or a reason to skip."""
+    try:
+        return exoid.datasets.sydney_swing_leg(which)
+    except ExoidError as error:
+        if "cannot be downloaded" not in error.what:
+            raise
+        pytest.skip(f"put the files of {sydney.URL} into $EXOID_DATA_DIR/sydney_swing_leg/ or go online")
+
+
+@pytest.mark.real_data
+def test_the_recording_is_in_si_and_split_before_the_end_of_the_chirp():
+    data = load("inner")
+    assert data.leg.joint_names == ("leg",)
+    assert len(data.train) + len(data.test) == 15_570
+    assert data.train.sample_rate == pytest.approx(200.0)
+    assert data.train.tau.max() == pytest.approx(5.0 * 18.3e-3)
+    assert abs(data.train.q).max() == pytest.approx(np.radians(92.0654296875))
+
+
+@pytest.mark.real_data
+def test_the_leg_swings_as_a_pendulum_under_its_own_gravity():
+    """Free swing without a command: the identified leg has the frequency of the measured angle."""
+    data = load("inner")
+    est = exoid.identify(data.leg, data.train, check=False)
+    free = data.train.between(4.0, 8.0)
+    q = free.q[:, 0] - free.q[:, 0].mean()
+    crossings = free.time[1:][np.diff(np.sign(q)) > 0]
+    measured = 2.0 * np.pi / np.diff(crossings).mean()
+    expected = np.sqrt(9.81 * est.value("X1") / est.value("J1"))  # small swings, and friction hardly slows them
+    assert measured == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.real_data
+@pytest.mark.parametrize("which", ["inner", "outer"])
+def test_the_estimate_is_that_of_the_authors_and_predicts_the_rest_of_the_chirp(which):
+    data = load(which)
+    est = exoid.identify(data.leg, data.train, check=False)
+    inertia, coulomb, viscous = AUTHORS[which]
+    assert est.value("J1") == pytest.approx(inertia, rel=0.06)
+    assert est.value("c0_leg") == pytest.approx(coulomb, rel=0.25)
+    assert est.value("d_leg") == pytest.approx(viscous, rel=0.2)
+    assert exoid.validate(est, data.test).nrmse[0] < {"inner": 0.30, "outer": 0.21}[which]
+
+
+@pytest.mark.real_data
+def test_a_command_that_stands_still_is_reported():
+    """Five volts for five seconds look like a sensor at its limit; the torque is a command, and both are said."""
+    data = load("inner")
+    kinds = {finding.kind for finding in exoid.identify(data.leg, data.train).findings}
+    assert {"saturation", "stuck-channel"} <= kinds
+
+
+@pytest.mark.real_data
+def test_the_command_line_knows_both_legs(exoid_):
+    load("outer")
+    for name in ("sydney_swing_leg", "sydney_swing_leg_outer"):
+        done = exoid_("identify", name, f"{name}:train", "--no-check", "--test", f"{name}:test")
+        assert done.code == 0, done.err
+        assert "J1" in done.out
+
+
+def test_each_file_is_fetched_at_its_commit_and_checked(tmp_path, monkeypatch):
+    asked = []
+
+    def offline(url, sha, **_):
+        asked.append((url, sha))
+        raise OSError("no network")
+
+    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
+    monkeypatch.setattr(pooch, "retrieve", offline)
+    for which, file in sydney.FILES.items():
+        with pytest.raises(ExoidError, match="cannot be downloaded") as error:
+            exoid.datasets.sydney_swing_leg(which)
+        assert error.value.remedy == f"download it to $EXOID_DATA_DIR/sydney_swing_leg/{file}"
+    assert [sha for _, sha in asked] == [f"sha256:{sha}" for sha in sydney.SHA256.values()]
+    assert all(sydney.COMMIT in url and " " not in url for url, _ in asked)
+
+
+def test_there_are_two_legs():
+    with pytest.raises(ExoidError, match="no swing leg 'third'"):
+        exoid.datasets.sydney_swing_leg("third")

@@ -1,0 +1,116 @@
+"""A real leg on a force sensor: the files fit together, and the signs of the force are those of a force on the foot."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+import pinocchio as pin
+import pooch
+import pytest
+
+import exoid
+from exoid import ExoidError
+from exoid.signals import zero_phase
+from exoid.signals.datasets import teststand
+
+
+@pytest.fixture(scope="module")
+def data():
+    """The dataset, or a reason to skip."""
+    try:
+        return exoid.datasets.teststand_leg()
+    except ExoidError as error:
+        if "cannot be downloaded" not in error.what:
+            raise
+        pytest.skip(f"put the files of {teststand.LOG_URL} into $EXOID_DATA_DIR/teststand_leg/ or go online")
+
+
+def static_torque(data, force):
+    """Torque that holds the leg against gravity and a force on its foot, by Pinocchio: G − Jᵀ f, (K, 2)."""
+    model = data.leg.model
+    state, foot = model.createData(), model.getFrameId(teststand.FOOT)
+    rows = []
+    for q, f in zip(data.recording.q[::50], force[::50], strict=True):
+        jacobian = pin.computeFrameJacobian(model, state, q, foot, pin.LOCAL_WORLD_ALIGNED)[:3]
+        rows.append(pin.computeGeneralizedGravity(model, state, q) - jacobian.T @ f)
+    return np.array(rows)
+
+
+def test_halves_and_force_are_of_the_whole_recording(data):
+    assert data.leg.joint_names == ("HFE", "KFE")
+    assert len(data.recording) == len(data.force) == 23_372
+    assert data.recording.sample_rate == pytest.approx(1000.0)
+    assert len(data.train) + len(data.test) == len(data.recording)
+    assert data.test.time[0] == pytest.approx(data.train.time[-1] + 1e-3)
+    assert not data.force.flags.writeable
+    assert "array" not in repr(data)
+
+
+def test_the_force_is_one_on_the_foot_in_the_axes_of_the_root_link(data):
+    """With any sign of x or z reversed, the static torque explains less of the measured one."""
+    tau = zero_phase(data.recording.tau, 1000.0, 5.0)[::50]
+    error = {
+        signs: np.std(tau - static_torque(data, data.force * (signs[0], 1.0, signs[1])), axis=0)
+        for signs in ((1, 1), (-1, 1), (1, -1), (-1, -1))
+    }
+    for signs in ((-1, 1), (1, -1), (-1, -1)):
+        assert error[1, 1].sum() < 0.6 * error[signs].sum(), signs
+    assert error[1, 1][1] < 0.2 * tau[:, 1].std()
+
+
+def test_the_wrench_on_the_foot_is_the_force_in_axes_of_the_foot(data):
+    """Pinocchio's placement of the foot turns it back."""
+    model = data.leg.model
+    state, foot = model.createData(), model.getFrameId(teststand.FOOT)
+    wrench = data.recording.wrenches[teststand.FOOT]
+    assert wrench.axes == "link"
+    assert not wrench.moment.any()
+    for k in range(0, len(data.force), 997):
+        pin.framesForwardKinematics(model, state, data.recording.q[k])
+        np.testing.assert_allclose(state.oMf[foot].rotation @ wrench.force[k], data.force[k], atol=1e-12)
+    assert len(data.test.wrenches[teststand.FOOT]) == len(data.test)
+
+
+def test_the_torque_of_the_knee_stays_at_the_limit_of_its_current(data):
+    limit = 12.0 * 0.025 * 9.0  # A, N·m/A, ratio
+    at_limit = np.abs(data.recording.tau[:, 1] - limit) < 0.03
+    assert 0.33 < at_limit.mean() < 0.37
+    assert data.recording.tau[:, 1].max() < limit + 0.06
+
+
+def test_logs_are_aligned_by_their_counter():
+    first = np.column_stack([[1.0, 2.0, 3.0, 5.0, 6.0], [10.0, 20.0, 30.0, 50.0, 60.0]])
+    second = np.column_stack([[2.0, 3.0, 4.0, 5.0], [0.2, 0.3, 0.4, 0.5], [-2.0, -3.0, -4.0, -5.0]])
+    one, two = teststand.aligned(first, second)
+    assert one.tolist() == [[20.0], [30.0], [50.0]]
+    assert two.tolist() == [[0.2, -2.0], [0.3, -3.0], [0.5, -5.0]]
+
+
+def test_a_file_that_is_not_the_published_one_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "teststand_leg").mkdir()
+    (tmp_path / "teststand_leg" / "teststand.urdf").write_text("<robot/>", encoding="utf-8")
+    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
+    with pytest.raises(ExoidError, match=r"not the published file: its hash differs.*delete it, or unset"):
+        exoid.datasets.teststand_leg()
+
+
+def test_each_file_is_fetched_from_its_repository_at_a_commit_and_checked(tmp_path, monkeypatch):
+    asked = []
+
+    def offline(url, sha, **_):
+        asked.append((url, sha))
+        raise OSError("no network")
+
+    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
+    monkeypatch.setattr(pooch, "retrieve", offline)
+    for file in (teststand.URDF, *teststand.LOGS):
+        with pytest.raises(ExoidError, match="cannot be downloaded") as error:
+            file.path()
+        assert error.value.remedy == f"download it to $EXOID_DATA_DIR/teststand_leg/{file.name}"
+    for (url, sha), file in zip(asked, (teststand.URDF, *teststand.LOGS), strict=True):
+        assert url.startswith("https://raw.githubusercontent.com/")
+        assert url.endswith(f"/{file.name}")
+        assert teststand.LOG_COMMIT in url or teststand.URDF_COMMIT in url
+        assert sha == f"sha256:{file.sha256}"
+        assert len(file.sha256) == hashlib.sha256().digest_size * 2

@@ -1,0 +1,123 @@
+"""Settings in files: what was written comes back exactly, and what cannot be written is refused before."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exoid.errors import ExoidError
+from exoid.tools.registry import Registry
+from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
+
+
+@dataclass(frozen=True)
+class Inner:
+    """A setting that has parts."""
+
+    number: float = 1.0
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Anything with a setting."""
+
+    setting: Any = 0
+    derived: float = field(init=False, default=2.0)
+
+
+@dataclass(frozen=True)
+class Demanding:
+    """It has no default."""
+
+    setting: float
+
+
+def registry():
+    made = Registry("thing", "exoid.tests", "exoid.register_thing", lambda thing: None)
+    made.register("thing", Thing)
+    made.register("demanding", Demanding)
+    return made
+
+
+def exact(one, other):
+    """Whether two settings are of the same types and values, with the sign of zero."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(exact, one, other))
+    return repr(one) == repr(other) and one == other
+
+
+PLAIN = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text())
+SETTINGS = st.recursive(PLAIN, lambda inner: st.lists(inner, max_size=3).map(tuple), max_leaves=8)
+
+
+@given(setting=SETTINGS)
+def test_settings_come_back_exactly(setting):
+    text = json.dumps(named_to_json(registry(), "name", Thing(setting)), allow_nan=False, ensure_ascii=False)
+    again = named_from_json(registry(), "name", json.loads(text.encode()))
+    assert exact(again.setting, setting)
+
+
+def test_a_nested_dataclass_comes_back_also_in_a_tuple():
+    thing = Thing((Inner(0.5), 1, "a"))
+    data = json.loads(json.dumps(named_to_json(registry(), "name", thing, Inner)))
+    assert data == {"name": "thing", "from": __name__, "setting": [{"number": 0.5}, 1, "a"]}
+    assert named_from_json(registry(), "name", data, Inner) == thing
+
+
+def test_numpys_doubles_are_numbers():
+    data = named_to_json(registry(), "name", Thing(np.float64(0.1)))
+    assert exact(data["setting"], 0.1)
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        *(np.zeros(3), np.float32(0.1), np.int64(1), np.nan, np.inf, 1j),
+        *([1.0], {"a": 1.0}, {1, 2}, (1, [2]), b"a", "\udc80", print),
+    ],
+    ids=ascii,
+)
+def test_what_json_cannot_hold_exactly_is_refused_with_advice(setting):
+    with pytest.raises(ExoidError, match=r"Thing\(setting=.*\) cannot be written to a file.*or tuples of these"):
+        named_to_json(registry(), "name", Thing(setting))
+
+
+def test_a_class_without_a_name_is_refused_with_the_call_that_gives_one():
+    with pytest.raises(ExoidError, match=r"Inner has no name in files.*exoid\.register_thing\(\"name\", Inner\)"):
+        named_to_json(registry(), "name", Inner())
+
+
+def test_settings_that_the_class_does_not_take_are_refused_with_those_it_takes():
+    with pytest.raises(ExoidError, match=r"the thing 'thing' does not take \{'derived': 1\.0\}.*settings are setting$"):
+        named_from_json(registry(), "name", {"name": "thing", "derived": 1.0})
+    with pytest.raises(ExoidError, match=r"install the version of theirs that wrote the file"):
+        named_from_json(registry(), "name", {"name": "thing", "from": "theirs", "other": 1.0})
+
+
+def test_an_unknown_name_says_where_the_file_has_it_from():
+    with pytest.raises(ExoidError, match=r"no thing 'far' \(the file has it from the module theirs\.things\)"):
+        named_from_json(registry(), "name", {"name": "far", "from": "theirs.things"})
+    with pytest.raises(ExoidError, match="no thing ''"):
+        named_from_json(registry(), "name", {})
+
+
+def test_a_class_by_name_needs_defaults():
+    assert named_default(registry(), "thing") == Thing()
+    with pytest.raises(ExoidError, match=r"'demanding' cannot be made without settings .*pass Demanding\(\.\.\.\)"):
+        named_default(registry(), "demanding")
+
+
+def test_classes_that_cannot_be_written_are_refused_beforehand():
+    with pytest.raises(ExoidError, match=r"Thing has a field 'setting'.*rename it"):
+        refuse_unwritable_class("setting", Thing)
+    with pytest.raises(ExoidError, match="str is no dataclass"):
+        refuse_unwritable_class("name", str)
+    refuse_unwritable_class("name", Thing)

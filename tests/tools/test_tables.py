@@ -1,0 +1,115 @@
+"""Numbers in tables show the digits that their uncertainty leaves; tables are plain text or HTML."""
+
+import math
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from exoid.tools.tables import NARROWEST, WIDTH, html_table, line_width, make_table, to_text, with_error
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "written"),
+    [
+        (1.962817, 0.00131, ("1.9628", "0.0013")),
+        (-0.00004, 0.5, ("-0.00", "0.50")),
+        (123.456, 12.0, ("123", "12")),
+        (123456.7, 2345.6, ("123457", "2346")),
+        (0.5, 0.0999, ("0.500", "0.100")),
+        (0.25, 1.5, ("0.2", "1.5")),
+        (1.0, 3e-7, ("1.00000000", "0.00000030")),
+        (1.23456789, 3e-12, ("1.23457", "3.0e-12")),
+        (1.23456789, 0.0, ("1.23457", "0.0e+00")),
+        (1.5, math.inf, ("1.5", "inf")),
+        (1.5, math.nan, ("1.5", "nan")),
+    ],
+)
+def test_a_value_is_written_to_the_second_digit_of_its_deviation(value, std, written):
+    assert with_error(value, std) == written
+
+
+def test_bounds_get_the_digits_of_the_value():
+    assert with_error(1.962817, 0.00131, 1.96025, 1.96538) == ("1.9628", "0.0013", "1.9603", "1.9654")
+
+
+def test_names_stand_left_and_numbers_right():
+    text = to_text(make_table(("name", "value"), [("a", "1.0"), ("longer", "10.0")]))
+    assert text.splitlines() == [" name     value", " ──────────────", " a          1.0", " longer    10.0"]
+
+
+def test_a_line_above_a_narrow_table_is_not_folded():
+    title = "a line of text that is wider than the table " * 2
+    assert to_text(title.strip(), make_table(("a",), [("b",)])).splitlines()[0] == title.strip()
+
+
+def test_brackets_and_colons_in_names_are_no_markup():
+    text = to_text("[bold]x[/bold] :smile:", make_table(("[unit]",), [("[red]",)]))
+    assert "[bold]x[/bold] :smile:" in text
+    assert "[unit]" in text
+    assert "[red]" in text
+
+
+def test_text_is_plain_and_fits():
+    text = to_text(make_table(("name", "value"), [("x" * 300, "1.0")]), "word " * 100)
+    assert "\033" not in text
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert not any(line.endswith(" ") for line in text.splitlines())
+
+
+def test_a_notebook_gets_text_too_and_shows_nothing_by_itself(monkeypatch):
+    """In Jupyter, Rich would display the parts and leave the string empty."""
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    monkeypatch.setattr("rich.jupyter.display", lambda *_: pytest.fail("displayed"))
+    assert "longer" in to_text("title", make_table(("name", "value"), [("longer", "10.0")]))
+
+
+def test_a_table_in_html_has_the_caption_the_headers_and_the_cells():
+    table = ET.fromstring(html_table(("name", "value"), iter([("a", "1.0"), ("b", "2.0")]), caption="two rows"))
+    assert table.findtext("caption") == "two rows"
+    assert [cell.text for cell in table.findall("thead/tr/th")] == ["name", "value"]
+    assert [[cell.text for cell in row] for row in table.findall("tbody/tr")] == [["a", "1.0"], ["b", "2.0"]]
+    assert [cell.get("style") for cell in table.find("tbody/tr")] == ["text-align:left", "text-align:right"]
+
+
+def test_markup_in_html_tables_is_escaped():
+    text = html_table(("<b>",), [("<script>alert(1)</script>",)], caption='a & "b" <i>')
+    assert "<script>" not in text
+    assert [element.text for element in ET.fromstring(text).iter() if element.text] == [
+        'a & "b" <i>',
+        "<b>",
+        "<script>alert(1)</script>",
+    ]
+
+
+def test_a_table_in_html_may_have_neither_caption_nor_header():
+    assert html_table((), [("a", "b")]).startswith("<table><tbody>")
+
+
+def test_a_table_too_wide_for_a_terminal_is_cut_between_columns():
+    numbers = [[f"{row}.{column}2345" for column in range(12)] for row in range(3)]
+    table = make_table(
+        ("joint", *(f"column {k} [N·m]" for k in range(12))), [(f"joint {k}", *numbers[k]) for k in range(3)]
+    )
+    token = line_width.set(NARROWEST)
+    try:
+        text = to_text(table)
+    finally:
+        line_width.reset(token)
+    assert max(map(len, text.splitlines())) <= NARROWEST
+    assert all(number in text.split() for row in numbers for number in row)
+    assert text.count("joint 1") >= 2
+    assert max(map(len, to_text(table).splitlines())) > NARROWEST
+
+
+def test_a_table_at_60_columns_loses_no_letter_of_a_cell():
+    headers = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
+    cells = ("left_ankle", "0.04134", "0.1274", "0.003155", "0.0003411", "3.8 %", "0.93", "no", "0.17")
+    for width in (110, 80, 70, 60):
+        token = line_width.set(width)
+        try:
+            text = to_text(make_table(headers, [cells]))
+        finally:
+            line_width.reset(token)
+        assert max(map(len, text.splitlines())) <= width
+        words = text.split()
+        assert all(word in words for cell in (*headers, *cells) for word in cell.split())

@@ -1,0 +1,90 @@
+"""Slips that all feet make alike, which only the motion of the base shows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from standing import standing
+
+import exoid
+from exoid import BaseMotion
+from exoid.torques.contacts import level_rotation, link_placements, split
+
+FEET = ("left_foot", "right_foot")
+GYRO, FORCE, ENCODER = 0.005, 0.05, 1e-4
+RATE = 250.0
+
+
+@pytest.fixture(scope="module")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+@pytest.fixture(scope="module")
+def still(exo):
+    """Squats on both feet with an IMU that has a bias."""
+    log = standing(exo, "both", seed=5, noise=0.4, encoder=ENCODER, rate=RATE)
+    rng = np.random.default_rng(7)
+    gyro = log.base.angular_velocity + GYRO * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
+    force = log.base.specific_force + FORCE * rng.standard_normal((len(log.base), 3)) + (0.1, 0.0, 0.15)
+    return replace(log.recording, base=BaseMotion(gyro, force))
+
+
+def slipping(exo, log, speed, lasting=0.25, starts=(3.0, 7.0, 12.0, 16.0)):
+    """Let both feet slip forward: the velocity is half a wave of the cosine. Tell when, and give the log."""
+    forward = np.zeros((len(log), 3))
+    slips = np.zeros(len(log), dtype=bool)
+    for start in starts:
+        phase = (log.time - start) / lasting
+        inside = (phase >= 0.0) & (phase < 1.0)
+        forward[inside, 0] = speed * np.pi / lasting * np.sin(2.0 * np.pi * phase[inside])  # of v sin²(π t / T)
+        slips |= inside
+    rotation = link_placements(exo, log.q, "left_foot").rotation
+    turn = level_rotation(exo, "left_foot") @ np.swapaxes(rotation, 1, 2)  # laboratory from base
+    aside = np.einsum("nji,nj->ni", turn, forward)
+    base = replace(log.base, specific_force=log.base.specific_force + aside)
+    return replace(log, base=base), slips
+
+
+def test_a_slip_of_both_feet_is_seen_and_counted(exo, still):
+    log, slips = slipping(exo, still, 0.025)
+    parts = split(exo, log)
+    assert 0.6 * slips.mean() < parts.left.moving < 1.2 * slips.mean()
+    assert parts.left.slipping == 0.0
+    assert 0.004 < parts.visible < 0.012
+
+
+def test_feet_that_rest_and_slips_below_the_noise_are_not_said_to_slip(exo, still):
+    assert split(exo, still).left.moving < 0.001
+    log, _ = slipping(exo, still, 0.002)
+    assert split(exo, log).left.moving < 0.001
+
+
+def test_the_slowest_slip_that_is_seen_follows_from_the_noise_of_imu_and_angles(exo, still):
+    """Velocity noise between the window of the median and the low-pass, by the formula of docs/ground.md."""
+    high, low = 10.0, 1.0 / 0.8
+    accelerometer = 2.0 * FORCE**2 / RATE * (1.0 / low - 1.0 / high) / (2.0 * np.pi) ** 2
+    jacobian = exo.contact_jacobian(still.q, "left_foot")
+    lever = np.linalg.solve(jacobian[..., :3], jacobian[..., 3:])[:, 0]
+    place = ENCODER**2 * np.mean(np.sum(lever**2, axis=1))
+    angles = 2.0 * place / RATE * (2.0 * np.pi) ** 2 * (high**3 - low**3) / 3.0
+    assert split(exo, still).visible == pytest.approx(6.0 * np.sqrt(accelerometer + angles), rel=0.5)
+
+
+def test_without_an_imu_or_long_rests_nothing_is_looked_for(exo, still):
+    log, _ = slipping(exo, still, 0.025)
+    assert split(exo, replace(log, base=None)).visible == 0.0
+    steps = (np.arange(len(log)) % 200) < 170  # rests of 0.68 s
+    assert split(exo, replace(log, contacts=dict.fromkeys(FEET, steps))).visible == 0.0
+
+
+def test_the_estimate_reports_slips_and_does_not_follow_them(exo, still):
+    terms = (exoid.Viscous(),)
+    left = standing(exo, "left", seed=6, noise=0.4, encoder=ENCODER, rate=RATE).recording
+    swap = [3, 4, 5, 0, 1, 2]
+    right = replace(left, q=left.q[:, swap], tau=left.tau[:, swap], contacts={"right_foot": left.contacts["left_foot"]})
+    slips, _ = slipping(exo, still, 0.025)
+    found = exoid.identify(exo, [slips, left, right], terms)
+    (report,) = (finding for finding in found.findings if finding.kind == "slipping-contact")
+    assert report.value > 0.02
+    assert "mm/s" in report.message
