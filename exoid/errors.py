@@ -1,6 +1,8 @@
-"""Error that exoid raises for invalid input."""
+"""Errors that exoid raises for invalid input: one root, four kinds, the evidence as attributes."""
 
 from __future__ import annotations
+
+from copy import copy
 
 
 class ExoidError(Exception):
@@ -11,18 +13,37 @@ class ExoidError(Exception):
         where: File, row, column, joint or parameter concerned; "" if ``what`` names it.
         remedy: Action that corrects the input.
         command: The same for a user of the command line, where that differs from Python.
+        parameters: Names of the parameters concerned.
+        joints: Names of the joints concerned.
+        file: Name of the file concerned.
+        column: Name of the column concerned.
 
     Example:
         >>> str(ExoidError("no column 'q_knee'", where="log.csv", remedy="pass columns={'q_knee': ...}"))
         "log.csv: no column 'q_knee'. To fix it: pass columns={'q_knee': ...}"
     """
 
-    def __init__(self, what: str, *, where: str = "", remedy: str = "", command: str = "") -> None:
+    def __init__(
+        self,
+        what: str,
+        *,
+        where: str = "",
+        remedy: str = "",
+        command: str = "",
+        parameters: tuple[str, ...] = (),
+        joints: tuple[str, ...] = (),
+        file: str = "",
+        column: str = "",
+    ) -> None:
         super().__init__(what)
         self.what = what
         self.where = where
         self.remedy = remedy
         self.command = command
+        self.parameters = parameters
+        self.joints = joints
+        self.file = file
+        self.column = column
 
     def __str__(self) -> str:
         """Write one line."""
@@ -43,11 +64,28 @@ class ExoidError(Exception):
             part: Name of the part, such as a file or a group of recordings; "" adds nothing.
 
         Returns:
-            The error with the part before its place.
+            The error of the same kind with the part before its place.
         """
-        where = ", ".join(filter(None, (part, self.where)))
-        return ExoidError(self.what, where=where, remedy=self.remedy, command=self.command)
+        inside = copy(self)
+        inside.where = ", ".join(filter(None, (part, self.where)))
+        return inside
 
     def _line(self, remedy: str) -> str:
         text = f"{self.where}: {self.what}" if self.where else self.what
         return " ".join((f"{text}. To fix it: {remedy}" if remedy else text).split())
+
+
+class UnreadableInputError(ExoidError):
+    """A file or table that cannot be read: its form, a column, a unit, time stamps, or values in it."""
+
+
+class NotIdentifiableError(ExoidError):
+    """Recordings that do not determine what is asked for; ``parameters`` names what is missing."""
+
+
+class NotSupportedError(ExoidError):
+    """A combination of features that exoid does not have; the remedy names what does it instead."""
+
+
+class BadArgumentError(ExoidError):
+    """An argument out of its range, of the wrong shape, or in conflict with another one."""
