@@ -1,9 +1,4 @@
-"""Tasks by name: ``nox --list``. Each runs in the environment that is active; ``.ci/run`` makes a fresh one.
-
-pip install -e '.[test,lint]'
-nox -s tests          # what a newcomer runs
-nox                   # style, contracts, types, tests
-"""
+"""Tasks by name: ``nox --list`` shows them, ``nox -s tests`` runs one. They run in the environment that is active."""
 
 import nox
 
