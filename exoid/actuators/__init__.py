@@ -2,12 +2,12 @@
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
-from .attachments import Attachment, Attachments, MountedAttachments
+from .attachments import Attachment, Attachments, MomentArm, MountedAttachments
 from .coupling import Coupling
 from .drive import Drive
 from .drive_data import actuators_from_data, actuators_to_data, describe_actuators
 from .file import read_actuators, write_actuators
-from .linear import LinearActuator, MomentArm
+from .linear import LinearActuator
 from .motor import Motor
 from .motor_terms import motor_terms
 from .series_elastic import SeriesElastic

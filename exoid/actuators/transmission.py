@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 from exoid.leg.description import Description
 
 from .motor import Motor
@@ -63,7 +63,7 @@ def read_transmissions(description: Description) -> dict[str, Transmission]:
     found: dict[str, Transmission] = {}
     for each in _simple(root, description):
         if each.joint in found:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"two transmissions of joint {each.joint!r}", where=description.name, remedy="describe it once"
             )
         found[each.joint] = each
@@ -79,7 +79,7 @@ def _simple(root: etree._Element, description: Description) -> Iterator[Transmis
         if len(joints) != 1:
             continue
         if joints[0] not in description.child_links:
-            raise ExoidError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
+            raise UnreadableInputError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
         ratio, efficiency = (_number(element, tag, where) for tag in ("mechanicalReduction", "efficiency"))
         yield Transmission(joints[0], ratio, efficiency)
 
@@ -93,4 +93,4 @@ def _number(element: etree._Element, tag: str, where: str) -> float | None:
         (text,) = set(texts)  # older files repeat it at joint and actuator
         return float(text)
     except ValueError:
-        raise ExoidError(f"{tag} is {', '.join(texts)}", where=where, remedy="write one number") from None
+        raise UnreadableInputError(f"{tag} is {', '.join(texts)}", where=where, remedy="write one number") from None
