@@ -11,7 +11,6 @@ from .linear import LinearActuator
 from .motor import Motor
 from .motor_terms import motor_terms
 from .series_elastic import SeriesElastic
-from .transmission import Transmission, read_transmissions
 
 __all__ = [
     "Actuators",
@@ -25,12 +24,10 @@ __all__ = [
     "Motor",
     "MountedAttachments",
     "SeriesElastic",
-    "Transmission",
     "actuators_from_data",
     "actuators_to_data",
     "describe_actuators",
     "motor_terms",
     "read_actuators",
-    "read_transmissions",
     "write_actuators",
 ]

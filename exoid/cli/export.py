@@ -16,7 +16,8 @@ from exoid.codegen.ros2 import Ros2Package, refuse_foreign
 from exoid.errors import ExoidError
 from exoid.estimate import Export, MjcfExport
 from exoid.leg.exported import sidecar_of
-from exoid.leg.lift import MASS_FACTOR, PULL
+from exoid.leg.lift.lift import PULL
+from exoid.leg.lift.masses import MASS_FACTOR
 
 from .inputs import AsJson
 from .law_options import USUAL_LAW, LawOptions

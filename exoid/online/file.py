@@ -15,7 +15,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg.leg import Leg
 from exoid.tools.files import write_whole
-from exoid.torques import TorqueModel, term_from_json, term_to_json
+from exoid.torques import TorqueModel
+from exoid.torques.catalog import term_from_json, term_to_json
 
 from .intake import Intake
 from .memory import Memory

@@ -8,17 +8,9 @@ import pytest
 import exoid
 from exoid import datasets
 from exoid.errors import ExoidError
-from exoid.experiments import (
-    Approach,
-    Harmonics,
-    Hold,
-    fit_harmonics,
-    gait_for_leg,
-    healthy_gait,
-    norm_gait,
-    refuse_motion_beyond_limits,
-)
+from exoid.experiments import Approach, Harmonics, Hold, fit_harmonics, gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
+from exoid.experiments.limits import refuse_motion_beyond_limits
 
 GAIT = healthy_gait(1.0, 1.0)
 

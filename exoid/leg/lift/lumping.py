@@ -36,20 +36,7 @@ class LinkInertia(NamedTuple):
 
 
 def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf) -> dict[str, FloatArray]:
-    """Distribute the inertias of bodies among the links that form them.
-
-    Args:
-        leg: The leg, with the URDF's inertias.
-        bodies: π of each of ``leg.bodies`` about its joint frame, (k, 10); physically consistent.
-        mass_factor: Largest change of the mass of the carried link, up or down, at which it gets the rest of its body.
-            Beyond it, masses of all links of the body change in proportion.
-
-    Returns:
-        π about the link frame, (10,), of each link whose inertia changes.
-
-    Raises:
-        ExoidError: The bodies of the leg are not the sum of the links in its URDF.
-    """
+    """Distribute the inertias of bodies among the links that form them."""
     shares: dict[str, FloatArray] = {}
     every = zip(leg.bodies, _parts(leg), leg.link_parameters.reshape(-1, 10), bodies, strict=True)
     for own, parts, given, body in every:
