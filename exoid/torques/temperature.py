@@ -13,9 +13,6 @@ from exoid.errors import ExoidError
 from .term import JointMotion
 from .terms import DryFriction
 
-ABSOLUTE_ZERO = -273.15
-"""[°C]"""
-
 
 @dataclass(frozen=True, kw_only=True)
 class TemperatureFriction(DryFriction):
@@ -50,7 +47,8 @@ class TemperatureFriction(DryFriction):
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
-        if isinstance(self.reference, bool) or not ABSOLUTE_ZERO < self.reference < math.inf:
+        # [°C]
+        if isinstance(self.reference, bool) or not -273.15 < self.reference < math.inf:
             raise ExoidError(
                 f"TemperatureFriction(reference={self.reference})", remedy="a temperature in °C, such as 25"
             )
