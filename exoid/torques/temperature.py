@@ -54,15 +54,7 @@ class TemperatureFriction(DryFriction):
             )
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the columns z (T − T0) and q̇ (T − T0).
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (2, N).
-
-        Raises:
-            ExoidError: The motion has no temperature.
-        """
+        """Write the columns z (T − T0) and q̇ (T − T0)."""
         if motion.temperature is None:
             raise ExoidError(
                 "TemperatureFriction needs the temperature of its joint",
