@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -33,7 +33,7 @@ def interaction(
         typer.Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period."),
     ] = None,
     cutoff: Annotated[
-        str | None, typer.Option(metavar="HZ", help='Cut-off of both torques; "auto" chooses that of each joint.')
+        float | None, typer.Option(metavar="HZ", help="Cut-off of both torques; default that of the estimate.")
     ] = None,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
@@ -52,23 +52,13 @@ def interaction(
     reading.refuse_other(logs)
     recordings = read_logs(logs, reading)
     drives = read_drives(actuators, loaded.model.leg)
-    result = wearer.interaction(loaded, recordings, strides=_times(strides), cutoff=_cutoff(cutoff), actuators=drives)
+    result = wearer.interaction(loaded, recordings, strides=_times(strides), cutoff=cutoff, actuators=drives)
     if output is not None:
         result.to_csv(output)
         note(f"wrote {output}")
     if report is not None:
         _report(loaded, result, recordings, report)
     typer.echo(json.dumps(result.to_json(), indent=1) if as_json else str(result))
-
-
-def _cutoff(text: str | None) -> float | Literal["auto"] | None:
-    """Read a cut-off from the command line."""
-    if text is None or text == "auto":
-        return text if text is None else "auto"
-    try:
-        return float(text)
-    except ValueError:
-        raise ExoidError(f"--cutoff {text}", remedy="give a frequency in Hz, or auto") from None
 
 
 def _times(text: str | None) -> list[float] | None:

@@ -8,7 +8,6 @@ from .momentum_terms import Momentum, MomentumTerms
 from .observer import ObserverMemory, TorqueObserver
 from .reading import ObservedTorque, ObserverReading
 from .sensor_noise import SensorNoise
-from .tuned_observer import tuned_observer
 
 __all__ = [
     "Alignment",
@@ -25,5 +24,4 @@ __all__ = [
     "TorqueObserver",
     "crossings_per_minute",
     "threshold",
-    "tuned_observer",
 ]
