@@ -158,7 +158,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
     def replay(seed, *, wrong, progress, rotor=0.8):
         assert not wrong
         progress(1.0)
-        return reproduce.TrackingReplay(None, runs, {}, rotor, seed)
+        return reproduce.cuhk_tracking.TrackingReplay(None, runs, {}, rotor, seed)
 
     monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
     code, out, err = track("cuhk", "--json", "--seed", 3, "--rotor", 0.5)
