@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from typer import Option
 
 import exoid
-from exoid.signals import Recording
 
-from .grouped import estimate_files, identify_grouped, log_names
 from .inputs import given_terms, read_drives, read_logs
 from .legs import refuse_unknown_leg
-from .log_parts import refuse_other
 from .messages import note
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
@@ -36,7 +33,9 @@ from .options import (
 from .outputs import check_outputs, print_result
 from .progress import status
 from .refusals import refuse
-from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
+
+if TYPE_CHECKING:
+    from exoid.signals import Recording
 
 
 class FitOptions(NamedTuple):
@@ -100,6 +99,10 @@ def identify(
 
     Example: exoid identify bleex bleex_swing:train -o est.json
     """
+    from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
+    from .log_parts import refuse_other  # noqa: PLC0415
+    from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk  # noqa: PLC0415
+
     refuse_unknown_leg(leg)
     tests = test or []
     files = {"--output": output if own is None else None, "--report": report}

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 from typer import Argument, Option
 
 import exoid
-from exoid import control
 from exoid.errors import BadArgumentError
 
 from .messages import note
-from .motions import gait, logged
 from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
 from .options import READ_AS_IT_IS, AsJson, Figures, LogOptions, Number, Report, Roles, Text, given
@@ -176,17 +174,19 @@ def _of_leg(
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
 
+    from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
+
     source = _source(what)
-    model = control.ControlModel.of(source)
+    model = exoid.control.ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     if motion.reference is None:
         reference, period, settle = gait(leg, motion.period, motion.scale, motion.speed, motion.role)
     else:
         refuse({"--scale": motion.scale, "--speed": motion.speed}, "the reference is that of a log")
         reference, period, settle = logged(leg, motion.reference, motion.period, reading)
-    usual = control.default_gains(model, control.mean_pose(reference, period))
+    usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period))
     kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)
-    runs = control.track(
+    runs = exoid.control.track(
         source,
         kp,
         kd,
@@ -205,7 +205,7 @@ def _of_leg(
     tables = [tracking_table(title, runs.values())]
     drives = source.actuators if isinstance(source, exoid.Estimate) else None
     if drives is not None:
-        tables.append(control.command_table(runs.values(), drives))
+        tables.append(exoid.control.command_table(runs.values(), drives))
     return tracking_report(f"Controllers on {what}", runs, tables, laws_json(runs, kp, kd, seed))
 
 

@@ -106,7 +106,7 @@ def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     noisy = q + 1e-4 * np.random.default_rng(0).normal(size=q.shape)
     exoid.Recording(time + 7.0, noisy, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "log.csv")
     followed, real = [], control.track
-    monkeypatch.setattr("exoid.cli.track.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
+    monkeypatch.setattr("exoid.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
     code, out, _ = track(saved, "--reference", "log.csv", "--json")
     assert code == 0
     ((_, _, _, reference, duration), options) = followed[0]
