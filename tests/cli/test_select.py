@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 import exoid
 from exoid import Estimate
 from exoid.cli import app, main
-from exoid.cli.select import FRICTION
 from exoid.identification.selection import friction_candidates, select_terms
 
 TRAIN = ("bleex_swing", "bleex_swing:train")
@@ -56,7 +55,10 @@ def test_a_friction_model_that_does_not_exist_is_refused_with_those_that_do(monk
     assert stop.value.code == 2
     printed = capsys.readouterr()
     assert printed.out == ""
-    assert f"no friction model magnet. To fix it: use some of {', '.join(FRICTION)}" in printed.err
+    assert (
+        f"no friction model magnet. To fix it: use some of {', '.join(each.name for each in friction_candidates())}"
+        in printed.err
+    )
 
 
 def test_progress_is_written_where_there_is_no_terminal(monkeypatch):
