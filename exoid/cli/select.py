@@ -8,9 +8,6 @@ from typing import Annotated
 import typer
 
 from exoid import identification
-from exoid.errors import ExoidError
-from exoid.identification.selection import Candidate, friction_candidates
-from exoid.signals.default_preparation import highest_cutoff
 
 from .inputs import (
     ANY_LEG,
@@ -29,9 +26,6 @@ from .option_groups import expand_options
 from .outputs import check_outputs
 from .progress import progress_bar
 
-FRICTION = [candidate.name for candidate in friction_candidates()]
-"""Friction models that can be compared for all joints alike."""
-
 
 @expand_options()
 def select(
@@ -44,13 +38,6 @@ def select(
     test: Annotated[
         str | None, typer.Option(metavar="LOG", help="Validate the selected model, once, on another log.")
     ] = None,
-    friction: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B",
-            help=f"Models for all joints alike, of {', '.join(FRICTION)}; default: friction joint by joint.",
-        ),
-    ] = None,
     folds: Annotated[int, typer.Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[
         float | None,
@@ -61,9 +48,9 @@ def select(
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+    """Select friction of each joint, filter and estimator for LEG by blocked cross-validation inside the LOGs.
 
-    Example: exoid select bleex bleex_swing:train --friction coulomb
+    Example: exoid select bleex bleex_swing:train -o est.json
     """
     refuse_unknown_leg(leg)
     check_outputs({"--output": output}, [leg, *logs, test])
@@ -71,17 +58,13 @@ def select(
     recordings = read_logs(logs, reading)
     tested = None if test is None else read_logs([test], reading._replace(start=None, stop=None))[0]
     found = choice.find(leg, recordings[0].joint_names)
-    if cutoff is None:
-        cutoff = highest_cutoff(min(recording.sample_rate for recording in recordings))
     drives = read_drives(actuators, found)
     if drives is not None:
         recordings = [drives.torque(each) for each in recordings]
         tested = None if tested is None else drives.torque(tested)
     with progress_bar("selecting friction") as progress:
-        selection = identification.select_terms(
-            found, recordings, _candidates(friction, cutoff), folds=folds, cutoff=cutoff, progress=progress
-        )
-    estimate = selection.estimate or selection.identify(recordings)
+        selection = identification.select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
+    estimate = selection.estimate
     if output is not None:
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
@@ -90,15 +73,3 @@ def select(
         data["test"] = validation.to_json()
         text.append(str(validation))
     typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
-
-
-def _candidates(names: str | None, cutoff: float) -> list[Candidate] | None:
-    """Find friction models by name; None to choose the friction of each joint."""
-    if names is None:
-        return None
-    known = {candidate.name: candidate for candidate in friction_candidates(cutoff)}
-    requested = [name.strip() for name in names.split(",")]
-    missing = [name for name in requested if name not in known]
-    if missing:
-        raise ExoidError(f"no friction model {', '.join(missing)}", remedy=f"use some of {', '.join(known)}")
-    return [known[name] for name in requested]
