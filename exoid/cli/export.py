@@ -130,7 +130,6 @@ def export(
     momentum_observer or kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2
     around that C.
 
-    With --recursive, the C is a recursive estimator of the parameters of this estimate, which begins with nothing.
 
     Example: exoid export est.json -o leg.urdf
     """
