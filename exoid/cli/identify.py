@@ -39,7 +39,7 @@ from .option_groups import expand_options
 from .outputs import check_outputs
 from .progress import status
 from .refusals import refuse
-from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
+from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress
 
 
 class FitOptions(NamedTuple):
@@ -110,10 +110,6 @@ def identify(
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs from a shared disk."),
-    ] = None,
     report: Report = None,
     reading: LogOptions = READ_AS_IT_IS,
     moving_base: MovingBase = False,
@@ -131,11 +127,11 @@ def identify(
     tests = test or []
     files = {"--output": output if own is None else None, "--report": report}
     check_outputs(files, [leg, *logs, *tests, reading.segments, actuators])
-    remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
+    on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     reading.refuse_other([*logs, *tests])
-    grouped = None if own is None else _grouped(leg, logs, own, output, test, report, scheduler)
-    recordings = logs_on_disk(logs, reading) if remote else read_logs(logs, reading)
+    grouped = None if own is None else _grouped(leg, logs, own, output, test, report)
+    recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading)
     held_out = read_logs(tests, reading)
     find = partial(choice.find, leg, moving_base=moving_base, floating_base=floating_base)
     if grouped is not None:
@@ -143,7 +139,7 @@ def identify(
         typer.echo(grouped.identify(all_at_once(recordings), find, read, fit.settings(), as_json=as_json))
         return
     settings, found = fit.settings(), find(recordings[0].joint_names)
-    with at_hand(recordings, scheduler) as source:
+    with with_progress(recordings) as source:
         estimate = identification.identify(found, source, actuators=read_drives(actuators, found), **settings)
     predicted = [estimates.validate(estimate, recording) for recording in held_out]
     if output is not None:
@@ -160,11 +156,9 @@ def _grouped(
     output: str | None,
     test: list[str] | None,
     report: str | None,
-    scheduler: str | None,
 ) -> GroupedLogs:
     """Prepare the identification of logs with per-recording parameters."""
     refuse({"--test": test, "--report": report}, "with --own each log has an estimate")
-    refuse({"--scheduler": scheduler}, "with --own this process reads the logs")
     grouped = GroupedLogs.of(log_names(logs), split_names(own) or (), output)
     check_outputs({f"--output of {name}": path for name, path in grouped.paths.items()}, [leg, *logs])
     return grouped
