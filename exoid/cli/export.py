@@ -11,8 +11,7 @@ import typer
 from exoid import estimate as estimates
 from exoid.codegen import CSource
 from exoid.codegen.dialect import identifier
-from exoid.codegen.laws import LawSource
-from exoid.codegen.ros2 import Ros2Package, refuse_foreign
+from exoid.codegen.ros2 import refuse_foreign
 from exoid.errors import ExoidError
 from exoid.estimate import Export, MjcfExport
 from exoid.leg.exported import sidecar_of
@@ -142,7 +141,7 @@ def _as_model(found: estimates.Estimate, target: Target, links: LinkOptions) -> 
     return found.to_urdf(str(target.output), pull=pull, mass_factor=mass_factor)
 
 
-def _in_c(found: estimates.Estimate, target: Target, options: LawOptions) -> CSource | LawSource | Ros2Package:
+def _in_c(found: estimates.Estimate, target: Target, options: LawOptions) -> CSource:
     """Write torques or a law in C, or a package for ROS 2."""
     precision = target.precision or "double"
     if target.law is not None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exoid import control, experiments
-from exoid.codegen.laws import LawSource, Safety
-from exoid.codegen.ros2 import Ros2Package
+from exoid.codegen import CSource, Safety, write_c, write_ros2
 from exoid.control import ControlModel
-from exoid.control.in_c import write_c, write_ros2
 from exoid.control.observers import TorqueObserver
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
@@ -41,7 +39,7 @@ OBSERVED = 8.0
 
 def export_law(
     estimate: Estimate, name: str, path: str | None, options: LawOptions, precision: str, folder: str | None = None
-) -> LawSource | Ros2Package:
+) -> CSource:
     """Write a law for an estimate as C, or as a package for ROS 2."""
     # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     default = Safety()
@@ -85,7 +83,7 @@ def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObser
             f"{name}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
             "and C has no form for lags",
             remedy="where the machine's software takes them out, write the observer in Python: "
-            f"exoid.control.in_c.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
+            f"exoid.codegen.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
         )
     bandwidth = OBSERVED if options.bandwidth is None else options.bandwidth
     return OBSERVERS[name](estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from exoid.codegen.laws.safety import SafeTorque
+from exoid.codegen.safety import SafeTorque
 
 
 class LawOptions(NamedTuple):
