@@ -17,12 +17,13 @@ from exoid.online import State as OnlineState
 from exoid.rig import Target
 
 from .known_leg import as_estimate
-from .law import RATE, State, acceleration, gains, refuse_rate
+from .law import RATE, State, acceleration, refuse_rate
+from .laws import pd
 from .model import ControlModel, ModelSource
 from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
-from .pd import PD
 from .slotine_li import SlotineLiModel
+from .tracking_law import TrackingLaw
 
 LOOSE = 100.0
 """Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
@@ -71,7 +72,7 @@ class SelfTuning:
         bound: Largest distance of each parameter from β₀, in standard deviations of P₀.
     """
 
-    feedback: PD
+    feedback: TrackingLaw
     model: SlotineLiModel
     cone: ParameterCone
     source: Estimate
@@ -294,7 +295,7 @@ def self_tuning(
         window=1.0,
     )
     return SelfTuning(
-        feedback=PD(gains(kp, "kp"), gains(kd, "kd"), rate),
+        feedback=pd(kp, kd, rate=rate),
         model=replace(model, values=begin, covariance=own),
         cone=cone.above(floor),
         source=estimate,

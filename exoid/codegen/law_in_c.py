@@ -7,8 +7,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
+
+from .dialect import Dialect
 
 Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "rigid_bodies", "mass_matrix"]
 """Functions of the leg that a law may call; see :class:`LegInC`."""
@@ -114,3 +117,27 @@ class LawInC:
     leg: LegInC | None = None
     limit: FloatArray | float = np.inf
     slew: FloatArray | float = np.inf
+
+
+def law_in_c(law: object, dialect: Dialect) -> LawInC:
+    """Describe a law by its method ``in_c``, unless a subclass computes something else than that method says."""
+    kinds = type(law).__mro__
+    described = next((kind for kind in kinds if "in_c" in vars(kind)), None)
+    computed = next((kind for kind in kinds if vars(kind).keys() & {"torque", "step", "changed"}), None)
+    if described is None or (computed is not None and not issubclass(described, computed)):
+        raise NotSupportedError(
+            f"{type(law).__name__} has no form in C",
+            remedy="give it a method in_c(self, dialect) that returns an exoid.codegen.LawInC",
+        )
+    description: LawInC = law.in_c(dialect)  # type: ignore[attr-defined]
+    return description
+
+
+def per_joint(values: ArrayLike, name: str, n: int) -> FloatArray:
+    """Give each joint its number."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape not in ((), (n,)):
+        raise BadArgumentError(
+            f"{name} of shape {array.shape} for {n} joints", remedy="give a number, or one for each joint"
+        )
+    return np.broadcast_to(array, (n,)).copy()

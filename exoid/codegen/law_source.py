@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid._version import __version__
-from exoid.codegen.arrays import initializer
-from exoid.codegen.constants import Constants, constants_of_bodies
-from exoid.codegen.dialect import Dialect, identifier
-from exoid.codegen.templates import fill
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.tools.files import write_whole
 
-from .law_in_c import ArrayInC, LawInC, LegInC
-from .safety import Safety, per_joint
-from .source import LawSource
+from .constants import Constants, constants_of_bodies
+from .dialect import Dialect, identifier
+from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
+from .safety import Safety
+from .source import CSource
+from .templates import fill, initializer
 
 ABSURD = 1e9
 """Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
@@ -40,82 +35,26 @@ PARTS = {"sign": "rigid", "X": "rigid", "Y": "rigid", "dx": "turn", "dz": "turn"
 """Part of the file that each table of the leg belongs to."""
 
 
-def write_law(
-    path: str | os.PathLike[str],
-    law: LawInC,
-    dialect: Dialect,
-    *,
-    title: str = "a leg",
-    safety: Safety | None = None,
-    provenance: Sequence[str] = (),
-    warnings: Sequence[str] = (),
-) -> LawSource:
-    """Write a law as a source and, beside it, a header.
-
-    Args:
-        path: Source to write, such as ``law.c``; the header is ``law.h``.
-        law: The law.
-        dialect: Precision in which its expressions are written.
-        title: What the law is for, for the comment.
-        safety: Watchdog and safe torque; None for the default.
-        provenance: Lines on the origin of the numbers, for the comment.
-        warnings: Warnings for the result.
-
-    Returns:
-        The texts that were written, with the file.
-
-    Raises:
-        ExoidError: As for :func:`law_source`, the file does not end in ``.c``, or it cannot be written.
-    """
-    if Path(path).suffix != ".c":
-        raise ExoidError("a law is a source and a header", where=str(path), remedy="name the source: LAW.c")
-    source = law_source(
-        law, dialect, name=Path(path).name, title=title, safety=safety, provenance=provenance, warnings=warnings
-    )
-    source = replace(source, path=Path(path))
-    write_whole(path, [source.source])
-    write_whole(Path(path).with_name(source.header_name), [source.header])
-    return source
-
-
 def law_source(
     law: LawInC,
     dialect: Dialect,
-    *,
-    name: str = "law",
-    title: str = "a leg",
-    safety: Safety | None = None,
-    provenance: Sequence[str] = (),
-    warnings: Sequence[str] = (),
-) -> LawSource:
-    """Turn a law into C99, without writing files.
-
-    Args:
-        law: The law.
-        dialect: Precision in which its expressions are written.
-        name: Name of the file and prefix of every name in C.
-        title: What the law is for, for the comment.
-        safety: Watchdog and safe torque; None for the default.
-        provenance: Lines on the origin of the numbers, for the comment.
-        warnings: Warnings for the result.
-
-    Returns:
-        Header and source.
-
-    Raises:
-        ExoidError: The safe torque needs a model that the law does not have, a setting is for another number of joints,
-            or a number cannot be written.
-    """
-    safety, prefix, n = safety or Safety(), identifier(name), len(law.joints)
+    name: str,
+    safety: Safety,
+    provenance: Sequence[str],
+    warnings: tuple[str, ...],
+) -> CSource:
+    """Turn a law, whose expressions are written in this precision, into C99."""
+    prefix, n = identifier(name), len(law.joints)
     if safety.safe == "gravity" and law.leg is None:
-        raise ExoidError("a law without a model knows no gravity for its safe torque", remedy='use "damping" or "zero"')
+        raise BadArgumentError(
+            "a law without a model knows no gravity for its safe torque", remedy='use "damping" or "zero"'
+        )
     damping = safety.gains(law.damping)
     values = {
         "p": prefix,
         "law": law,
         "equation": law.equation,
         "rate": law.rate,
-        "title": title,
         "version": __version__,
         "header": f"{prefix}.h",
         "provenance": provenance,
@@ -124,7 +63,7 @@ def law_source(
         "keeps": safety.safe == "gravity",
         "uses_measured": bool(damping.any()),
         "uses_state": "state->" in law.step,
-        "safety": describe_safety(safety, law),
+        "safety": safety.describe(law.damping),
         "dimensions": _dimensions,
     }
     needed = _needed(law, safety)
@@ -142,9 +81,29 @@ def law_source(
     names = {"p": prefix, "N": f"{prefix.upper()}_JOINTS", "real": f"{prefix}_real", "rate": law.rate}
     texts = {"step": law.step, "begin": law.begin, "helpers": law.helpers}
     inside |= {key: fill(f"{text.rstrip()}\n", dialect, **names) if text else "" for key, text in texts.items()}
-    source = fill("laws/law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
-    header = fill("laws/law.h.jinja", dialect, **values)
-    return LawSource(header, source, prefix, dialect, law, safety, tuple(warnings))
+    source = fill("law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
+    header = fill("law.h.jinja", dialect, **values)
+    functions = f"{prefix}_init", f"{prefix}_step"
+    inputs = ["q", "v", *(each.name for each in law.inputs)]
+    facts = {
+        "schema": "exoid-law-in-c-1",
+        "equation": law.equation,
+        "rate": law.rate,
+        "precision": dialect.real,
+        "functions": list(functions),
+        "joints": list(law.joints),
+        "inputs": inputs,
+        "safe": safety.safe,
+        "patience": safety.patience,
+    }
+    summary = (
+        law.equation,
+        f"{dialect.real} precision, C99, needs <math.h> only; joints: {', '.join(law.joints)}",
+        f"functions: {', '.join(functions)}, {law.rate:g} times a second",
+        f"inputs: {', '.join(inputs)}",
+    )
+    files = {f"{prefix}.c": source, f"{prefix}.h": header}
+    return CSource(files, prefix, dialect, law, functions, facts, summary, warnings)
 
 
 def _needed(law: LawInC, safety: Safety) -> frozenset[str]:
@@ -158,7 +117,7 @@ def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[C
     """Constants of the leg that the functions use; unused ones would be warnings."""
     bodies, joints = leg.leg, leg.leg.joint_names
     if bodies.chain is None:
-        raise ExoidError(
+        raise NotSupportedError(
             "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
             where=bodies.description.name,
             remedy="choose joints whose axes are horizontal and parallel (joints=...)",
@@ -207,13 +166,3 @@ def _plausible(law: LawInC, source: str, prefix: str) -> str:
         if each.source == source
     ]
     return " && ".join((*measured, *others))
-
-
-def describe_safety(safety: Safety, law: LawInC) -> str:
-    """Say in one line what the safe torque is."""
-    damping = safety.gains(law.damping)
-    numbers = ", ".join(f"{value:.4g}" for value in damping)
-    damped = f"damping of {numbers} N m s/rad while the velocity is known, otherwise zero" if damping.any() else ""
-    if safety.safe == "gravity":
-        return "gravity and springs at the last valid angles" + (f", and {damped}" if damped else "")
-    return damped or "zero"

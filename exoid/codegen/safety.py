@@ -8,13 +8,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
+
+from .law_in_c import per_joint
 
 SafeTorque = Literal["zero", "damping", "gravity"]
 """Kinds of safe torque; see :class:`Safety`."""
-
-PATIENCE = 0.05
-"""Age of an input that is still used [s]: five samples of document 2's controller."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,18 +39,20 @@ class Safety:
 
     safe: SafeTorque = "damping"
     damping: ArrayLike | None = None
-    patience: float = PATIENCE
+    patience: float = 0.05  # five samples of document 2's controller
 
     def __post_init__(self) -> None:
         """Check the settings."""
         if self.safe not in get_args(SafeTorque):
-            raise ExoidError(f"no safe torque {self.safe!r}", remedy=f"use {', '.join(get_args(SafeTorque))}")
+            raise BadArgumentError(f"no safe torque {self.safe!r}", remedy=f"use {', '.join(get_args(SafeTorque))}")
         if not 0.0 < self.patience < np.inf:
-            raise ExoidError(f"a patience of {self.patience!r} s", remedy="give a positive time in seconds")
+            raise BadArgumentError(f"a patience of {self.patience!r} s", remedy="give a positive time in seconds")
         if self.damping is not None:
             damping = np.array(self.damping, dtype=np.float64)
             if damping.ndim > 1 or not np.isfinite(damping).all() or (damping < 0.0).any():
-                raise ExoidError(f"damping = {self.damping!r}", remedy="give finite damping ≥ 0, one or one a joint")
+                raise BadArgumentError(
+                    f"damping = {self.damping!r}", remedy="give finite damping ≥ 0, one or one a joint"
+                )
             damping.flags.writeable = False
             object.__setattr__(self, "damping", damping)
 
@@ -82,10 +83,18 @@ class Safety:
             return np.zeros_like(default)
         return default if self.damping is None else per_joint(self.damping, "damping", len(default))
 
+    def describe(self, default: FloatArray) -> str:
+        """Say in one line what the safe torque is.
 
-def per_joint(values: ArrayLike, name: str, n: int) -> FloatArray:
-    """Give each joint its number."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape not in ((), (n,)):
-        raise ExoidError(f"{name} of shape {array.shape} for {n} joints", remedy="give a number, or one for each joint")
-    return np.broadcast_to(array, (n,)).copy()
+        Args:
+            default: Damping of the law [N·m·s/rad], (n,).
+
+        Returns:
+            The line.
+        """
+        damping = self.gains(default)
+        numbers = ", ".join(f"{value:.4g}" for value in damping)
+        damped = f"damping of {numbers} N m s/rad while the velocity is known, otherwise zero" if damping.any() else ""
+        if self.safe == "gravity":
+            return "gravity and springs at the last valid angles" + (f", and {damped}" if damped else "")
+        return damped or "zero"
