@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import html5lib
 import pytest
 
-from exoid.view.report import Picture
+from exoid.view.report.page import Picture
 
 HEADINGS = ("h1", "h2", "h3", "h4")
 

@@ -85,9 +85,6 @@ def identify(
         Text, Option(metavar="A,B", help="Per-recording parameters (offset, c0_hip); all others are shared.")
     ] = None,
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
-    scheduler: Annotated[
-        Text, Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs from a shared disk.")
-    ] = None,
     report: Report = None,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
@@ -101,18 +98,17 @@ def identify(
     """
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
     from .log_parts import refuse_other  # noqa: PLC0415
-    from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk  # noqa: PLC0415
+    from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     refuse_unknown_leg(leg)
     tests = test or []
     files = {"--output": output if own is None else None, "--report": report}
     check_outputs(files, [leg, *logs, *tests, reading.segments, actuators])
-    remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
+    on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     refuse_other(reading, [*logs, *tests])
     if own is not None:
         refuse({"--test": test, "--report": report}, "with --own each log has an estimate")
-        refuse({"--scheduler": scheduler}, "with --own this process reads the logs")
         paths = estimate_files(log_names(logs), output)
         check_outputs({f"--output of {name}": path for name, path in paths.items()}, [leg, *logs])
         text, data = identify_grouped(
@@ -125,10 +121,10 @@ def identify(
         )
         print_result(text, as_json=as_json, data=data)
         return
-    recordings = logs_on_disk(logs, reading) if remote else read_logs(logs, reading, beside=tests)
+    recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
     held_out = read_logs(tests, reading, beside=logs)
     settings, found = fit.settings(), choice.find(leg, recordings[0].joint_names)
-    with at_hand(recordings, scheduler) as source:
+    with with_progress(recordings) as source:
         estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:

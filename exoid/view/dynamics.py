@@ -15,18 +15,7 @@ from .style import legend_above
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
-    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5).
-
-    Args:
-        ax: Axes to draw on.
-        time: Time [s], (N,).
-        measured: Right side of doc. 1, eq. (29) [N·m], (N,).
-        fitted: Left side of doc. 1, eq. (29) [N·m], (N,).
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5)."""
     ax.plot(time, measured, color=MEASURED, lw=2.0, label="measured less known terms")
     ax.plot(time, fitted, color=PREDICTED, lw=0.9, label="fitted")
     ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
@@ -35,18 +24,7 @@ def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitte
 
 
 def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: float, label: str) -> Axes:
-    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign).
-
-    Args:
-        ax: Axes to draw on.
-        velocity: Joint velocity [rad/s], (N,).
-        friction: Measured torque less all other terms [N·m], (N,).
-        c0: Fitted Coulomb friction [N·m].
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign)."""
     ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
     fastest = float(np.abs(velocity).max())
     ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=PREDICTED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
@@ -62,18 +40,7 @@ def plot_torques(
     predictions: Sequence[tuple[str, FloatArray, str]],
     labels: Sequence[str],
 ) -> Sequence[Axes]:
-    """Plot measured and predicted torque of each joint (doc. 1, Fig. 7; doc. 2, Fig. 3).
-
-    Args:
-        axes: Axes to draw on, one for each joint.
-        time: Time [s], (N,).
-        measured: Measured torque [N·m], (N, n).
-        predictions: Name, torque [N·m], (N, n), and colour of each model.
-        labels: Names of the joints.
-
-    Returns:
-        The axes.
-    """
+    """Plot measured and predicted torque of each joint (doc. 1, Fig. 7; doc. 2, Fig. 3)."""
     for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
         ax.plot(time, measured[:, joint], color=MEASURED, lw=2.4, label="measured")
         for name, torque, colour in predictions:
@@ -86,17 +53,7 @@ def plot_torques(
 
 
 def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[str]) -> Axes:
-    """Plot reference angles over time (doc. 2, Fig. 6).
-
-    Args:
-        ax: Axes to draw on.
-        time: Time [s], (N,).
-        q: Angles [rad], (N, n).
-        labels: Names of the joints.
-
-    Returns:
-        The axes.
-    """
+    """Plot reference angles over time (doc. 2, Fig. 6)."""
     for joint, label in enumerate(labels):
         ax.plot(time, np.rad2deg(q[:, joint]), color=joint_colour(joint), label=label)
     ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))

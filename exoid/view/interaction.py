@@ -39,16 +39,7 @@ def plot_interaction(
 
 
 def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tuple[str, ...]) -> tuple[Axes, Axes]:
-    """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait.
-
-    Args:
-        axes: Axes for the torque and for the power.
-        profile: Torque and power by phase.
-        labels: Names of the joints, (n,).
-
-    Returns:
-        The axes.
-    """
+    """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait."""
     above, below = axes
     percent = 100.0 * profile.phase
     for joint, label in enumerate(labels):

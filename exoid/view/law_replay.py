@@ -14,15 +14,7 @@ from .style import legend_above
 
 
 def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
-    """Plot commanded and recorded torque of each joint, with the limits.
-
-    Args:
-        axes: Axes to draw on, one for each joint.
-        replay: Replay of a controller.
-
-    Returns:
-        The axes.
-    """
+    """Plot commanded and recorded torque of each joint, with the limits."""
     for joint, (ax, name) in enumerate(zip(axes, replay.joint_names, strict=True)):
         if np.isfinite(replay.recorded[:, joint]).all():
             ax.plot(replay.time, replay.recorded[:, joint], color=MEASURED, lw=0.8, label="recorded")

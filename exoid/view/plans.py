@@ -21,16 +21,7 @@ LARGEST = 10.0
 
 
 def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) -> Sequence[Axes]:
-    """Plot angles, velocities and expected torques of one period of a plan, with limits as dotted lines.
-
-    Args:
-        axes: Three axes to draw on, one above the other.
-        plan: The plan.
-        motion: Index of the plan's motion.
-
-    Returns:
-        The axes.
-    """
+    """Plot angles, velocities and expected torques of one period of a plan, with limits as dotted lines."""
     recording = plan.recordings[motion]
     shown = recording.time <= plan.motions[motion].period + 1e-9
     limits = plan.limits
@@ -58,17 +49,8 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:
-    """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class.
-
-    Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
-
-    Args:
-        ax: Axes to draw on.
-        precision: Predicted precision of a plan or an assessment.
-
-    Returns:
-        The axes.
-    """
+    """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class."""
+    # Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
     relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, LARGEST), LARGEST)
     rows, grades = np.arange(len(relative))[::-1], np.array(precision.identifiability)
     for grade, (marker, filling) in IDENTIFIABILITY_MARKERS.items():

@@ -15,17 +15,7 @@ from .style import legend_above
 
 
 def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:
-    """Plot the holding torque of a joint in poses reached from below (circles) and above (crosses) (doc. 1, Fig. 3).
-
-    Args:
-        ax: Axes to draw on.
-        approaches: Poses reached from both directions.
-        joint: Index of the joint.
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot the holding torque of a joint in poses reached from below (circles) and above (crosses) (doc. 1, Fig. 3)."""
     below, above = approaches.below, approaches.above
     angle = np.rad2deg(below.q[:, joint])
     ax.vlines(angle, above.tau[:, joint], below.tau[:, joint], color=GUIDE, lw=0.8)
@@ -37,19 +27,7 @@ def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) ->
 
 
 def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatArray, joint: int, label: str) -> Axes:
-    """Plot torque over the angle of a joint in sets of equal gravity torque, each with a parabola (doc. 1, Fig. 4).
-
-    Args:
-        ax: Axes to draw on.
-        poses: All poses.
-        sets: Index of the set that each pose belongs to, (K,).
-        totals_deg: θ123 of each set [deg].
-        joint: Index of the joint.
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot torque over the angle of a joint in sets of equal gravity torque, each with a parabola (doc. 1, Fig. 4)."""
     for index, (total, colour) in enumerate(zip(totals_deg, cycle(SHADES), strict=False)):
         in_set = np.asarray(sets) == index
         angle, tau = poses.q[in_set, joint], poses.tau[in_set, joint]

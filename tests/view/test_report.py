@@ -13,7 +13,8 @@ from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
-from exoid.view.report import EmbeddedPage, Page, Section, Text, draw_picture, identification_report
+from exoid.view.report import identification_report
+from exoid.view.report.page import EmbeddedPage, Page, Section, Text, draw_picture
 from exoid.view.report.pictures import prediction_pictures
 from exoid.view.report.recording_prediction import predict_recording
 from exoid.view.report.text import trend_notes

@@ -13,8 +13,7 @@ from exoid.estimate import Estimate
 from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import DataTable, Report, with_error
 from exoid.view import paper
-from exoid.view.report import Page, Picture, Section, Text
-from exoid.view.report.page import Block
+from exoid.view.report.page import Block, Page, Picture, Section, Text
 from exoid.view.style import COLUMN
 
 from .sequential import SequentialEstimate
