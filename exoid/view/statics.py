@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.signals import Approaches, Poses
 
 from .colours import GUIDE, MEASURED, SHADES
-from .style import legend_above
+from .style import decorate
 
 
 def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:
@@ -21,9 +21,7 @@ def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) ->
     ax.vlines(angle, above.tau[:, joint], below.tau[:, joint], color=GUIDE, lw=0.8)
     ax.plot(angle, below.tau[:, joint], "o", ms=4, mfc="none", color=MEASURED, label="A⁺, from below")
     ax.plot(np.rad2deg(above.q[:, joint]), above.tau[:, joint], "x", ms=4, color=SHADES[1], label="A⁻, from above")
-    ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} torque [N·m]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, f"{label} angle [deg]", f"{label} torque [N·m]")
 
 
 def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatArray, joint: int, label: str) -> Axes:
@@ -34,6 +32,4 @@ def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatAr
         fine = np.linspace(angle.min(), angle.max(), 60)
         ax.plot(np.rad2deg(fine), np.polyval(np.polyfit(angle, tau, 2), fine), color=colour, lw=0.9)
         ax.plot(np.rad2deg(angle), tau, "o", ms=3, color=colour, label=f"θ₁₂₃ = {total:.0f}°".replace("-", "−"))
-    ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} torque [N·m]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, f"{label} angle [deg]", f"{label} torque [N·m]")

@@ -21,8 +21,8 @@ from exoid.identification.problem import Problem
 from exoid.identification.selection import Candidate, select_terms
 from exoid.signals.cluster import _recorded
 from exoid.torques import TorqueModel
-from exoid.view.report.recording_prediction import predict_recording
-from exoid.view.report.text import error_table, summary
+from exoid.view.report.fit import error_table, predict_recording
+from exoid.view.report.identification import summary
 
 DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
 

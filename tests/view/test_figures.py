@@ -26,9 +26,9 @@ from exoid.view import (
 from exoid.view.colours import MEASURED, joint_colour
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
-from exoid.view.law_replay import plot_law_replay
 from exoid.view.statics import plot_approaches, plot_stiffness
 from exoid.view.style import COLUMN
+from exoid.view.tracking import plot_law_replay
 
 NAMES = ("hip", "knee", "ankle")
 TIME = np.linspace(0.0, 4.0, 50)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from itertools import groupby
@@ -95,11 +95,19 @@ class Page:
     summary: Sequence[str]  # main results, one paragraph each
     sections: Sequence[Section]  # sections below the summary
 
+    @classmethod
+    def of(cls, title: str, summary: Sequence[str], contents: Mapping[str, Iterable[Block]]) -> Page:
+        """Make a page of the blocks below each heading; headings without any are left out."""
+        sections = [Section(heading, blocks) for heading, each in contents.items() if (blocks := list(each))]
+        return cls(title, summary, sections)
+
     def html(self) -> str:
         """Render the page as HTML."""
         environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
-        return environment.from_string(template).render(page=self, version=__version__, kind=_kind)
+        return environment.from_string(template).render(
+            page=self, version=__version__, kind=lambda block: type(block).__name__
+        )
 
     def save(self, path: str | Path) -> None:
         """Write the page to a file, whole or not at all."""
@@ -122,9 +130,11 @@ def draw_picture(
         return Picture.of(figure, alt_text, caption, full=full)
 
 
-def _kind(block: Block) -> str:
-    """Name of a block's class, for the template."""
-    return type(block).__name__
+def plot_picture(
+    plot: Callable[..., object], arguments: Sequence[object], alt_text: str, caption: str = "", *, aspect: float = 0.7
+) -> Picture:
+    """Draw a picture of single axes by ``plot(ax, *arguments)``."""
+    return draw_picture(lambda figure: plot(figure.add_subplot(), *arguments), alt_text, caption, aspect=aspect)
 
 
 def _rounded(path: re.Match[bytes]) -> bytes:
