@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from copy import copy
 
 
@@ -89,3 +91,22 @@ class NotSupportedError(ExoidError):
 
 class BadArgumentError(ExoidError):
     """An argument out of its range, of the wrong shape, or in conflict with another one."""
+
+
+@contextmanager
+def within(part: str) -> Iterator[None]:
+    """Name a file, group, joint or table in errors that are raised inside.
+
+    Args:
+        part: Its name; "" adds nothing.
+
+    Yields:
+        Nothing.
+
+    Raises:
+        ExoidError: The error of the block, with the part before its place.
+    """
+    try:
+        yield
+    except ExoidError as error:
+        raise error.within(part) from error

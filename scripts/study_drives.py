@@ -93,7 +93,7 @@ def force_log(run: Run, rig: int, drives: Actuators, seed: int) -> exoid.Recordi
     log = run.recording(rig, actuators=drives)
     names = run.plant.leg.joint_names
     true = drives.readings(replace(log, q=run.q[..., rig], tau=run.tau[..., rig], force=None, joint_names=names))
-    arms = np.array([drives.drives[name].geometry.arm(run.q[:, k, rig]) for k, name in enumerate(names)])
+    arms = np.array([drives.drives[name].moment_arm.arm(run.q[:, k, rig]) for k, name in enumerate(names)])
     noise = np.random.default_rng(1000 + seed).standard_normal(log.q.shape) * TORQUE_NOISE
     return replace(log, force=true.force + noise / np.sqrt(np.mean(arms**2, axis=1)))
 

@@ -24,8 +24,9 @@ import numpy as np
 import exoid
 from exoid._typing import FloatArray
 from exoid.actuators import Motor
-from exoid.experiments import Harmonics, cuhk, run_motion
+from exoid.experiments import Harmonics, cuhk
 from exoid.experiments.bench import Bench, stiff_servo
+from exoid.experiments.dynamic import run_motion
 from exoid.leg.payload import Payload
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, plant_with_payloads
 

@@ -1,5 +1,6 @@
 """Settings that every test shares."""
 
+import functools
 import math
 import os
 import sys
@@ -31,6 +32,26 @@ BUILT_IN = [
     for side in ("left", "right")
 ]
 REGISTRIES = {"term": TERMS, "estimator": ESTIMATORS, "preparation": PREPARATIONS, "log format": READERS}
+
+
+@functools.cache
+def reason_to_skip(name, *arguments):
+    """Why a dataset is not to be had here; empty if it is. A damaged file is an error."""
+    try:
+        getattr(exoid.datasets, name)(*arguments)
+    except exoid.ExoidError as error:
+        if error.what != "no gait norms" and "cannot be downloaded" not in error.what:
+            raise
+        return f"{name} is neither in $EXOID_DATA_DIR nor to be downloaded: {error.remedy}"
+    return ""
+
+
+@pytest.hookimpl(tryfirst=True)  # before fixtures, which load the data
+def pytest_runtest_setup(item):
+    """Tests marked ``real_data("name of a dataset")`` are skipped where the dataset is not to be had."""
+    for mark in item.iter_markers("real_data"):
+        if reason := reason_to_skip(*mark.args):
+            pytest.skip(reason)
 
 
 def pytest_xdist_auto_num_workers(config):

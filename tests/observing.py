@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, group_delay, lfilter
+from strides import stride
 from walking import TORQUE_NOISE, Walk
 
 from exoid import Coulomb, Estimate, Leg, Offset, Recording, Viscous, identify
 from exoid.control.observers import SensorNoise
-from exoid.experiments import Harmonics, healthy_gait
+from exoid.experiments import Harmonics, gait_for_leg
 from exoid.experiments.bench import stiff_servo
-from exoid.experiments.gait import norm_gait
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.torques import TorqueModel
 
@@ -188,8 +188,7 @@ def passive_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: f
 
 def walks(leg: Leg, periods: Array) -> Harmonics:
     """Strides of several times."""
-    healthy = len(leg.joint_names) == 2
-    return Harmonics.concatenate([healthy_gait(1.0, period) if healthy else bleex_gait(period) for period in periods])
+    return Harmonics.concatenate([gait_for_leg(leg, stride(period)) for period in periods])
 
 
 def _plant(leg: Leg, rigs: int) -> Plant:
@@ -218,12 +217,6 @@ def _worn(
         wearer=wearer,
         seed=seed,
     )
-
-
-def bleex_gait(period: float) -> Harmonics:
-    """Normal gait in the angles of BLEEX, whose knee bends backwards."""
-    gait, signs = norm_gait("Free", 1.0, period), np.array([[1.0], [-1.0], [1.0]])
-    return replace(gait, centre=signs * gait.centre, amplitude=signs * gait.amplitude)
 
 
 def slow_tachometer(log: WornLog, cutoff: float) -> tuple[Recording, float]:

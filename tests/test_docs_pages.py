@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from doc_pages import ROOT, Page, own_leg, without_spaces
+from doc_pages import ROOT, Page, own_leg, real_data, without_spaces
 
 DOCS = ROOT / "docs"
 TESTED_ELSEWHERE = {
@@ -28,7 +28,14 @@ pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in PAGES if name not in TESTED_ELSEWHERE])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=real_data(ALL[name].python + "".join(ALL[name].commands)))
+        for name in PAGES
+        if name not in TESTED_ELSEWHERE
+    ],
+)
 def test_the_page_runs_from_top_to_bottom(name, tmp_path):
     page = ALL[name]
     own_leg(tmp_path)

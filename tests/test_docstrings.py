@@ -23,7 +23,8 @@ def exported(package):
         elif inspect.isclass(thing):
             for method, value in vars(thing).items():
                 function = getattr(value, "__func__", value)
-                if inspect.isfunction(function) and not method.startswith("_"):
+                inherited = any(method in vars(base) for base in thing.__mro__[1:])  # what it takes is said there
+                if inspect.isfunction(function) and not method.startswith("_") and not inherited:
                     yield f"{package}.{name}.{method}", function
 
 

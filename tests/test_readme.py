@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, run_commands, shell_commands
+from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands, shell_commands
 
 import exoid
 
@@ -15,7 +15,11 @@ PAGE = Page.read("README.md")
 BLOCKS = FENCE.findall(README.read_text(encoding="utf-8")) if README.is_file() else []
 SHOWN = [text for language, text in BLOCKS if language in SHELL]
 COMMANDS = [
-    pytest.param(block, id=commands[0][6:], marks=[pytest.mark.slow] if "exoid reproduce bleex" in commands else [])
+    pytest.param(
+        block,
+        id=commands[0][6:],
+        marks=[*real_data(block), *([pytest.mark.slow] if "exoid reproduce bleex" in commands else [])],
+    )
     for block in SHOWN
     if (commands := exoid_commands(block))
 ]

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from strides import stride
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Leg, Recording, Stiffness, Viscous, published
-from exoid.experiments import gait_for_leg, norm_gait
+from exoid.experiments import gait_for_leg
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.references import Harmonics
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
@@ -123,7 +124,7 @@ def multisine(one: Machine, seeds: list[int], base: float = 0.3, share: float = 
 
 def gait(one: Machine, seeds: list[int], period: float = STRIDE) -> Harmonics:
     """A stride in a phase by seed."""
-    motion = gait_for_leg(one.plant.leg, norm_gait(period=period)).tile(len(seeds))
+    motion = gait_for_leg(one.plant.leg, stride(period)).tile(len(seeds))
     shift = np.array([np.random.default_rng([seed, 5]).uniform(0.0, period) for seed in seeds])
     return Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * shift)
 

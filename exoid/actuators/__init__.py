@@ -2,16 +2,15 @@
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
-from .attachments import Attachment, Attachments, MountedAttachments
+from .attachments import Attachment, Attachments, MomentArm, MountedAttachments
 from .coupling import Coupling
 from .drive import Drive
 from .drive_data import actuators_from_data, actuators_to_data, describe_actuators
 from .file import read_actuators, write_actuators
-from .linear import LinearActuator, MomentArm
+from .linear import LinearActuator
 from .motor import Motor
 from .motor_terms import motor_terms
 from .series_elastic import SeriesElastic
-from .transmission import Transmission, read_transmissions
 
 __all__ = [
     "Actuators",
@@ -25,12 +24,10 @@ __all__ = [
     "Motor",
     "MountedAttachments",
     "SeriesElastic",
-    "Transmission",
     "actuators_from_data",
     "actuators_to_data",
     "describe_actuators",
     "motor_terms",
     "read_actuators",
-    "read_transmissions",
     "write_actuators",
 ]

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
 from exoid.leg.leg import Leg
 from exoid.signals import Cluster, Poses, Recording, Recordings, central_difference, smooth_motion
 from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling
 from .drive import Drive
-from .part import DIRECTION_CUTOFF, DIRECTION_SHARE, DRIVE_CHANNELS, Part
-from .places import within
+from .motor import Motor
+
+DRIVE_CHANNELS = ("current", "force", "motor_torque", "motor_angle")
+"""Quantities of a recording that drives measure."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,8 +143,7 @@ class Actuators:
             places, reading = [columns[joint] for joint in one.joints], one.readings(recording, columns)
             assert reading is not None
             with within(_source(recording)), within(one.name):
-                motion = recording.q[:, places], velocity[:, places]
-                torque = one.torque(reading, *motion, recording.sample_rate)
+                torque = one.torque(reading, recording.q[:, places], velocity[:, places], recording.sample_rate)
                 torque = torque * one.temperature_factor(recording, columns)
             new = ~recording.measured[places]  # of a coupling, some joints may have a sensor
             tau[:, np.array(places)[new]] = torque[:, new]
@@ -180,7 +181,7 @@ class Actuators:
         Raises:
             ExoidError: Shapes do not fit, or a drive cannot make a torque.
         """
-        return self._each(Part.command, torque, q, v)
+        return self._each(_Part.command, torque, q, v)
 
     def torque_of(self, command: ArrayLike, q: ArrayLike, v: ArrayLike) -> FloatArray:
         """Compute the torques at the joints of readings or commands of all drives, the inverse of :meth:`command`.
@@ -196,7 +197,7 @@ class Actuators:
         Raises:
             ExoidError: Shapes do not fit, or readings cannot be those of a drive.
         """
-        return self._each(Part.torque, command, q, v)
+        return self._each(_Part.torque, command, q, v)
 
     def readings(self, recording: Recording) -> Recording:
         """Compute what the drives would have measured, in place of the torques: the inverse of :meth:`torque`.
@@ -235,29 +236,33 @@ class Actuators:
             tau[:, places] = np.nan
         return replace(recording, tau=tau, computed=(), **channels)
 
-    def _parts(self) -> list[Part]:
+    def _parts(self) -> list[_Part]:
         """Drives of one joint, and couplings, alike."""
-        singles = [Part(joint, (joint,), drive) for joint, drive in self.drives.items()]
-        return [*singles, *(Part(name, coupling.joints, coupling) for name, coupling in self.couplings.items())]
+        singles = [_Part(joint, (joint,), drive) for joint, drive in self.drives.items()]
+        return [*singles, *(_Part(name, coupling.joints, coupling) for name, coupling in self.couplings.items())]
 
     def _each(
-        self, work: Callable[[Part, FloatArray, FloatArray, FloatArray], FloatArray], *given: ArrayLike
+        self, work: Callable[[_Part, FloatArray, FloatArray, FloatArray], FloatArray], *given: ArrayLike
     ) -> FloatArray:
         """Let each drive turn its columns of the first array into others."""
         try:
             arrays = [np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in given]
         except (TypeError, ValueError) as error:
-            raise ExoidError(f"not an array of numbers ({error})", remedy="pass (N, n) arrays") from None
+            raise BadArgumentError(f"not an array of numbers ({error})", remedy="pass (N, n) arrays") from None
         if not all(np.isfinite(x).all() for x in arrays):
-            raise ExoidError("torques, commands or motion of drives are not finite", remedy="pass finite numbers")
+            raise BadArgumentError("torques, commands or motion of drives are not finite", remedy="pass finite numbers")
         if any(x.shape != arrays[0].shape or x.shape[-1] != len(self.joint_names) for x in arrays):
             shapes = ", ".join(str(x.shape) for x in arrays)
-            raise ExoidError(f"arrays of shapes {shapes}", remedy=f"pass (N, {len(self.joint_names)}) each")
+            raise BadArgumentError(f"arrays of shapes {shapes}", remedy=f"pass (N, {len(self.joint_names)}) each")
         out = arrays[0].copy()
         for one in self._parts():
             places = [self.joint_names.index(joint) for joint in one.joints]
             with within(one.name):
-                _refuse_temperature(one)
+                if one.needs_temperature:
+                    raise ExoidError(
+                        "the torque constant of the motor depends on temperature, which is not known here",
+                        remedy="take that of one temperature: motor.at_temperature(40.0)",
+                    )
                 out[:, places] = work(one, *(x[:, places] for x in arrays))
         return out
 
@@ -268,20 +273,87 @@ class Actuators:
         used = self.joint_names if by_name else self.joint_labels
         return {joint: places[n] for joint, n in zip(self.joint_names, used, strict=True) if n in places}
 
-    def _velocity(self, recording: Recording, parts: Sequence[Part]) -> FloatArray:
+    def _velocity(self, recording: Recording, parts: Sequence[_Part]) -> FloatArray:
         """Velocity of the joints [rad/s], (N, n); zero if no drive needs it."""
         if recording.v is not None or not any(one.drive.needs_velocity for one in parts):
             return np.zeros_like(recording.q) if recording.v is None else recording.v
-        rate = recording.sample_rate
-        smooth = smooth_motion(recording.q, rate, min(DIRECTION_CUTOFF, DIRECTION_SHARE * rate))
-        return central_difference(smooth, rate, 4)
+        return central_difference(_smooth(recording.q, recording.sample_rate), recording.sample_rate, 4)
+
+
+class _Part(NamedTuple):
+    """Drive of one joint, or coupling of several: both take (N, k) here."""
+
+    name: str  # of the joint or coupling
+    joints: tuple[str, ...]
+    drive: Drive | Coupling
+
+    @property
+    def channel(self) -> str:
+        """Quantity that it needs."""
+        return self.drive.channel
+
+    @property
+    def needs_temperature(self) -> bool:
+        """Whether its torque depends on temperature."""
+        return isinstance(self.drive, Motor) and self.drive.temperature_coefficient is not None
+
+    def is_wanted(self, recording: Recording, columns: Mapping[str, int]) -> bool:
+        """Whether the recording has its joints, and lacks the torque of one of them."""
+        places = [columns[joint] for joint in self.joints if joint in columns]
+        return len(places) == len(self.joints) and not recording.measured[places].all()
+
+    def readings(self, recording: Recording, columns: Mapping[str, int]) -> FloatArray | None:
+        """Readings of all its joints, (N, k); None if some were not recorded."""
+        values = getattr(recording, self.channel)
+        if values is None:
+            return None
+        own = values[:, [columns[joint] for joint in self.joints]]
+        return None if np.isnan(own).all(axis=0).any() else own
+
+    def temperature_factor(self, recording: Recording, columns: Mapping[str, int]) -> FloatArray:
+        """Torque over that at the reference temperature, (N, k)."""
+        if not isinstance(self.drive, Motor) or not self.needs_temperature:
+            return np.ones((len(recording), len(self.joints)))
+        place = columns[self.joints[0]]
+        if recording.temperature is None or np.isnan(recording.temperature[:, place]).any():
+            name = recording.joint_names[place]
+            raise UnreadableInputError(
+                f"the motor has a temperature_coefficient, and the recording has no temperature of {name}",
+                remedy=f"record it in a column temp_{name} [°C], or take the torque constant of one temperature: "
+                "motor.at_temperature(40.0)",
+                command=f"record it in a column temp_{name} [°C], map it (--column temp_{name}=HEADER), or leave "
+                "temperature_coefficient out",
+                column=f"temp_{name}",
+            )
+        return self.drive.temperature_factor(recording.temperature[:, [place]])
+
+    def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray, rate: float | None = None) -> FloatArray:
+        """Torques of its joints [N·m], (N, k), from readings at a sampling rate [Hz]; None without noise."""
+        if isinstance(self.drive, Coupling):
+            return self.drive.torque(reading, q, v)
+        if isinstance(self.drive, Motor) and self.drive.needs_velocity and rate is not None:
+            # Noise around zero would change the direction of power from sample to sample, and pass for a lower
+            # efficiency. The sign of the current is therefore that of its low-passed current.
+            return self.drive.torque(reading[:, 0], q[:, 0], v[:, 0], _smooth(reading, rate)[:, 0])[:, None]
+        return self.drive.torque(reading[:, 0], q[:, 0], v[:, 0])[:, None]
+
+    def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Commands that make torques, (N, k)."""
+        if isinstance(self.drive, Coupling):
+            return self.drive.command(torque, q, v)
+        return self.drive.command(torque[:, 0], q[:, 0], v[:, 0])[:, None]
+
+
+def _smooth(signal: FloatArray, rate: float) -> FloatArray:
+    """Low-pass what tells the direction of power: at 8 Hz, the fastest that a leg moves, or a fifth of the rate."""
+    return smooth_motion(signal, rate, min(8.0, 0.2 * rate))
 
 
 def _source(recording: Recording) -> str:
     return recording.source.name if recording.source else ""
 
 
-def _nothing_recorded(recording: Recording, parts: Sequence[Part], columns: Mapping[str, int]) -> ExoidError:
+def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> ExoidError:
     """Make the error about a recording that has neither torque nor what the drives need."""
     needed = [
         f"{PREFIXES[one.channel]}_{recording.joint_names[columns[joint]]}" for one in parts for joint in one.joints
@@ -289,7 +361,7 @@ def _nothing_recorded(recording: Recording, parts: Sequence[Part], columns: Mapp
     units = dict.fromkeys(f"{PREFIXES[one.channel]}_ in {one.drive.unit}" for one in parts)
     others = [quantity for quantity in DRIVE_CHANNELS if getattr(recording, quantity) is not None]
     has = f", but {' and '.join(others)}" if others else ""
-    return ExoidError(
+    return UnreadableInputError(
         f"the recording has no torque, and not what its drives turn into torque{has}",
         where=_source(recording),
         remedy=f"record {', '.join(needed)} ({', '.join(units)}), or map columns of the log to them",
@@ -297,21 +369,12 @@ def _nothing_recorded(recording: Recording, parts: Sequence[Part], columns: Mapp
     )
 
 
-def _refuse_temperature(part: Part) -> None:
-    """Refuse a torque constant that depends on temperature where no temperature is known."""
-    if part.needs_temperature:
-        raise ExoidError(
-            "the torque constant of the motor depends on temperature, which is not known here",
-            remedy="take that of one temperature: motor.at_temperature(40.0)",
-        )
-
-
 def _checked(drives: object) -> Mapping[str, Drive | Coupling]:
     """Check that drives are given by the names of joints."""
     if not isinstance(drives, Mapping) or not drives:
         raise ExoidError(f"actuators are {drives!r}", remedy='give a drive for each joint: {"left_hip": Motor(...)}')
     for joint, drive in drives.items():
-        if not isinstance(joint, str) or not callable(getattr(drive, "on", None)):
+        if not isinstance(joint, str) or not isinstance(drive, Drive | Coupling):
             raise ExoidError(
                 f"actuators have {drive!r} at {joint!r}",
                 remedy='give a drive for the name of each joint: {"left_hip": exoid.actuators.Motor(...)}',

@@ -10,24 +10,16 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
-from exoid.leg.leg import Leg
+from exoid.errors import BadArgumentError, ExoidError
 
-FEWEST_POINTS = 4
-"""Smallest number of angles of a table, for a cubic spline."""
-
-LARGEST_ARM = 1.0
-"""Largest plausible moment arm [m]; larger ones are in mm."""
-
-LARGEST_ANGLE = 2.0 * np.pi
-"""Largest angle of a table [rad]; larger ones are degrees."""
+from .attachments import MomentArm
 
 BEYOND = 1e-3
 """Angles this far beyond the table are noise of the encoder [rad]."""
 
 
 @dataclass(frozen=True)
-class MomentArmTable:
+class MomentArmTable(MomentArm):
     """Measured moment arms r at some angles, with a cubic spline between them and nothing beyond.
 
     Attributes:
@@ -48,73 +40,36 @@ class MomentArmTable:
 
     def __post_init__(self) -> None:
         """Check and freeze."""
-        columns = {name: _numbers(name, getattr(self, name)) for name in ("angle", "moment_arm")}
-        for name, values in columns.items():
-            object.__setattr__(self, name, tuple(values.tolist()))
-        angle, arm = columns.values()
-        if len(angle) != len(arm) or len(angle) < FEWEST_POINTS:
-            raise ExoidError(
+        angle, arm = (_numbers(name, getattr(self, name)) for name in ("angle", "moment_arm"))
+        object.__setattr__(self, "angle", tuple(angle.tolist()))
+        object.__setattr__(self, "moment_arm", tuple(arm.tolist()))
+        if len(angle) != len(arm) or len(angle) < 4:  # a cubic spline
+            raise BadArgumentError(
                 f"a table of {len(angle)} angles and {len(arm)} moment arms",
-                remedy=f"measure the arm at {FEWEST_POINTS} angles or more",
+                remedy="measure the arm at four angles or more",
             )
-        if not (np.diff(angle) > 0.0).all():
-            raise ExoidError("the angles of a moment arm table do not ascend", remedy="sort them, each angle once")
-        if np.abs(angle).max() > LARGEST_ANGLE:
-            raise ExoidError(
-                f"an angle of {np.abs(angle).max():.4g} rad", remedy="give radians, or angle_deg in a file"
-            )
-        if np.abs(arm).max() > LARGEST_ARM:
-            raise ExoidError(f"a moment arm of {np.abs(arm).max():.4g} m", remedy="give moment arms in m, not mm")
-        if not arm.any():
-            raise ExoidError("all moment arms of a table are zero", remedy="measure the moment arm dl/dq [m]")
-
-    def on(self, leg: Leg, joint: str) -> MomentArmTable:
-        """Mount the table, which needs nothing of the leg.
-
-        Args:
-            leg: Not used.
-            joint: Not used.
-
-        Returns:
-            The same table.
-        """
-        return self
+        for wrong, what, remedy in (
+            (not (np.diff(angle) > 0.0).all(), "angles that do not ascend", "sort them, each angle once"),
+            (np.abs(angle).max() > 2.0 * np.pi, f"angles up to {np.abs(angle).max():.4g} rad", "give radians"),
+            (np.abs(arm).max() > 1.0, f"arms up to {np.abs(arm).max():.4g} m", "give moment arms in m, not mm"),
+            (not arm.any(), "no arm but zero", "measure the moment arm dl/dq [m]"),
+        ):
+            if wrong:
+                raise BadArgumentError(f"a moment arm table has {what}", remedy=remedy)
 
     def arm(self, q: FloatArray) -> FloatArray:
-        """Interpolate the moment arm.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Moment arms [m], (N,).
-
-        Raises:
-            ExoidError: An angle is beyond the table.
-        """
-        self._refuse_beyond(q)
-        return np.asarray(self._spline(np.clip(q, self.angle[0], self.angle[-1])))
+        """Cubic spline through the table; an angle beyond it is refused."""
+        return np.asarray(self._spline(self._inside(q)))
 
     def length(self, q: FloatArray) -> FloatArray:
-        """Integrate the moment arm, l(q) − l(first angle of the table) = ∫ r dq.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Change of the length [m], (N,).
-
-        Raises:
-            ExoidError: An angle is beyond the table.
-        """
-        self._refuse_beyond(q)
-        return np.asarray(self._spline.antiderivative()(np.clip(q, self.angle[0], self.angle[-1])))
+        """l(q) − l(first angle of the table) = ∫ r dq [m]; an angle beyond the table is refused."""
+        return np.asarray(self._spline.antiderivative()(self._inside(q)))
 
     @cached_property
     def _spline(self) -> scipy.interpolate.CubicSpline:
         return scipy.interpolate.CubicSpline(self.angle, self.moment_arm)
 
-    def _refuse_beyond(self, q: FloatArray) -> None:
+    def _inside(self, q: FloatArray) -> FloatArray:
         low, high = float(q.min(initial=np.inf)), float(q.max(initial=-np.inf))
         if low < self.angle[0] - BEYOND or high > self.angle[-1] + BEYOND:
             raise ExoidError(
@@ -122,13 +77,14 @@ class MomentArmTable:
                 f"{self.angle[-1]:.4g} rad",
                 remedy="measure the moment arm over the whole motion, or use less of the recording",
             )
+        return np.clip(q, self.angle[0], self.angle[-1])
 
 
 def _numbers(name: str, values: ArrayLike) -> FloatArray:
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ExoidError(f"{name} of a moment arm table is no row of numbers ({error})") from None
-    if array.ndim != 1 or not np.isfinite(array).all():
-        raise ExoidError(f"{name} of a moment arm table is no row of finite numbers", remedy="give rad and m")
+        raise BadArgumentError(f"{name} of a moment arm table is no row of numbers ({error})") from None
+    if array.ndim != 1 or not len(array) or not np.isfinite(array).all():
+        raise BadArgumentError(f"{name} of a moment arm table is no row of finite numbers", remedy="give rad and m")
     return array

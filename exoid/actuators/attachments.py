@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.leg.leg import Leg
 
 from .drive import is_number
@@ -21,9 +21,6 @@ FARTHEST = 3.0
 
 SHORTEST = 1e-3
 """Shortest length of an actuator, and smallest of its largest moment arms [m]."""
-
-TURNED = np.linspace(-math.pi, math.pi, 361)
-"""Angles at which the length is looked at [rad]."""
 
 
 class Attachment(NamedTuple):
@@ -38,8 +35,55 @@ class Attachment(NamedTuple):
     point: tuple[float, float, float]
 
 
+class MomentArm:
+    """Length and moment arm of a linear actuator as functions of a joint's angle."""
+
+    def on(self, leg: Leg, joint: str) -> MomentArm:
+        """Find the geometry around a joint of a leg.
+
+        Args:
+            leg: The leg.
+            joint: Name of the joint.
+
+        Returns:
+            Length and moment arm there.
+
+        Raises:
+            ExoidError: The geometry does not fit the joint.
+        """
+        return self
+
+    def length(self, q: FloatArray) -> FloatArray:
+        """Compute the length l, which may lack a constant.
+
+        Args:
+            q: Joint angles [rad], (N,).
+
+        Returns:
+            Lengths [m], (N,).
+        """
+        raise NotImplementedError
+
+    def arm(self, q: FloatArray) -> FloatArray:
+        """Compute the moment arm r = dl/dq.
+
+        Args:
+            q: Joint angles [rad], (N,).
+
+        Returns:
+            Moment arms [m], (N,).
+
+        Raises:
+            ExoidError: The actuator is not mounted on a leg.
+        """
+        raise BadArgumentError(
+            "the attachment points of a linear actuator have no moment arm without their leg",
+            remedy='mount it: actuator.on(leg, "left_knee"), or Actuators.of(leg, {"left_knee": actuator})',
+        )
+
+
 @dataclass(frozen=True)
-class Attachments:
+class Attachments(MomentArm):
     """Two attachment points, on links that one joint separates.
 
     Either may be above the joint. See :class:`MountedAttachments` for length and moment arm.
@@ -67,19 +111,7 @@ class Attachments:
             object.__setattr__(self, name, _attachment(getattr(self, name)))
 
     def on(self, leg: Leg, joint: str) -> MountedAttachments:
-        """Find the geometry of both points around a joint.
-
-        Args:
-            leg: The leg.
-            joint: Name of the joint.
-
-        Returns:
-            Length and moment arm as functions of the joint's angle.
-
-        Raises:
-            ExoidError: A link does not exist, the joint is not the one between both links, or the points give no
-                moment arm.
-        """
+        """Find the geometry of both points around a joint, which separates their links."""
         model = leg.model
         moving = model.getJointId(joint)
         places = [_place(leg, attachment) for attachment in (self.first, self.second)]
@@ -98,10 +130,20 @@ class Attachments:
         ]
         above, below = points if joints[1] == moving else points[::-1]
         above = model.jointPlacements[moving].actInv(above)
-        return MountedAttachments(self, *_squared_length(model, moving, above, below)).checked(joint)
+        mounted = MountedAttachments(self, *_squared_length(model, moving, above, below))
+        turned = np.linspace(-math.pi, math.pi, 361)
+        if mounted.length(turned).min() < SHORTEST:
+            raise ExoidError(f"the attachment points at {joint} meet at some angle", remedy="check their coordinates")
+        if np.abs(mounted.arm(turned)).max() < SHORTEST:
+            raise ExoidError(
+                f"the attachment points give no moment arm about {joint}: one of them is on its axis",
+                remedy="check their coordinates, which are in the frames of the links",
+            )
+        return mounted
 
 
-class MountedAttachments(NamedTuple):
+@dataclass(frozen=True)
+class MountedAttachments(MomentArm):
     """Length l(q) and moment arm r(q) = dl/dq between two points around one joint.
 
     With a the point above the joint and b the one below, both in the joint's frame, and u the axis of a turning joint,
@@ -124,64 +166,18 @@ class MountedAttachments(NamedTuple):
     turns: bool
 
     def length(self, q: FloatArray) -> FloatArray:
-        """Compute the length.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Lengths l [m], (N,).
-        """
+        """L = √(c₀ + c₁ cos q + c₂ sin q)."""
         cos, sin = (np.cos(q), np.sin(q)) if self.turns else (q, q * q)
         return np.asarray(np.sqrt(np.maximum(self.c0 + self.c1 * cos + self.c2 * sin, 0.0)))
 
     def arm(self, q: FloatArray) -> FloatArray:
-        """Compute the moment arm r = dl/dq.
-
-        Args:
-            q: Joint angles [rad], (N,).
-
-        Returns:
-            Moment arms [m], (N,).
-        """
+        """R = (c₂ cos q − c₁ sin q) / 2l."""
         slope = self.c2 * np.cos(q) - self.c1 * np.sin(q) if self.turns else self.c1 + 2.0 * self.c2 * q
         return np.asarray(0.5 * slope / np.maximum(self.length(q), SHORTEST))
 
     def on(self, leg: Leg, joint: str) -> MountedAttachments:
-        """Mount the same points on another leg.
-
-        Args:
-            leg: The leg.
-            joint: Name of the joint.
-
-        Returns:
-            The geometry there.
-
-        Raises:
-            ExoidError: See :meth:`Attachments.on`.
-        """
+        """Mount the same points on another leg."""
         return self.attachments.on(leg, joint)
-
-    def checked(self, joint: str) -> MountedAttachments:
-        """Refuse points of which the actuator has no length or no moment arm.
-
-        Args:
-            joint: Name of the joint.
-
-        Returns:
-            The same geometry.
-
-        Raises:
-            ExoidError: The points meet, or the moment arm is zero throughout.
-        """
-        if self.length(TURNED).min() < SHORTEST:
-            raise ExoidError(f"the attachment points at {joint} meet at some angle", remedy="check their coordinates")
-        if np.abs(self.arm(TURNED)).max() < SHORTEST:
-            raise ExoidError(
-                f"the attachment points give no moment arm about {joint}: one of them is on its axis",
-                remedy="check their coordinates, which are in the frames of the links",
-            )
-        return self
 
 
 def _attachment(given: object) -> Attachment:

@@ -1,34 +1,18 @@
-"""Constants of drives that are identified: torque constants, efficiencies."""
+"""Constants of drives that are identified: torque constants, efficiencies, gains of force channels."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.signals import Recording
 
 from .actuators import Actuators
-from .drive import Drive, UnknownConstant
-
-
-@runtime_checkable
-class Adjustable(Protocol):
-    """Drive with constants that may be unknown, such as :class:`exoid.actuators.Motor`."""
-
-    @property
-    def unknown(self) -> tuple[UnknownConstant, ...]:
-        """Constants that are not known."""
-
-    def with_constants(self, values: Mapping[str, float]) -> Drive:
-        """Replace constants by values."""
-
-    def sensitivity(self, symbol: str, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Differentiate the torque by a constant while the reading stays."""
+from .drive import UnknownConstant
 
 
 class DriveConstant(NamedTuple):
@@ -41,24 +25,21 @@ class DriveConstant(NamedTuple):
 
 def unknown_constants(actuators: Actuators) -> tuple[DriveConstant, ...]:
     """List the constants that are not known, joint by joint."""
-    found = []
-    for joint, (name, label) in enumerate(zip(actuators.joint_names, actuators.joint_labels, strict=True)):
-        drive: object = actuators.drives.get(name)
-        if isinstance(drive, Adjustable):
-            found += [DriveConstant(f"{each.symbol}_{label}", joint, each) for each in drive.unknown]
-    return tuple(found)
+    return tuple(
+        DriveConstant(f"{each.symbol}_{label}", joint, each)
+        for joint, (name, label) in enumerate(zip(actuators.joint_names, actuators.joint_labels, strict=True))
+        if name in actuators.drives
+        for each in actuators.drives[name].unknown
+    )
 
 
 def with_constants(actuators: Actuators, values: Mapping[str, float]) -> Actuators:
     """Replace unknown constants by values."""
     drives = dict(actuators.drives)
-    for each in unknown_constants(actuators):
-        if each.name not in values:
-            continue
-        joint = actuators.joint_names[each.joint]
-        drive = drives[joint]
-        assert isinstance(drive, Adjustable)
-        drives[joint] = drive.with_constants({each.constant.symbol: values[each.name]})
+    for name, joint, constant in unknown_constants(actuators):
+        if name in values:
+            drive = drives[actuators.joint_names[joint]]
+            drives[actuators.joint_names[joint]] = replace(drive, **{constant.field: values[name]})  # type: ignore[type-var]
     return replace(actuators, drives=MappingProxyType(drives))
 
 

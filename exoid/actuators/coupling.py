@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
 from .drive import is_number
 from .motor import Motor
-
-SINGULAR = 1e-9
-"""A matrix whose smallest singular value is below this part of the largest cannot be inverted."""
 
 
 @dataclass(frozen=True)
@@ -52,28 +49,32 @@ class Coupling:
     def __post_init__(self) -> None:
         """Check joints, matrix and motors."""
         if isinstance(self.joints, str) or not all(isinstance(name, str) for name in self.joints):
-            raise ExoidError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
+            raise BadArgumentError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
         joints, matrix = tuple(self.joints), _rows(self.matrix)
         count = len(joints)
         if count < 2 or len(set(joints)) != count:
-            raise ExoidError(f"a coupling of {', '.join(joints) or 'no joint'}", remedy="name two or more joints, once")
+            raise BadArgumentError(
+                f"a coupling of {', '.join(joints) or 'no joint'}", remedy="name two or more joints, once"
+            )
         if len(matrix) != count or any(len(row) != count for row in matrix):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the matrix of a coupling of {count} joints has {len(matrix)} rows of "
                 f"{', '.join(str(len(row)) for row in matrix) or 'nothing'}",
                 remedy="give a row for each joint and a column for each motor: q = A θ_m",
             )
         sizes = np.linalg.svd(np.array(matrix), compute_uv=False)
-        if not sizes[-1] > SINGULAR * sizes[0]:
-            raise ExoidError(
+        if not sizes[-1] > 1e-9 * sizes[0]:  # nine digits lost leave seven of the torque
+            raise BadArgumentError(
                 f"the matrix of the coupling of {', '.join(joints)} is singular",
                 remedy="motors must move the joints independently: check its rows",
             )
         motors = tuple(self.motors)
         if len(motors) not in (0, count) or not all(isinstance(motor, Motor) for motor in motors):
-            raise ExoidError(f"{len(motors)} motors of a coupling of {count} joints", remedy="describe each, or none")
+            raise BadArgumentError(
+                f"{len(motors)} motors of a coupling of {count} joints", remedy="describe each, or none"
+            )
         if any(motor.temperature_coefficient is not None for motor in motors):
-            raise ExoidError(
+            raise BadArgumentError(
                 "a motor of a coupling has a temperature_coefficient",
                 remedy="take the torque constant of one temperature: motor.at_temperature(40.0)",
             )
@@ -120,7 +121,7 @@ class Coupling:
         names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
         missing = [name for name in self.joints if name not in names]
         if missing:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a coupling of {', '.join(missing)}, which the leg does not have",
                 remedy=f"its joints are {', '.join(leg.joint_names)}",
             )
@@ -140,11 +141,8 @@ class Coupling:
         Raises:
             ExoidError: A motor refuses its currents.
         """
-        if self.motors:
-            angle, speed = q @ self.inverse.T, v @ self.inverse.T
-            each = [motor.torque(reading[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
-            reading = np.column_stack(each)
-        return np.asarray(reading @ self.inverse)
+        of_motors = self._by_motor(Motor.torque, reading, q, v) if self.motors else reading
+        return np.asarray(of_motors @ self.inverse)
 
     def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the commands of the motors, τ_m = Aᵀ τ, as torques or as currents.
@@ -160,11 +158,15 @@ class Coupling:
         Raises:
             ExoidError: The torque constant of a motor is not known.
         """
-        of_motors = torque @ np.array(self.matrix)
-        if not self.motors:
-            return np.asarray(of_motors)
-        angle, speed = q @ self.inverse.T, v @ self.inverse.T
-        each = [motor.command(of_motors[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
+        of_motors = np.asarray(torque @ np.array(self.matrix))
+        return self._by_motor(Motor.command, of_motors, q, v) if self.motors else of_motors
+
+    def _by_motor(
+        self, work: Callable[[Motor, FloatArray, FloatArray, FloatArray], FloatArray], *arrays: FloatArray
+    ) -> FloatArray:
+        """Let each motor turn its column into another, at its own angle and speed θ_m = A⁻¹ q."""
+        given, angle, speed = arrays[0], *(x @ self.inverse.T for x in arrays[1:])
+        each = [work(motor, given[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
         return np.column_stack(each)
 
 
@@ -173,7 +175,7 @@ def _rows(matrix: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], ...]:
     try:
         rows = [list(row) for row in np.asarray(matrix).tolist()]
     except (TypeError, ValueError):
-        raise ExoidError(f"the matrix of a coupling is {matrix!r}", remedy="give rows of numbers") from None
+        raise BadArgumentError(f"the matrix of a coupling is {matrix!r}", remedy="give rows of numbers") from None
     if not all(is_number(value) for row in rows for value in row):
-        raise ExoidError("the matrix of a coupling has entries that are no finite numbers", remedy="give numbers")
+        raise BadArgumentError("the matrix of a coupling has entries that are no finite numbers", remedy="give numbers")
     return tuple(tuple(float(value) for value in row) for row in rows)

@@ -3,43 +3,51 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.leg.leg import Leg
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+BEYOND_LIMIT = 1.2
+"""Readings up to this many times the largest are believed: a controller may overshoot for an instant."""
 
 
 class UnknownConstant(NamedTuple):
     """Constant of a drive that is identified."""
 
-    symbol: str  # symbol; the parameter is called `symbol_joint`
-    unit: str  # unit
+    symbol: str  # the parameter is called `symbol_joint`
+    field: str  # name in the drive
+    unit: str
     start: float  # where a search begins
-    lower: float  # smallest value
-    upper: float  # largest value
+    lower: float
+    upper: float
     is_scale: bool = False  # whether the torque is proportional to it at all samples
 
 
-class Drive(Protocol):
+class Drive:
     """Drive of one joint: turns a reading into torque, and a torque into a command.
 
-    Torque is that of the actuator on the joint, positive in the direction of q, as everywhere in exoid.
+    Torque is that of the actuator on the joint, positive in the direction of q, as everywhere in exoid. A drive of your
+    own derives from this class.
+
+    Attributes:
+        channel: Quantity of a :class:`exoid.Recording` that it turns into torque, such as "current".
+        unit: Unit of its readings and commands.
+        needs_velocity: Whether torque depends on the direction of motion.
+        constants: Constants that may be unknown.
     """
 
-    @property
-    def channel(self) -> str:
-        """Quantity of a :class:`exoid.Recording` that it turns into torque, such as "current"."""
+    channel: ClassVar[str]
+    unit: ClassVar[str]
+    needs_velocity: bool = False
+    constants: ClassVar[tuple[UnknownConstant, ...]] = ()
 
-    @property
-    def unit(self) -> str:
-        """Unit of its readings and commands."""
-
-    @property
-    def needs_velocity(self) -> bool:
-        """Whether torque depends on the direction of motion."""
-
-    def on(self, leg: Leg, joint: str) -> Drive:
+    def on(self, leg: Leg, joint: str) -> Self:
         """Mount the drive on a joint of a leg.
 
         Args:
@@ -52,6 +60,7 @@ class Drive(Protocol):
         Raises:
             ExoidError: The drive does not fit the joint.
         """
+        return self
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the torque at the joint.
@@ -65,8 +74,9 @@ class Drive(Protocol):
             Torques [N·m], (N,).
 
         Raises:
-            ExoidError: The readings cannot be those of this drive.
+            ExoidError: The readings cannot be those of this drive, or a constant is not known.
         """
+        raise NotImplementedError
 
     def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the command that makes a torque at the joint, the inverse of :meth:`torque`.
@@ -77,17 +87,85 @@ class Drive(Protocol):
             v: Joint velocities [rad/s], (N,).
 
         Returns:
-            Commands in :attr:`unit`, (N,).
+            Commands in :attr:`unit`, within the limits of the drive, (N,).
 
         Raises:
-            ExoidError: The drive cannot make this torque.
+            ExoidError: The drive cannot make this torque, or a constant is not known.
         """
+        raise NotImplementedError
+
+    @property
+    def unknown(self) -> tuple[UnknownConstant, ...]:
+        """Constants that are not known."""
+        return tuple(each for each in self.constants if getattr(self, each.field) is None)
+
+    def sensitivity(self, symbol: str, torque: FloatArray, v: FloatArray) -> FloatArray:
+        """Differentiate the torque by a constant while the reading stays.
+
+        Args:
+            symbol: Symbol of the constant.
+            torque: Torques [N·m], (N,).
+            v: Joint velocities [rad/s], (N,).
+
+        Returns:
+            Derivative [N·m per unit of the constant], (N,); τ / κ for a constant κ that scales the torque.
+
+        Raises:
+            ExoidError: The constant is not known.
+        """
+        (constant,) = (each for each in self.constants if each.symbol == symbol)
+        return torque / self.known(constant.field)
+
+    def known(self, name: str) -> float:
+        """Value of a constant that may be unknown.
+
+        Args:
+            name: Name of the constant in the drive.
+
+        Returns:
+            Its value.
+
+        Raises:
+            ExoidError: It is not known.
+        """
+        value = getattr(self, name)
+        if value is None:
+            raise BadArgumentError(
+                f"{name} of the {type(self).__name__} is not known, so that its {self.channel} is no torque",
+                remedy=f"give {name}, such as that of a data sheet; exoid.identify finds it if some recordings have a "
+                "payload that was weighed",
+            )
+        return float(value)
 
 
-def refuse_unless(valid: bool, what: str, remedy: str) -> None:
-    """Refuse a constant of a drive."""
-    if not valid:
-        raise ExoidError(what, remedy=remedy)
+def check_constant(
+    drive: object, name: str, valid: Callable[[float], bool], remedy: str, *, optional: bool = True
+) -> None:
+    """Refuse a constant of a drive that is no finite number, or not a valid one."""
+    value = getattr(drive, name)
+    if not (optional and value is None) and not (is_number(value) and valid(value)):
+        raise BadArgumentError(f"{type(drive).__name__}({name}={value!r})", remedy=remedy)
+
+
+def is_positive(value: float) -> bool:
+    """Whether a constant is above zero."""
+    return value > 0.0
+
+
+def is_gear_ratio(value: float) -> bool:
+    """Whether a constant is not zero."""
+    return value != 0.0
+
+
+def refuse_beyond(drive: Drive, name: str, reading: FloatArray, remedy: str) -> None:
+    """Refuse readings far beyond the largest that a drive can have, its constant of that name: their unit is wrong."""
+    limit = getattr(drive, name)
+    largest = float(abs(reading).max(initial=0.0))
+    if limit is not None and largest > BEYOND_LIMIT * limit:
+        raise UnreadableInputError(
+            f"a {drive.channel} of {largest:.4g} {drive.unit}, and {name} of the drive is {limit:g} {drive.unit}",
+            remedy=remedy,
+        )
 
 
 def is_number(value: object) -> bool:

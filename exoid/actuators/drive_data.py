@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError, UnreadableInputError, within
 from exoid.leg.leg import Leg
 
 from .actuators import Actuators
@@ -19,20 +19,24 @@ from .coupling import Coupling
 from .drive import Drive, is_number
 from .linear import LinearActuator
 from .motor import Motor
-from .places import within
 from .series_elastic import SeriesElastic
 from .transmission import Transmission, read_transmissions
 
-TYPE = "type"
-"""Key of the type of a drive."""
+Table = Mapping[str, Any]
 
 UNKNOWN = "unknown"
 """Word for a constant that is identified."""
 
-CAN_BE_UNKNOWN = ("torque_constant", "efficiency")
-"""Constants of a motor that it may stand for."""
+KINDS = {"motor": Motor, "linear": LinearActuator, "series-elastic": SeriesElastic, "coupling": Coupling}
+"""Class of each type of drive."""
 
-Table = Mapping[str, Any]
+REQUIRED = {
+    Motor: {"torque_constant": f'write it in N·m/A, or torque_constant = "{UNKNOWN}"'},
+    SeriesElastic: {"stiffness": "write that of the spring in N·m/rad"},
+    Coupling: dict.fromkeys(("joints", "matrix"), "write joints = […] and matrix = [[…], […]]: q = A θ_m"),
+    Attachments: dict.fromkeys(("first", "second"), 'write { link = "thigh", point = [x, y, z] } in m'),
+}
+"""Keys that a table must have, each with what to write."""
 
 
 def actuators_from_data(data: Table, leg: Leg, *, transmissions: bool = True) -> Actuators:
@@ -52,7 +56,9 @@ def actuators_from_data(data: Table, leg: Leg, *, transmissions: bool = True) ->
         ExoidError: A table has a wrong key or value, or a drive does not fit the leg: names table and key.
     """
     if not isinstance(data, Mapping) or not data:
-        raise ExoidError("there are no drives", remedy='write a table for each joint: [left_hip] type = "motor" …')
+        raise UnreadableInputError(
+            "there are no drives", remedy='write a table for each joint: [left_hip] type = "motor" …'
+        )
     drives: dict[str, Drive | Coupling] = {}
     gears = read_transmissions(leg.description) if transmissions else {}
     gears |= {label: gears[n] for label, n in zip(leg.joint_labels, leg.joint_names, strict=True) if n in gears}
@@ -92,160 +98,151 @@ def describe_actuators(actuators: Actuators) -> list[str]:
 
 def _written(table: Table) -> str:
     """Write type and constants of a drive."""
-    parts = [str(table[TYPE])]
+    parts = [str(table["type"])] if "type" in table else []
     for key, value in table.items():
+        words = key.replace("_", " ")
         if key in ("first", "second"):
             parts.append(f"{value['link']} at ({', '.join(f'{x:g}' for x in value['point'])}) m")
         elif key in ("angle", "moment_arm"):
-            unit = "rad" if key == "angle" else "m"
-            parts.append(f"{key.replace('_', ' ')} {min(value):.4g} … {max(value):.4g} {unit}")
+            parts.append(f"{words} {min(value):.4g} … {max(value):.4g} {'rad' if key == 'angle' else 'm'}")
         elif key == "motors":
-            parts += [f"motor {_written({TYPE: '', **motor})}".replace(" ,", "") for motor in value]
-        elif key != TYPE:
-            parts.append(f"{key.replace('_', ' ')} {value:.6g}" if is_number(value) else f"{key} {value}")
+            parts += [f"motor {_written(motor)}" for motor in value]
+        elif key != "type":
+            parts.append(f"{words} {value:.6g}" if is_number(value) else f"{key} {value}")
     return ", ".join(parts)
 
 
 def _drive(table: object) -> Drive | Coupling:
     """Make a drive of its table."""
     if not isinstance(table, Mapping):
-        raise ExoidError(f"is {table!r}, not a table", remedy='write [left_hip] and below it type = "motor" …')
-    kind = str(table.get(TYPE))
-    if kind not in READERS:
-        raise ExoidError(
-            f"type is {kind!r}" if TYPE in table else "no type of drive", remedy=f"write one of {', '.join(READERS)}"
+        raise UnreadableInputError(
+            f"is {table!r}, not a table", remedy='write [left_hip] and below it type = "motor" …'
         )
-    return READERS[kind]({key: value for key, value in table.items() if key != TYPE})
+    kind = KINDS.get(str(table.get("type")))
+    if kind is None:
+        what = f"type is {table['type']!r}" if "type" in table else "no type of drive"
+        raise UnreadableInputError(what, remedy=f"write one of {', '.join(KINDS)}")
+    constants = {key: value for key, value in table.items() if key != "type"}
+    if kind is LinearActuator:
+        return _linear(constants)
+    if kind is Coupling:
+        return _coupling(constants)
+    drive: Drive = _made(kind, constants)
+    return drive
+
+
+def _made(kind: type[Any], table: Table) -> Any:  # noqa: ANN401 - of the given class
+    """Make a drive of the constants in a table, whose keys are its fields."""
+    known = {field.name for field in fields(kind)}
+    _check_keys(table, known, REQUIRED[kind])
+    can_be_unknown = {each.field for each in getattr(kind, "constants", ())}
+    unknown = [key for key, value in table.items() if key in can_be_unknown and value == UNKNOWN]
+    return kind(**{**table, **dict.fromkeys(unknown)})
+
+
+def _check_keys(table: Table, known: set[str], required: Mapping[str, str]) -> None:
+    for key in table:
+        if key not in known:
+            close = get_close_matches(key, known, n=1)
+            hint = f"did you mean {close[0]}? " if close else ""
+            raise UnreadableInputError(f"unknown key {key!r}", remedy=f"{hint}keys are {', '.join(sorted(known))}")
+    for key, remedy in required.items():
+        if key not in table:
+            raise UnreadableInputError(f"no {key}", remedy=remedy)
 
 
 def _with_transmission(table: object, gear: Transmission | None) -> object:
     """Take ratio and efficiency of a motor from the URDF, where its table has none."""
-    if gear is None or not isinstance(table, Mapping) or table.get(TYPE) != "motor":
+    if gear is None or not isinstance(table, Mapping) or table.get("type") != "motor":
         return table
     given = {"ratio": gear.ratio, "efficiency": gear.efficiency}
     for key, value in given.items():
         if key in table and value is not None and table[key] != value:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"{key} is {table[key]!r}, and <transmission> of the URDF says {value:g}",
                 remedy="correct one of them, or leave it out here",
             )
     return {**{key: value for key, value in given.items() if value is not None}, **table}
 
 
-def _motor(table: Table) -> Motor:
-    if "torque_constant" not in table:
-        raise ExoidError("no torque_constant", remedy='write it in N·m/A, or torque_constant = "unknown"')
-    known = {field.name for field in fields(Motor)}
-    _refuse_other_keys(table, known)
-    unknown = [key for key in CAN_BE_UNKNOWN if table.get(key) == UNKNOWN]
-    return Motor(**{**table, **dict.fromkeys(unknown)})
-
-
 def _linear(table: Table) -> LinearActuator:
     points, arms = {"first", "second"}, {"angle", "angle_deg", "moment_arm"}
-    _refuse_other_keys(table, points | arms | {"max_force", "gain"})
-    has_points, has_arms = bool(points & table.keys()), bool(arms & table.keys())
-    if has_points == has_arms:
-        what = "both attachment points and a table of moment arms" if has_points else "no attachment points"
-        raise ExoidError(what, remedy="write first and second, or angle (or angle_deg) and moment_arm")
-    arm = _attachments(table) if has_points else _moment_arms(table)
+    _check_keys(table, points | arms | {"max_force", "gain"}, {})
+    if bool(points & table.keys()) == bool(arms & table.keys()):
+        both = bool(points & table.keys())
+        raise UnreadableInputError(
+            "both attachment points and a table of moment arms" if both else "no attachment points",
+            remedy="write first and second, or angle (or angle_deg) and moment_arm",
+        )
+    arm = _attachments(table) if points & table.keys() else _moment_arms(table)
     gain = table.get("gain", 1.0)
     return LinearActuator(arm, table.get("max_force"), None if gain == UNKNOWN else gain)
 
 
 def _attachments(table: Table) -> Attachments:
-    missing = [key for key in ("first", "second") if key not in table]
-    if missing:
-        raise ExoidError(f"no {missing[0]}", remedy='write { link = "thigh", point = [x, y, z] } in m')
-    ends = []
-    for key in ("first", "second"):
-        given = table[key]
-        if not isinstance(given, Mapping) or set(given) != {"link", "point"}:
-            raise ExoidError(f"{key} is {given!r}", remedy='write { link = "thigh", point = [x, y, z] } in m')
-        ends.append(Attachment(given["link"], given["point"]))
-    return Attachments(*ends)
+    ends = {key: table[key] for key in ("first", "second") if key in table}
+    _check_keys(ends, set(ends), REQUIRED[Attachments])
+    for key, end in ends.items():
+        if not isinstance(end, Mapping) or set(end) != {"link", "point"}:
+            raise UnreadableInputError(f"{key} is {end!r}", remedy=REQUIRED[Attachments][key])
+    return Attachments(*(Attachment(end["link"], end["point"]) for end in ends.values()))
 
 
 def _moment_arms(table: Table) -> MomentArmTable:
     angles = [key for key in ("angle", "angle_deg") if key in table]
     if len(angles) != 1 or "moment_arm" not in table:
-        raise ExoidError(
+        raise UnreadableInputError(
             "a table of moment arms needs its angles and arms", remedy="write angle (or angle_deg) and moment_arm [m]"
         )
     for key in (*angles, "moment_arm"):
         row = table[key]
         if not isinstance(row, Sequence) or isinstance(row, str) or not all(is_number(value) for value in row):
-            raise ExoidError(f"{key} is no row of numbers", remedy="write [0.0, 0.1, …]")
+            raise UnreadableInputError(f"{key} is no row of numbers", remedy="write [0.0, 0.1, …]")
     angle = table[angles[0]]
     return MomentArmTable(np.deg2rad(angle).tolist() if angles[0] == "angle_deg" else angle, table["moment_arm"])
 
 
-def _series_elastic(table: Table) -> SeriesElastic:
-    _refuse_other_keys(table, {"stiffness", "ratio"})
-    if "stiffness" not in table:
-        raise ExoidError("no stiffness", remedy="write that of the spring in N·m/rad")
-    return SeriesElastic(**table)
-
-
 def _coupling(table: Table) -> Coupling:
-    _refuse_other_keys(table, {"joints", "matrix", "motors"})
-    missing = [key for key in ("joints", "matrix") if key not in table]
-    if missing:
-        raise ExoidError(f"no {missing[0]}", remedy="write joints = […] and matrix = [[…], […]]: q = A θ_m")
+    _check_keys(table, {"joints", "matrix", "motors"}, REQUIRED[Coupling])
     joints, motors = table["joints"], table.get("motors", [])
     if not isinstance(joints, list | tuple) or not isinstance(motors, list | tuple):
-        raise ExoidError("joints or motors of a coupling are no row", remedy='write joints = ["roll", "pitch"]')
+        raise UnreadableInputError(
+            "joints or motors of a coupling are no row", remedy='write joints = ["roll", "pitch"]'
+        )
     if not all(isinstance(motor, Mapping) for motor in motors):
-        raise ExoidError("a motor of the coupling is no table", remedy="write motors = [{ torque_constant = 0.1 }, …]")
-    return Coupling(tuple(joints), table["matrix"], tuple(_motor(motor) for motor in motors))
-
-
-READERS: Mapping[str, Callable[[Table], Drive | Coupling]] = {
-    "motor": _motor,
-    "linear": _linear,
-    "series-elastic": _series_elastic,
-    "coupling": _coupling,
-}
-"""Function that reads each type of drive."""
-
-
-def _refuse_other_keys(table: Table, known: set[str]) -> None:
-    for key in table:
-        if key not in known:
-            close = get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise ExoidError(f"unknown key {key!r}", remedy=f"{hint}keys are {', '.join(sorted(known))}")
+        raise UnreadableInputError(
+            "a motor of the coupling is no table", remedy="write motors = [{ torque_constant = 0.1 }, …]"
+        )
+    return Coupling(tuple(joints), table["matrix"], tuple(_made(Motor, motor) for motor in motors))
 
 
 def _table(drive: Drive | Coupling) -> dict[str, Any]:
     """Table of a drive."""
-    if isinstance(drive, Motor):
-        return {TYPE: "motor", **_settings(drive)}
-    if isinstance(drive, SeriesElastic):
-        return {TYPE: "series-elastic", **_settings(drive)}
+    kind = next((name for name, each in KINDS.items() if type(drive) is each), None)
+    if isinstance(drive, Motor | SeriesElastic):
+        return {"type": kind, **_settings(drive)}
     if isinstance(drive, Coupling):
         motors = {"motors": [_settings(motor) for motor in drive.motors]} if drive.motors else {}
-        return {TYPE: "coupling", "joints": [*drive.joints], "matrix": [[*row] for row in drive.matrix], **motors}
+        return {"type": kind, "joints": [*drive.joints], "matrix": [[*row] for row in drive.matrix], **motors}
     if isinstance(drive, LinearActuator):
         arm = drive.moment_arm
         limit: dict[str, Any] = {} if drive.max_force is None else {"max_force": float(drive.max_force)}
         limit |= {} if drive.gain == 1.0 else {"gain": UNKNOWN if drive.gain is None else float(drive.gain)}
         if isinstance(arm, MomentArmTable):
-            return {TYPE: "linear", "angle": [*arm.angle], "moment_arm": [*arm.moment_arm], **limit}
+            return {"type": kind, "angle": [*arm.angle], "moment_arm": [*arm.moment_arm], **limit}
         points = arm.attachments if isinstance(arm, MountedAttachments) else arm
         if isinstance(points, Attachments):
-            ends = {key: getattr(points, key) for key in ("first", "second")}
+            ends = {"first": points.first, "second": points.second}
             return {
-                TYPE: "linear",
+                "type": kind,
                 **{key: {"link": end.link, "point": [*end.point]} for key, end in ends.items()},
                 **limit,
             }
-    raise ExoidError(f"{drive!r} has no form in a file", remedy="use the drives of exoid.actuators")
+    raise NotSupportedError(f"{drive!r} has no form in a file", remedy="use the drives of exoid.actuators")
 
 
 def _settings(drive: Motor | SeriesElastic) -> dict[str, Any]:
     """Settings that are not None; an unknown constant of a motor is a word."""
     found = {field.name: getattr(drive, field.name) for field in fields(drive)}
     numbers = {name: float(value) for name, value in found.items() if value is not None}
-    unknown = [key for key in CAN_BE_UNKNOWN if isinstance(drive, Motor) and found[key] is None]
-    return {**dict.fromkeys(unknown, UNKNOWN), **numbers}
+    return {**{each.field: UNKNOWN for each in drive.unknown}, **numbers}

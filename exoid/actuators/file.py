@@ -11,13 +11,12 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError, within
 from exoid.leg.leg import Leg
 from exoid.tools.files import write_whole
 
 from .actuators import Actuators
 from .drive_data import actuators_from_data, actuators_to_data
-from .places import within
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -84,13 +83,15 @@ def _content(name: str) -> Mapping[str, Any]:
             text = Path(name).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:  # a name with a null character, not UTF-8
         reason = getattr(error, "strerror", None) or str(error)
-        raise ExoidError(
+        raise UnreadableInputError(
             f"cannot be read ({reason})", remedy=f"give the path of a TOML file, or {', '.join(BUILT_IN)}"
         ) from None
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ExoidError(f"not TOML ({error})", remedy='write [left_hip] and below it type = "motor" …') from None
+        raise UnreadableInputError(
+            f"not TOML ({error})", remedy='write [left_hip] and below it type = "motor" …'
+        ) from None
 
 
 def _lines(data: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:

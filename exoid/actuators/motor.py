@@ -2,38 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
-from exoid.leg.leg import Leg
+from exoid.errors import BadArgumentError
 
-from .drive import UnknownConstant, is_number, refuse_unless
+from .drive import Drive, UnknownConstant, check_constant, is_gear_ratio, is_number, is_positive, refuse_beyond
 
 SLOW = 0.02
 """Velocity over which the efficiency changes from one direction of power to the other [rad/s]."""
 
-EFFICIENCY_STEP = 1e-4
-"""Relative step of differences by the efficiency."""
-
-TORQUE_CONSTANT = UnknownConstant("kt", "N·m/A", 0.1, 1e-6, 1e6, is_scale=True)
-EFFICIENCY = UnknownConstant("eta", "1", 0.8, 0.05, 1.0)
-
 REFERENCE = 25.0
 """Temperature of the torque constant where no other is given [°C]."""
 
-LARGEST_COEFFICIENT = 0.01
-"""Largest temperature coefficient of a torque constant [1/K]; that of magnets is −0.0005 to −0.002."""
-
-BEYOND_LIMIT = 1.2
-"""Currents up to so many times the motor's largest are believed: a controller may overshoot for an instant."""
-
 
 @dataclass(frozen=True)
-class Motor:
+class Motor(Drive):
     """Electric motor with a gear, measured by its current.
 
     τ = ratio · η^±1 · k_t · i (doc. 2 computes its torque so, without η). Where the motor drives the joint, τ q̇ > 0,
@@ -79,47 +65,35 @@ class Motor:
 
     channel = "current"
     unit = "A"
+    constants = (
+        UnknownConstant("kt", "torque_constant", "N·m/A", 0.1, 1e-6, 1e6, is_scale=True),
+        UnknownConstant("eta", "efficiency", "1", 0.8, 0.05, 1.0),
+    )
 
     def __post_init__(self) -> None:
         """Check the constants."""
         for name in ("torque_constant", "max_current"):
-            value = getattr(self, name)
-            valid = value is None or (is_number(value) and value > 0.0)
-            refuse_unless(valid, f"Motor({name}={value!r})", "a positive number, or None")
-        refuse_unless(
-            is_number(self.ratio) and self.ratio != 0.0,
-            f"Motor(ratio={self.ratio!r})",
-            "motor angle per joint angle, not zero",
-        )
+            check_constant(self, name, is_positive, "a positive number, or None")
+        check_constant(self, "ratio", is_gear_ratio, "motor angle per joint angle, not zero", optional=False)
         for name in ("efficiency", "back_efficiency"):
-            value = getattr(self, name)
-            valid = value is None or (is_number(value) and 0.0 < value <= 1.0)
-            refuse_unless(valid, f"Motor({name}={value!r})", "a share above 0 and up to 1, such as 0.85 for 85 %")
-        inertia = self.rotor_inertia
-        refuse_unless(
-            inertia is None or (is_number(inertia) and inertia >= 0.0),
-            f"Motor(rotor_inertia={inertia!r})",
-            "a number of kg·m², zero or positive, or None",
+            share = "a share above 0 and up to 1, such as 0.85 for 85 %"
+            check_constant(self, name, lambda value: 0.0 < value <= 1.0, share)
+        check_constant(
+            self, "rotor_inertia", lambda value: value >= 0.0, "a number of kg·m², zero or positive, or None"
         )
-        alpha, reference = self.temperature_coefficient, self.reference_temperature
-        refuse_unless(
-            alpha is None or (is_number(alpha) and abs(alpha) <= LARGEST_COEFFICIENT),
-            f"Motor(temperature_coefficient={alpha!r})",
-            "a number per kelvin, such as -0.001 for -0.1 % per kelvin, or None",
-        )
-        refuse_unless(
-            reference is None or (is_number(reference) and -60.0 <= reference <= 220.0),
-            f"Motor(reference_temperature={reference!r})",
-            "a temperature in °C, such as 25, or None",
-        )
-        refuse_unless(
-            reference is None or alpha is not None,
-            "Motor with a reference_temperature and no temperature_coefficient",
-            "give both, or leave the temperature out",
-        )
+        # Magnets lose 0.05 to 0.2 % per kelvin; more than 1 % is a coefficient in percent.
+        per_kelvin = "a number per kelvin, such as -0.001 for -0.1 % per kelvin, or None"
+        check_constant(self, "temperature_coefficient", lambda value: abs(value) <= 0.01, per_kelvin)
+        celsius = "a temperature in °C, such as 25, or None"
+        check_constant(self, "reference_temperature", lambda value: -60.0 <= value <= 220.0, celsius)
+        if self.reference_temperature is not None and self.temperature_coefficient is None:
+            raise BadArgumentError(
+                "Motor with a reference_temperature and no temperature_coefficient",
+                remedy="give both, or leave the temperature out",
+            )
 
     @property
-    def needs_velocity(self) -> bool:
+    def needs_velocity(self) -> bool:  # type: ignore[override]
         """Whether the gear loses power, so that torque depends on the direction of power."""
         return self.efficiency is None or min(self.efficiency, self.back_efficiency or 1.0) < 1.0
 
@@ -157,22 +131,10 @@ class Motor:
             >>> Motor(0.1, temperature_coefficient=-0.001).at_temperature(75.0).torque_constant
             0.095
         """
-        refuse_unless(is_number(temperature), f"a temperature of {temperature!r}", "a number of °C")
-        factor = float(self.temperature_factor(np.array(temperature)))
-        constant = self._known_constant() * factor
+        if not is_number(temperature):
+            raise BadArgumentError(f"a temperature of {temperature!r}", remedy="give a number of °C")
+        constant = self.known("torque_constant") * float(self.temperature_factor(np.array(temperature)))
         return replace(self, torque_constant=constant, temperature_coefficient=None, reference_temperature=None)
-
-    def on(self, leg: Leg, joint: str) -> Motor:
-        """Mount the motor, which needs nothing of the leg.
-
-        Args:
-            leg: Not used.
-            joint: Not used.
-
-        Returns:
-            The same motor.
-        """
-        return self
 
     @property
     def gear_factors(self) -> tuple[float, float]:
@@ -181,132 +143,43 @@ class Motor:
         Raises:
             ExoidError: The efficiency is not known.
         """
-        driving = self._known_efficiency()
+        driving = self.known("efficiency")
         return driving, 1.0 / (driving if self.back_efficiency is None else self.back_efficiency)
-
-    def gear_factor(self, direction: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the factor of the gear: η where the motor drives, 1 / η_back where it is driven.
-
-        Args:
-            direction: Anything with the sign of the torque, (N,).
-            v: Joint velocities [rad/s], (N,).
-
-        Returns:
-            The factor, between both near standstill, (N,).
-
-        Raises:
-            ExoidError: The efficiency is not known.
-        """
-        driving, driven = self.gear_factors
-        power = np.tanh(np.sign(direction) * v / SLOW)
-        return np.asarray(0.5 * (driving + driven) + 0.5 * (driving - driven) * power)
 
     def torque(
         self, reading: FloatArray, q: FloatArray, v: FloatArray, direction: FloatArray | None = None
     ) -> FloatArray:
-        """Compute the torque at the joint, τ = ratio · η^±1 · k_t · i.
-
-        Args:
-            reading: Motor currents i [A], (N,).
-            q: Not used.
-            v: Joint velocities [rad/s], (N,); only their sign matters, and only if the gear loses power.
-            direction: Currents without noise [A], whose sign tells the direction of power, (N,); None for ``reading``.
-
-        Returns:
-            Torques at the reference temperature [N·m], (N,).
-
-        Raises:
-            ExoidError: The torque constant is not known, or currents are beyond the motor's largest.
-        """
-        largest = float(np.abs(reading).max(initial=0.0))
-        if self.max_current is not None and largest > BEYOND_LIMIT * self.max_current:
-            raise ExoidError(
-                f"a current of {largest:.4g} A, and max_current of the motor is {self.max_current:g} A",
-                remedy="read currents in amperes (a column in mA has the unit mA), or correct max_current",
-            )
-        ideal = self.ratio * self._known_constant() * reading
+        """τ = ratio · η^±1 · k_t · i; ``direction`` are currents without noise, whose sign tells that of the power."""
+        unit = "read currents in amperes (a column in mA has the unit mA), or correct max_current"
+        refuse_beyond(self, "max_current", reading, unit)
+        ideal = self.ratio * self.known("torque_constant") * reading
         if not self.needs_velocity:
             return ideal
-        return ideal * self.gear_factor(ideal if direction is None else self.ratio * direction, v)
+        return ideal * self._gear_factor(ideal if direction is None else self.ratio * direction, v)
 
     def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the current that makes a torque at the joint, at most :attr:`max_current`.
-
-        Args:
-            torque: Requested torques [N·m], (N,).
-            q: Not used.
-            v: Joint velocities [rad/s], (N,).
-
-        Returns:
-            Currents at the reference temperature [A], (N,).
-
-        Raises:
-            ExoidError: The torque constant is not known.
-        """
-        current = torque / (self.ratio * self._known_constant())
+        """Current i = τ / (ratio · η^±1 · k_t), at most :attr:`max_current`."""
+        current = torque / (self.ratio * self.known("torque_constant"))
         if self.needs_velocity:
-            current = current / self.gear_factor(torque, v)
+            current = current / self._gear_factor(torque, v)
         limit = np.inf if self.max_current is None else self.max_current
         return np.asarray(np.clip(current, -limit, limit))
 
-    @property
-    def unknown(self) -> tuple[UnknownConstant, ...]:
-        """Torque constant kt and efficiency eta, where they are not known."""
-        given = ((TORQUE_CONSTANT, self.torque_constant), (EFFICIENCY, self.efficiency))
-        return tuple(constant for constant, value in given if value is None)
-
-    def with_constants(self, values: Mapping[str, float]) -> Motor:
-        """Replace constants by values.
-
-        Args:
-            values: Value by symbol, "kt" [N·m/A] and "eta".
-
-        Returns:
-            The motor.
-
-        Raises:
-            ExoidError: A value is impossible.
-        """
-        fields = {"kt": "torque_constant", "eta": "efficiency"}
-        return replace(self, **{fields[symbol]: value for symbol, value in values.items()})
-
-    def sensitivity(self, symbol: str, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Differentiate the torque by a constant while the current stays, ∂τ/∂k_t = τ/k_t and ∂τ/∂η.
-
-        Args:
-            symbol: "kt" or "eta".
-            torque: Torques [N·m], (N,).
-            q: Not used.
-            v: Joint velocities [rad/s], (N,).
-
-        Returns:
-            Derivative [N·m per unit of the constant], (N,).
-
-        Raises:
-            ExoidError: The constant is not known.
-        """
+    def sensitivity(self, symbol: str, torque: FloatArray, v: FloatArray) -> FloatArray:
+        """∂τ/∂k_t = τ/k_t, and ∂τ/∂η by differences."""
         if symbol == "kt":
-            return torque / self._known_constant()
-        step = EFFICIENCY_STEP * self._known_efficiency()
-        lower, upper = (replace(self, efficiency=self._known_efficiency() - x) for x in (2.0 * step, 0.0))
-        middle = replace(self, efficiency=self._known_efficiency() - step)
-        below, at, above = (motor.gear_factor(torque, v) for motor in (lower, middle, upper))
-        slope = (3.0 * above - 4.0 * at + below) / (2.0 * step)  # one-sided: no efficiency is above 1
+            return super().sensitivity(symbol, torque, v)
+        # One-sided differences of second order: no efficiency is above 1.
+        efficiency = self.known("efficiency")
+        step = 1e-4 * efficiency
+        below, at, above = (
+            replace(self, efficiency=efficiency - k * step)._gear_factor(torque, v) for k in (2.0, 1.0, 0.0)
+        )
+        slope = (3.0 * above - 4.0 * at + below) / (2.0 * step)
         return torque * slope / above
 
-    def _known_efficiency(self) -> float:
-        if self.efficiency is None:
-            raise ExoidError(
-                "the efficiency of the gear is not known, so that the current is no torque",
-                remedy="give efficiency, such as that of its data sheet; exoid.identify finds it",
-            )
-        return self.efficiency
-
-    def _known_constant(self) -> float:
-        if self.torque_constant is None:
-            raise ExoidError(
-                "the torque constant of the motor is not known, so that its current is no torque",
-                remedy="give torque_constant in N·m/A, such as that of its data sheet; exoid.identify finds it if some "
-                "recordings have a payload that was weighed",
-            )
-        return self.torque_constant
+    def _gear_factor(self, direction: FloatArray, v: FloatArray) -> FloatArray:
+        """η where the motor drives, 1 / η_back where it is driven, between both near standstill."""
+        driving, driven = self.gear_factors
+        power = np.tanh(np.sign(direction) * v / SLOW)
+        return np.asarray(0.5 * (driving + driven) + 0.5 * (driving - driven) * power)

@@ -8,16 +8,15 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg.leg import Leg
 
-from .drive import is_number, refuse_unless
+from .drive import Drive, check_constant, is_gear_ratio, is_positive
 
 LARGEST_DEFLECTION = 1.0
 """Largest range of a spring's deflection that is believed [rad]."""
 
 
 @dataclass(frozen=True)
-class SeriesElastic:
+class SeriesElastic(Drive):
     """Motor behind a spring, measured by its own angle: τ = k (θ_m / ratio − q).
 
     The spring has no mass, so that the rotor's inertia and the friction of motor and gear are not part of the torque.
@@ -40,49 +39,16 @@ class SeriesElastic:
 
     channel = "motor_angle"
     unit = "rad"
-    needs_velocity = False
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        refuse_unless(
-            is_number(self.stiffness) and self.stiffness > 0.0,
-            f"SeriesElastic(stiffness={self.stiffness!r})",
-            "a positive number of N·m/rad",
-        )
-        refuse_unless(
-            is_number(self.ratio) and self.ratio != 0.0,
-            f"SeriesElastic(ratio={self.ratio!r})",
-            "motor angle per joint angle, not zero",
-        )
-
-    def on(self, leg: Leg, joint: str) -> SeriesElastic:
-        """Mount the drive, which needs nothing of the leg.
-
-        Args:
-            leg: Not used.
-            joint: Not used.
-
-        Returns:
-            The same drive.
-        """
-        return self
+        check_constant(self, "stiffness", is_positive, "a positive number of N·m/rad", optional=False)
+        check_constant(self, "ratio", is_gear_ratio, "motor angle per joint angle, not zero", optional=False)
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the torque of the spring, τ = k (θ_m / ratio − q).
-
-        Args:
-            reading: Motor angles θ_m [rad], (N,).
-            q: Joint angles [rad], (N,).
-            v: Not used.
-
-        Returns:
-            Torques [N·m], (N,).
-
-        Raises:
-            ExoidError: The motor does not follow the joint, as if the ratio, a sign or a unit were wrong.
-        """
+        """τ = k (θ_m / ratio − q)."""
         deflection = reading / self.ratio - q
-        spread = float(np.ptp(deflection)) if len(deflection) else 0.0
+        spread = float(np.ptp(deflection)) if deflection.size else 0.0
         if spread > LARGEST_DEFLECTION:
             raise ExoidError(
                 f"the spring's deflection θ_m / ratio − q spans {spread:.3g} rad",
@@ -91,14 +57,5 @@ class SeriesElastic:
         return self.stiffness * deflection
 
     def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the motor angle that makes a torque at the joint, θ_m = ratio (q + τ / k).
-
-        Args:
-            torque: Requested torques [N·m], (N,).
-            q: Joint angles [rad], (N,).
-            v: Not used.
-
-        Returns:
-            Motor angles [rad], (N,).
-        """
+        """θ_m = ratio (q + τ / k)."""
         return self.ratio * (q + torque / self.stiffness)

@@ -7,63 +7,32 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 from exoid.leg.description import Description
 
 from .motor import Motor
 
 
 class Transmission(NamedTuple):
-    """Gear between one motor and one joint, as a URDF describes it.
+    """Gear between one motor and one joint, as a URDF describes it."""
 
-    Attributes:
-        joint: Name of the joint.
-        ratio: Motor angle per joint angle, ``<mechanicalReduction>``; None where it is not written.
-        efficiency: Efficiency of the gear, ``<efficiency>``; None where it is not written.
-    """
-
-    joint: str
-    ratio: float | None = None
-    efficiency: float | None = None
+    joint: str  # name of the joint
+    ratio: float | None = None  # motor angle per joint angle, `<mechanicalReduction>`; None where it is not written
+    efficiency: float | None = None  # efficiency of the gear, `<efficiency>`; None where it is not written
 
     def motor(self, torque_constant: float | None) -> Motor:
-        """Make the motor of the transmission.
-
-        Args:
-            torque_constant: Torque constant [N·m/A]; None if it is not known.
-
-        Returns:
-            The motor, with ratio and efficiency of the URDF.
-
-        Raises:
-            ExoidError: A number is impossible.
-        """
+        """Make the motor of the transmission."""
         ratio = 1.0 if self.ratio is None else self.ratio
         return Motor(torque_constant, ratio=ratio, efficiency=1.0 if self.efficiency is None else self.efficiency)
 
 
 def read_transmissions(description: Description) -> dict[str, Transmission]:
-    """Read the transmissions of one joint in a URDF; those of several joints, such as differentials, are left out.
-
-    Args:
-        description: The URDF.
-
-    Returns:
-        Transmission of each joint that has one, by its name.
-
-    Raises:
-        ExoidError: A transmission has a joint that the URDF lacks, a joint has two transmissions, or there is no
-            number where one belongs; names the transmission.
-
-    Example:
-        >>> read_transmissions(exoid.load_leg("cuhk").description)
-        {}
-    """
+    """Read the transmissions of one joint in a URDF; those of several joints, such as differentials, are left out."""
     root = description.parse()
     found: dict[str, Transmission] = {}
     for each in _simple(root, description):
         if each.joint in found:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"two transmissions of joint {each.joint!r}", where=description.name, remedy="describe it once"
             )
         found[each.joint] = each
@@ -79,7 +48,7 @@ def _simple(root: etree._Element, description: Description) -> Iterator[Transmis
         if len(joints) != 1:
             continue
         if joints[0] not in description.child_links:
-            raise ExoidError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
+            raise UnreadableInputError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
         ratio, efficiency = (_number(element, tag, where) for tag in ("mechanicalReduction", "efficiency"))
         yield Transmission(joints[0], ratio, efficiency)
 
@@ -93,4 +62,4 @@ def _number(element: etree._Element, tag: str, where: str) -> float | None:
         (text,) = set(texts)  # older files repeat it at joint and actuator
         return float(text)
     except ValueError:
-        raise ExoidError(f"{tag} is {', '.join(texts)}", where=where, remedy="write one number") from None
+        raise UnreadableInputError(f"{tag} is {', '.join(texts)}", where=where, remedy="write one number") from None

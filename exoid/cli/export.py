@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import Annotated, NamedTuple
 
 import typer
 
@@ -16,18 +16,13 @@ from exoid.codegen.ros2 import Ros2Package, refuse_foreign
 from exoid.errors import ExoidError
 from exoid.estimate import Export, MjcfExport
 from exoid.leg.exported import sidecar_of
-from exoid.leg.lift import MASS_FACTOR, PULL
+from exoid.leg.lift.lift import PULL
+from exoid.leg.lift.masses import MASS_FACTOR
 
 from .inputs import AsJson
 from .law_options import USUAL_LAW, LawOptions
 from .option_groups import expand_options
 from .outputs import check_outputs
-
-if TYPE_CHECKING:
-    from exoid.online.in_c import RecursiveSource
-
-Forgetting = Literal["directional", "exponential", "none"]
-"""How a recursive estimator forgets."""
 
 
 class LinkOptions(NamedTuple):
@@ -62,8 +57,6 @@ class Target(NamedTuple):
         mjcf: Model file of MuJoCo.
         ros2: Folder of a package for ROS 2.
         law: Name of the control law in C.
-        recursive: Whether the C is a recursive estimator.
-        forgetting: How that forgets.
         precision: Precision of the C.
     """
 
@@ -72,8 +65,6 @@ class Target(NamedTuple):
     mjcf: str | None
     ros2: str | None
     law: str | None
-    recursive: bool
-    forgetting: Forgetting | None
     precision: str | None
 
     @property
@@ -81,7 +72,7 @@ class Target(NamedTuple):
         """Files by option."""
         sidecar = sidecar_of(Path(self.output)) if self.output is not None and Path(self.output).name else None
         header = None
-        if self.c is not None and (self.law is not None or self.recursive):
+        if self.c is not None and self.law is not None:
             header = Path(self.c).with_name(f"{identifier(self.c)}.h")
         return {
             "--output": self.output,
@@ -114,19 +105,6 @@ def export(
         ),
     ] = None,
     options: LawOptions = USUAL_LAW,
-    recursive: Annotated[
-        bool,
-        typer.Option(
-            "--recursive",
-            help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
-        ),
-    ] = False,
-    forgetting: Annotated[
-        Forgetting | None,
-        typer.Option(
-            help="--recursive: how rows are forgotten; default directional. Changes are detected unless it is none."
-        ),
-    ] = None,
     ros2: Annotated[
         str | None,
         typer.Option(
@@ -139,16 +117,13 @@ def export(
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
-    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr,
-    adaptive (in double); for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or
-    momentum_observer or kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2
-    around that C.
-
-    With --recursive, the C is a recursive estimator of the parameters of this estimate, which begins with nothing.
+    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque or lqr;
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer or
+    kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
 
     Example: exoid export est.json -o leg.urdf
     """
-    target = Target(output, c, mjcf, ros2, law, recursive, forgetting, precision)
+    target = Target(output, c, mjcf, ros2, law, precision)
     _refuse_without_effect(target, links, options)
     check_outputs(target.files, [estimate])
     if ros2 is not None:
@@ -167,27 +142,19 @@ def _as_model(found: estimates.Estimate, target: Target, links: LinkOptions) -> 
     return found.to_urdf(str(target.output), pull=pull, mass_factor=mass_factor)
 
 
-def _in_c(
-    found: estimates.Estimate, target: Target, options: LawOptions
-) -> CSource | LawSource | Ros2Package | RecursiveSource:
-    """Write torques, a law or a recursive estimator in C, or a package for ROS 2."""
+def _in_c(found: estimates.Estimate, target: Target, options: LawOptions) -> CSource | LawSource | Ros2Package:
+    """Write torques or a law in C, or a package for ROS 2."""
     precision = target.precision or "double"
     if target.law is not None:
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 
         return export_law(found, target.law, target.c, options, precision, target.ros2)
-    if target.recursive:
-        from .recursive_export import export_recursive  # noqa: PLC0415 - only this needs the estimator
-
-        return export_recursive(
-            found, str(target.c), options.rate, options.bandwidth, target.forgetting or "directional"
-        )
     return found.to_c(str(target.c), precision=precision)
 
 
 def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptions) -> None:
     """Refuse options that have no effect on what is written."""
-    output, c, mjcf, ros2, law, recursive, forgetting, precision = target
+    output, c, mjcf, ros2, law, precision = target
     if sum(each is not None for each in (output, c, mjcf, ros2)) != 1:
         raise ExoidError(
             "one file is written at a time",
@@ -200,29 +167,9 @@ def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptio
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
-    if forgetting is not None and not recursive:
-        raise ExoidError("--forgetting has no effect without --recursive", remedy="leave it out, or give --recursive")
-    if recursive:
-        _refuse_beside_recursive(c, law, precision, options)
-    elif law is None and options.given():
+    if law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
-    _refuse_without_law(output or mjcf, law, ros2)
-
-
-def _refuse_without_law(output: str | None, law: str | None, ros2: str | None) -> None:
-    """Refuse a law without a place, and a package without a law."""
-    if law is not None and output is not None:
+    if law is not None and not in_c:
         raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
     if law is None and ros2 is not None:
         raise ExoidError("--ros2 writes a control law", remedy="name the law with --law")
-
-
-def _refuse_beside_recursive(c: str | None, law: str | None, precision: str | None, options: LawOptions) -> None:
-    """Refuse options that a recursive estimator does not have."""
-    if c is None or law is not None:
-        raise ExoidError("--recursive writes C of its own", remedy="give --c ONLINE.C, without --law")
-    if precision == "float":
-        raise ExoidError("a recursive estimator in float", remedy="leave out --precision: it needs double")
-    foreign = [option for option in options.given() if option not in ("--rate", "--bandwidth")]
-    if foreign:
-        raise ExoidError(f"{', '.join(foreign)}: only a control law has it", remedy="leave it out with --recursive")

@@ -13,7 +13,8 @@ from exoid.errors import ExoidError
 from exoid.leg.leg import Leg
 from exoid.signals import Column, Recording, WrenchFrame
 from exoid.signals.wrench_frame import frame_of_link
-from exoid.torques import DEFAULT_TERMS, Term, term_by_name
+from exoid.torques import DEFAULT_TERMS, Term
+from exoid.torques.catalog import term_by_name
 
 from .legs import DATASETS, find_leg
 from .messages import Amount, note

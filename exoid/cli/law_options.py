@@ -21,7 +21,7 @@ class LawOptions(NamedTuple):
         float | None,
         typer.Option(
             metavar="HZ",
-            help="--law: sampling rate; default 100, or 500 for sensitivity_amplification and --recursive.",
+            help="--law: sampling rate; default 100, or 500 for sensitivity_amplification.",
         ),
     ] = None
     period: Annotated[
@@ -53,7 +53,7 @@ class LawOptions(NamedTuple):
         float | None,
         typer.Option(
             metavar="HZ",
-            help="--law sensitivity_amplification (default 20), observers (8); cut-off of --recursive (8).",
+            help="--law sensitivity_amplification (default 20), observers (8).",
         ),
     ] = None
 

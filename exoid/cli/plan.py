@@ -15,7 +15,11 @@ import typer
 from exoid import view
 from exoid.errors import ExoidError
 from exoid.experiments import excitation
-from exoid.experiments.excitation import Assessment, Clearance, GroundLimits, MotionLimits, Plan, StancePlan
+from exoid.experiments.excitation import Assessment, GroundLimits, MotionLimits, Plan, StancePlan
+from exoid.experiments.excitation.clearance import Clearance
+from exoid.experiments.excitation.plan_files import plan_files, write_plan
+from exoid.experiments.excitation.stance.files import stance_files, write_stance_plan
+from exoid.experiments.excitation.text import precision_to_json
 from exoid.leg.leg import Leg
 from exoid.rig.ground import Sole
 from exoid.signals import Recording
@@ -207,8 +211,8 @@ def plan(
 def _files(output: str, torso: TorsoOptions, stance: StanceOptions) -> Sequence[Path]:
     """Files of a plan."""
     if stance.supports is not None:
-        return excitation.stance_files(output, stance.supports)
-    return excitation.plan_files(output, torso.pitches, poses=torso.poses > 0)
+        return stance_files(output, stance.supports)
+    return plan_files(output, torso.pitches, poses=torso.poses > 0)
 
 
 def _recordings(assess: list[str] | None, output: str | None, reading: LogOptions) -> list[Recording]:
@@ -249,10 +253,10 @@ def _plan_swing(
 def _write(result: Result, output: str | None, figure: str | None) -> None:
     """Write the requested files."""
     if output is not None and isinstance(result, Plan):
-        for path in excitation.write_plan(output, result):
+        for path in write_plan(output, result):
             note(f"wrote {path}")
     if output is not None and isinstance(result, StancePlan):
-        for path in excitation.write_stance_plan(output, result):
+        for path in write_stance_plan(output, result):
             note(f"wrote {path}")
     if figure is not None:
         _draw(result, figure)
@@ -276,7 +280,7 @@ def _draw(result: Result, path: str) -> None:
 
 
 def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:
-    data = excitation.precision_to_json(result.precision) | {"noise": list(result.noise.std)}
+    data = precision_to_json(result.precision) | {"noise": list(result.noise.std)}
     if isinstance(result, Assessment):
         return data | {"advice": [advice._asdict() for advice in result.advice]}
     if isinstance(result, StancePlan):

@@ -9,12 +9,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 import typer
 
-from exoid import control, experiments
+from exoid import control
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.experiments.gait import joint_roles
 from exoid.leg import published
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
@@ -256,7 +257,7 @@ def _of_leg(
 
 def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]:
     """Place the payload of the rig, below the knee where there is one."""
-    roles, labels = experiments.joint_roles(leg, roles_of(motion.role)), leg.joint_labels
+    roles, labels = joint_roles(leg, roles_of(motion.role)), leg.joint_labels
     if rig.payload is None:
         return []
     joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]

@@ -69,7 +69,7 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
     if isinstance(drive, SeriesElastic):
         return f"{number(drive.ratio)} * ({q} + {tau} / {number(drive.stiffness)})"
     if isinstance(drive, LinearActuator) and isinstance(drive.moment_arm, MountedAttachments):
-        gain = "" if drive.known_gain == 1.0 else f"{number(drive.known_gain)} * "
+        gain = "" if drive.gain == 1.0 else f"{number(drive.known('gain'))} * "
         return _limited(f"{tau} / ({gain}{_arm(drive.moment_arm, q, dialect)})", drive.max_force, dialect)
     raise ExoidError(
         f"{type(drive).__name__} with a table of moment arms has no form in C"

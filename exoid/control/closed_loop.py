@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.experiments import refuse_motion_beyond_limits
+from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.rig import (
     Actuator,
     IdealTorque,

@@ -16,12 +16,15 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
 from exoid.leg.leg import Leg
-from exoid.leg.lift import MASS_FACTOR, PULL, Lift, MassChange, distribute_bodies, lift
-from exoid.leg.lift.masses import mass_changes, refuse_mass_changes
+from exoid.leg.lift import Lift, lift
+from exoid.leg.lift.lift import PULL
+from exoid.leg.lift.lumping import distribute_bodies
+from exoid.leg.lift.masses import MASS_FACTOR, MassChange, mass_changes, refuse_mass_changes
 from exoid.leg.rewriting import rewrite
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together
 from exoid.tools.tables import make_table, to_text
-from exoid.torques import Coulomb, Term, TorqueModel, Viscous, term_to_json
+from exoid.torques import Coulomb, Term, TorqueModel, Viscous
+from exoid.torques.catalog import term_to_json
 
 from .data import EstimateData
 

@@ -22,7 +22,8 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.tools.files import refuse_content, write_whole
-from exoid.torques import TorqueModel, term_from_json, term_to_json
+from exoid.torques import TorqueModel
+from exoid.torques.catalog import term_from_json, term_to_json
 
 from .data import EstimateData, Input
 from .finding import findings_from_json, findings_to_json

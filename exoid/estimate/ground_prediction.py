@@ -17,7 +17,9 @@ from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench, base_during
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.signals.noise_size import white_noise
-from exoid.torques.contacts import Stretch, contact_of, level_rotation, split, standing_base
+from exoid.torques.contacts import level_rotation, split
+from exoid.torques.contacts.standing_base import standing_base
+from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
 from .torque_band import parameter_variance

@@ -13,7 +13,10 @@ from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
-from exoid.torques.contacts import LOOP, Stretch, SupportModel, eliminate, reference_axes, split
+from exoid.torques.contacts import split
+from exoid.torques.contacts.elimination import eliminate, reference_axes
+from exoid.torques.contacts.stretches import Stretch
+from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .data import EstimateData
 from .torque_band import parameter_variance

@@ -33,16 +33,8 @@ class Bench:
 
 
 def stiff_servo(plant: Plant) -> ProportionalDerivative:
-    """Choose gains Kp = ω² I and Kd = 2 ω I with ω = 100 rad/s, for a controller of at least 500 Hz.
-
-    I is the inertia at a joint while the others move freely, 1/(M⁻¹)_ii, at its minimum over poses within the limits.
-
-    Args:
-        plant: Plant, of which the first rig counts.
-
-    Returns:
-        PD controller with one gain a joint.
-    """
+    """Choose gains Kp = ω² I and Kd = 2 ω I with ω = 100 rad/s, for a controller of at least 500 Hz."""
+    # I is the inertia at a joint while the others move freely, 1/(M⁻¹)_ii, at its minimum over poses within the limits.
     leg = plant.leg.with_parameters(plant.parameters[:, 0])
     lower, upper = (np.clip(limit, -np.pi, np.pi) for limit in (leg.limits.lower, leg.limits.upper))
     poses = np.random.default_rng(0).uniform(lower, upper, (POSES, plant.n))

@@ -20,22 +20,7 @@ def run_motion(
     rng: np.random.Generator,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Let B virtual rigs follow a motion within the limits of the leg.
-
-    Args:
-        plant: B rigs.
-        motion: Motion of B rigs, or of one rig for all.
-        bench: Controller, actuator, sensors and rates.
-        duration: Duration [s].
-        rng: Generator of the sensor noise.
-        progress: Function that receives the completed share, 0 to 1.
-
-    Returns:
-        True and measured motion and torque.
-
-    Raises:
-        ExoidError: The motion is beyond the limits of a joint, rates do not fit, or the run diverges.
-    """
+    """Let B virtual rigs follow a motion within the limits of the leg."""
     refuse_motion_beyond_limits(plant.leg, motion, duration)
     return simulate(
         plant,

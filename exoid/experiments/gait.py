@@ -76,18 +76,7 @@ def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> 
 
 
 def joint_roles(leg: Leg, roles: Mapping[str, str]) -> tuple[str, ...]:
-    """Name the role of each joint: that which was declared, else its own label.
-
-    Args:
-        leg: The leg.
-        roles: "hip", "knee" or "ankle" by joint name or label.
-
-    Returns:
-        Role of each joint, (n,).
-
-    Raises:
-        ExoidError: There is no such joint or role, or two joints have one role.
-    """
+    """Name the role of each joint: that which was declared, else its own label."""
     unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
     if unknown or any(role not in JOINTS for role in roles.values()):
         declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())

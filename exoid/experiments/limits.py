@@ -14,15 +14,7 @@ TOLERANCE = 1e-9
 
 
 def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
-    """Refuse poses that a joint cannot reach.
-
-    Args:
-        leg: Leg with the limits of its URDF.
-        poses: Angles [rad], (K, n).
-
-    Raises:
-        ExoidError: A pose is beyond the limits of a joint, there is no pose, or the number of angles is not n.
-    """
+    """Refuse poses that a joint cannot reach."""
     angles = np.asarray(poses, dtype=np.float64)
     if angles.ndim != 2 or angles.shape[1] != len(leg.joint_names) or not len(angles):
         raise ExoidError(
@@ -42,18 +34,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
 
 
 def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float, rate: float = 100.0) -> None:
-    """Refuse a motion that exceeds the limits of angle or speed.
-
-    Args:
-        leg: Leg with the limits of its URDF.
-        reference: Motion of one rig or several.
-        duration: Duration [s].
-        rate: Rate of the check [Hz].
-
-    Raises:
-        ExoidError: The motion is beyond a limit of a joint, the duration is not positive, or the number of angles is
-            not n.
-    """
+    """Refuse a motion that exceeds the limits of angle or speed."""
     if not 0.0 < duration < np.inf:
         raise ExoidError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
     time = np.arange(0.0, duration + 0.5 / rate, 1.0 / rate)

@@ -33,17 +33,7 @@ UP, DOWN = 1.0, -1.0
 
 
 def write_static_protocol(path: Name, leg: Leg, poses: ArrayLike, distance: float) -> None:
-    """Write poses to approach from both sides: ``pose, approach, start_<joint>, q_<joint>`` [rad].
-
-    Args:
-        path: File to write, whole or not at all.
-        leg: Leg with the limits that are checked; no joint starts beyond them.
-        poses: Angles [rad], (K, n).
-        distance: Distance of the start from the pose, at each joint [rad].
-
-    Raises:
-        ExoidError: A pose is beyond the limits, the distance is not positive, or the file cannot be written.
-    """
+    """Write poses to approach from both sides: ``pose, approach, start_<joint>, q_<joint>`` [rad]."""
     refuse_poses_beyond_limits(leg, poses)
     if not 0.0 < distance < np.inf:
         raise ExoidError(f"a distance of {distance:g} rad", remedy="pass a positive distance")
@@ -59,18 +49,7 @@ def write_static_protocol(path: Name, leg: Leg, poses: ArrayLike, distance: floa
 
 
 def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, duration: float) -> None:
-    """Write a motion sampled at the controller's rate: ``time, q_<joint>, v_<joint>`` [s, rad, rad/s].
-
-    Args:
-        path: File to write, whole or not at all.
-        leg: Leg with the limits that are checked.
-        reference: Motion, of which the first rig is written.
-        rate: Rate of the controller [Hz].
-        duration: Duration [s].
-
-    Raises:
-        ExoidError: The motion is beyond the limits, rate or duration is not positive, or the file cannot be written.
-    """
+    """Write a motion sampled at the controller's rate: ``time, q_<joint>, v_<joint>`` [s, rad, rad/s]."""
     if not 0.0 < rate < np.inf:
         raise ExoidError(f"a rate of {rate:g} Hz", remedy="pass a positive rate")
     refuse_motion_beyond_limits(leg, reference, duration)
@@ -82,15 +61,7 @@ def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, durati
 
 
 def write_static_log(path: Name, approaches: Approaches) -> None:
-    """Write measurements of poses approached from both sides, in the format of :func:`read_static_log`.
-
-    Args:
-        path: File to write, whole or not at all.
-        approaches: Measured poses.
-
-    Raises:
-        ExoidError: The file cannot be written.
-    """
+    """Write measurements of poses approached from both sides, in the format of :func:`read_static_log`."""
     names, number = approaches.below.joint_names, np.arange(len(approaches.below))
     tables = [
         np.column_stack([number, np.full(len(number), side), poses.q, poses.tau])
@@ -100,20 +71,7 @@ def write_static_log(path: Name, approaches: Approaches) -> None:
 
 
 def read_static_log(path: Name, joint_names: Sequence[str], torso: TorsoMotion | None = None) -> Approaches:
-    """Read measurements of poses approached from both sides.
-
-    Args:
-        path: CSV file.
-        joint_names: Requested joints.
-        torso: Pose of the torso; None for upright.
-
-    Returns:
-        Each pose from below and from above, in the order of the pose numbers.
-
-    Raises:
-        ExoidError: The file cannot be read, a column is missing, a cell is not a finite number, or a pose was not
-            approached from both sides.
-    """
+    """Read measurements of poses approached from both sides."""
     try:
         content = Path(path).read_bytes()
         lines = list(csv.reader(content.decode("utf-8-sig").splitlines()))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.actuators.constants import Adjustable, DriveConstant
+from exoid.actuators.constants import DriveConstant
 from exoid.torques import Motion, TorqueModel
 
 
@@ -59,8 +59,7 @@ class DriveModel(TorqueModel):
             joint = each.joint
             if motion.computed is not None and motion.computed[joint]:
                 drive = self.actuators.drives[self.leg.joint_names[joint]]
-                assert isinstance(drive, Adjustable)
-                slope = drive.sensitivity(each.constant.symbol, torque[joint], motion.q[:, joint], motion.v[:, joint])
+                slope = drive.sensitivity(each.constant.symbol, torque[joint], motion.v[:, joint])
                 np.negative(slope, out=out[column, joint])
         return out
 

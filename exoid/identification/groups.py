@@ -10,7 +10,8 @@ from exoid.errors import ExoidError
 from exoid.leg.leg import Leg
 from exoid.signals import Cluster, Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
-from exoid.torques import Term, TorqueModel, nonlinear_settings
+from exoid.torques import Term, TorqueModel
+from exoid.torques.nonlinear import nonlinear_settings
 
 from .group_rows import Data, Group, Measured, check_recordings, within
 

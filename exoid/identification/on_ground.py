@@ -17,7 +17,11 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
-from exoid.torques.contacts import EDGE, SHORTEST, ImuErrors, Split, SupportModel, reference_axes, split
+from exoid.torques.contacts import Split, split
+from exoid.torques.contacts.elimination import reference_axes
+from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.stretches import EDGE, SHORTEST
+from exoid.torques.contacts.support_model import SupportModel
 
 from .findings import signal_findings
 from .fitting import Fitted, Task

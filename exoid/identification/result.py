@@ -34,7 +34,7 @@ from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
-from exoid.torques.contacts import LOOP
+from exoid.torques.contacts.support_model import LOOP
 
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error

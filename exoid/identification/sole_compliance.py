@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
 from exoid.regression.row_data import Rows
 from exoid.signals import Cluster, Recording
-from exoid.torques.contacts import StandingBase, standing_base
+from exoid.torques.contacts.standing_base import StandingBase, standing_base
 
 from .fitting import Fitted, Task
 from .group_rows import Group

@@ -12,8 +12,9 @@ from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
 from exoid.regression.least_squares import factorize, stack
-from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
+from exoid.torques import TorqueModel
 from exoid.torques.linearised import linearise
+from exoid.torques.nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 
 from .estimators import fit_by
 from .fitting import Fitted, Start, Task

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .reduction import GRAVITY, BaseSamples, Plane, TorsoSamples
+from .reduction import Plane
+from .reduction.planar import GRAVITY, TorsoSamples
+from .reduction.tree_regressor import BaseSamples
 
 
 @dataclass(frozen=True, eq=False, repr=False)

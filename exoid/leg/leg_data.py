@@ -17,19 +17,11 @@ from .base_kinematics import BaseKinematics
 from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
-from .reduction import (
-    PLANAR_ROWS,
-    SIDES,
-    Limb,
-    PlanarChain,
-    PlanarMachine,
-    Plane,
-    Reduction,
-    TorsoSamples,
-    Tree,
-    fill_reduced_regressor,
-    fill_regressor,
-)
+from .reduction import Plane, Reduction
+from .reduction.planar import PlanarChain, TorsoSamples, fill_regressor
+from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
+from .reduction.reduced_regressor import fill_reduced_regressor
+from .reduction.tree import Tree
 from .torso import MovingBase, base_kinematics, torso_samples
 
 Base = Literal["fixed", "moving", "floating"]
@@ -47,18 +39,27 @@ class JointLimits(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LegData:
-    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`."""
+    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`.
 
-    description: Description  # the URDF
-    model: pin.Model  # pinocchio model of the moving joints; do not change it
-    reduction: Reduction  # reduction of link parameters to `parameters`
-    chain: PlanarChain | None  # planar geometry; None if the leg is not a planar chain
-    locked: Mapping[str, float] = field(default_factory=dict)  # positions of joints that do not move [rad]
-    cumulative: bool = True  # whether J of a segment contains the J below it (doc. 1) or not (doc. 2)
-    # "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
-    # more than on a fixed base. "floating" if rows of the base come before those of the joints
+    Attributes:
+        description: The URDF.
+        locked: Positions of joints that do not move [rad].
+        cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
+        model: Pinocchio model of the moving joints; do not change it.
+        chain: Planar geometry; None if the leg is not a planar chain.
+        reduction: Reduction of link parameters to :attr:`parameters`.
+        base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
+            more than on a fixed base. "floating" if rows of the base come before those of the joints.
+        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
+    """
+
+    description: Description
+    model: pin.Model
+    reduction: Reduction
+    chain: PlanarChain | None
+    locked: Mapping[str, float] = field(default_factory=dict)
+    cumulative: bool = True
     base: Base = "fixed"
-    # planar geometry of several limbs, or of what has a floating base; None for all other legs
     machine: PlanarMachine | None = None
 
     @property
@@ -90,9 +91,11 @@ class LegData:
 
     @property
     def row_names(self) -> tuple[str, ...]:
-        """Names of the rows: forces and moments on a floating base, and the joints."""
-        # The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
-        # about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
+        """Names of the rows: forces and moments on a floating base, and the joints.
+
+        The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
+        about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
+        """
         if self.base != "floating":
             return self.joint_names
         return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
@@ -151,7 +154,21 @@ class LegData:
         return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
-        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints."""
+        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso or of the base in space, of which a planar leg takes the part within its plane;
+                None if it is upright and still.
+
+        Returns:
+            W, (N, base_rows + n, p), each column contiguous in memory.
+
+        Raises:
+            ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
+        """
         q, v, a = self.samples(q, v, a)
         out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
         self.fill_regressor(q, v, a, out, torso)
@@ -160,7 +177,18 @@ class LegData:
     def fill_regressor(
         self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
     ) -> None:
-        """Write the regressor into an array."""
+        """Write the regressor into an array.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            out: Receives Wᵀ, zeroed, (p, base_rows + n, N).
+            torso: Motion of the torso, or of the base; see :meth:`regressor`.
+
+        Raises:
+            ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
+        """
         if self.chain is not None:
             moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
             fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
@@ -179,7 +207,17 @@ class LegData:
             )
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
-        """Check that arrays have the same shape (N, n)."""
+        """Check that arrays have the same shape (N, n).
+
+        Args:
+            *arrays: Arrays, (N, n); a single sample (n,) counts as N = 1.
+
+        Returns:
+            The arrays in float64.
+
+        Raises:
+            ExoidError: Shapes differ, or do not fit the number of joints.
+        """
         checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):

@@ -11,7 +11,8 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 
 from .base_kinematics import BaseKinematics
-from .reduction import GRAVITY, Plane, TorsoSamples
+from .reduction import Plane
+from .reduction.planar import GRAVITY, TorsoSamples
 
 TORSO_JOINTS = 3
 """Number of torso joints before the leg's joints: forward, up and pitch."""

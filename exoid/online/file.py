@@ -15,7 +15,8 @@ import numpy as np
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.tools.files import write_whole
-from exoid.torques import TorqueModel, term_from_json, term_to_json
+from exoid.torques import TorqueModel
+from exoid.torques.catalog import term_from_json, term_to_json
 
 from .changes import hypotheses_of
 from .settings import Settings

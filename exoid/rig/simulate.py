@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators
-from exoid.actuators.part import DRIVE_CHANNELS
+from exoid.actuators.actuators import DRIVE_CHANNELS
 from exoid.errors import ExoidError
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording

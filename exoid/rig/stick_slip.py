@@ -151,19 +151,9 @@ def _corrected_pattern(friction: Friction, pattern: FloatArray, slip: Slip) -> F
 
 
 def eliminate(M: FloatArray, rhs: FloatArray, moving: FloatArray | None = None) -> FloatArray:
-    """Solve M v = rhs by Gaussian elimination for B systems at once, with v = 0 for resting joints.
-
-    M is positive definite, so pivoting is not needed. Only the upper triangle is updated, with the right-hand side as
-    an additional column. The inverse pivot of a resting joint is set to zero.
-
-    Args:
-        M: Symmetric positive definite matrices, (n, n, B).
-        rhs: Right-hand sides, (n, B).
-        moving: 1 for moving and 0 for resting joints, (n, B); None if all move.
-
-    Returns:
-        Solutions v, (n, B).
-    """
+    """Solve M v = rhs by Gaussian elimination for B systems at once, with v = 0 for resting joints."""
+    # M is positive definite, so pivoting is not needed. Only the upper triangle is updated, with the right-hand side as
+    # an additional column. The inverse pivot of a resting joint is set to zero.
     n = len(rhs)
     U = np.concatenate([M, rhs[:, None]], axis=1)
     inverse = np.empty_like(rhs)

@@ -1,12 +1,11 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
-from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
+from .catalog import DEFAULT_TERMS, TERMS, register_term
 from .coupled_term import CoupledTerm, JointsMotion
 from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .internal_state import InternalState
 from .load_friction import LoadFriction
 from .model import Regrouped, TorqueModel
-from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .presliding import Presliding
 from .stribeck import Stribeck
 from .temperature import TemperatureFriction
@@ -31,7 +30,6 @@ __all__ = [
     "LoadFriction",
     "Motion",
     "NonlinearParameter",
-    "NonlinearSetting",
     "Offset",
     "Presliding",
     "Regrouped",
@@ -41,10 +39,5 @@ __all__ = [
     "Term",
     "TorqueModel",
     "Viscous",
-    "nonlinear_settings",
     "register_term",
-    "term_by_name",
-    "term_from_json",
-    "term_to_json",
-    "with_settings",
 ]

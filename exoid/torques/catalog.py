@@ -99,45 +99,15 @@ register_term("viscous", Viscous)
 
 
 def term_by_name(name: str) -> Term:
-    """Make a term with its default settings.
-
-    Args:
-        name: One of :data:`TERMS`.
-
-    Returns:
-        The term.
-
-    Raises:
-        ExoidError: There is no such term, its package is broken, or it has settings without defaults.
-    """
+    """Make a term with its default settings."""
     return named_default(TERMS, name)
 
 
 def term_to_json(term: Term) -> dict[str, Any]:
-    """Describe a term by its name and settings, and by its module if that is not of exoid.
-
-    Args:
-        term: The term.
-
-    Returns:
-        The description, as JSON can hold it.
-
-    Raises:
-        ExoidError: The type of the term has no name, or a setting cannot be written.
-    """
+    """Describe a term by its name and settings, and by its module if that is not of exoid."""
     return named_to_json(TERMS, KEY, term, NonlinearParameter)
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:
-    """Make a term from its description.
-
-    Args:
-        data: Description that :func:`term_to_json` made.
-
-    Returns:
-        The term.
-
-    Raises:
-        ExoidError: There is no term of this name, or its settings are other ones.
-    """
+    """Make a term from its description."""
     return named_from_json(TERMS, KEY, data, NonlinearParameter)

@@ -12,36 +12,19 @@ from .term import NonlinearParameter, Term
 
 
 class NonlinearSetting(NamedTuple):
-    """Nonlinear setting at one joint, or at the joints that a term couples.
+    """Nonlinear setting at one joint, or at the joints that a term couples."""
 
-    Attributes:
-        name: Symbol and joint, such as delta_knee or slack_hip_knee. Terms of one joint share settings with the same
-            symbol.
-        unit: Unit of the setting.
-        free: Start and bounds.
-    """
-
+    # symbol and joint, such as delta_knee or slack_hip_knee. Terms of one joint share settings with the same
+    # symbol
     name: str
-    unit: str
-    free: NonlinearParameter
+    unit: str  # unit of the setting
+    free: NonlinearParameter  # start and bounds
 
 
 def nonlinear_settings(
     terms: Sequence[Term], names: Sequence[str], labels: Sequence[str]
 ) -> tuple[NonlinearSetting, ...]:
-    """List the settings that the fit has to find, each once.
-
-    Args:
-        terms: The terms.
-        names: Joints of the leg, (n,).
-        labels: Joint names as they occur in parameter names, (n,).
-
-    Returns:
-        The settings, in the order of the terms.
-
-    Raises:
-        ExoidError: Two terms share a setting at a joint but not its start and bounds, or a joint is missing.
-    """
+    """List the settings that the fit has to find, each once."""
     found: dict[str, NonlinearSetting] = {}
     for term in terms:
         for _, symbol, unit, free in _free_settings(term):
@@ -58,22 +41,8 @@ def nonlinear_settings(
 def with_settings(
     terms: Sequence[Term], names: Sequence[str], labels: Sequence[str], values: Mapping[str, float]
 ) -> tuple[Term, ...]:
-    """Replace each :class:`NonlinearParameter` by a value.
-
-    A term that has nonlinear parameters becomes one term for each joint, or for the joints that it couples.
-
-    Args:
-        terms: The terms.
-        names: Joints of the leg, (n,).
-        labels: Joint names as they occur in parameter names, (n,).
-        values: Value of each setting by name.
-
-    Returns:
-        The terms.
-
-    Raises:
-        ExoidError: A joint is missing.
-    """
+    """Replace each :class:`NonlinearParameter` by a value."""
+    # A term that has nonlinear parameters becomes one term for each joint, or for the joints that it couples.
     settled: list[Term] = []
     for term in terms:
         settings = list(_free_settings(term))

@@ -8,6 +8,7 @@ import pytest
 import exoid
 from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, motor_terms
 from exoid.torques import CouplingFriction, TorqueModel, Viscous
+from exoid.torques.catalog import term_from_json, term_to_json
 
 LEG = exoid.load_leg("cuhk")
 RNG = np.random.default_rng(2)
@@ -145,7 +146,7 @@ def test_reversals_of_a_motor_are_those_of_its_velocity() -> None:
 
 def test_terms_of_motors_are_written_and_read() -> None:
     for term in motor_terms(COUPLING):
-        assert exoid.torques.term_from_json(exoid.torques.term_to_json(term)) == term
+        assert term_from_json(term_to_json(term)) == term
 
 
 def test_controllers_compensate_friction_and_rotors_of_motors() -> None:

@@ -275,7 +275,7 @@ def test_the_gain_of_a_force_channel_is_found_by_a_payload(tmp_path):
     assert f"/ ({found['kf_knee'].value!r} * " in (tmp_path / "leg.c").read_text()
     with pytest.raises(ExoidError, match=r"nothing is known in N·m, so that kt_hip, kf_knee"):
         identify(LEG, wrong[:1], TERMS, actuators=free)
-    with pytest.raises(ExoidError, match="gain of the force channel is not known"):
+    with pytest.raises(ExoidError, match="gain of the LinearActuator is not known"):
         Actuators.of(LEG, {"knee": free["knee"]}).torque(wrong[0])
     actuators = Actuators.of(LEG, free)
     assert actuators_from_data(actuators_to_data(actuators), LEG).drives["left_knee"].gain is None
@@ -289,5 +289,5 @@ def test_the_sensitivity_is_the_derivative_of_the_torque(symbol, back):
     field, step = {"kt": "torque_constant", "eta": "efficiency"}[symbol], 1e-6
     value = getattr(motor, field)
     above, below = (replace(motor, **{field: value + sign * step}).torque(current, v, v) for sign in (1.0, -1.0))
-    found = motor.sensitivity(symbol, motor.torque(current, v, v), v, v)
+    found = motor.sensitivity(symbol, motor.torque(current, v, v), v)
     np.testing.assert_allclose(found, (above - below) / (2.0 * step), rtol=1e-6, atol=1e-9)

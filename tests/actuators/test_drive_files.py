@@ -23,9 +23,9 @@ from exoid.actuators import (
     actuators_from_data,
     actuators_to_data,
     read_actuators,
-    read_transmissions,
     write_actuators,
 )
+from exoid.actuators.transmission import read_transmissions
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
 POINTS = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))

@@ -35,7 +35,7 @@ def test_virtual_work_by_finite_differences(joint: str) -> None:
     drive, h = CYLINDERS.drives[joint], 1e-6
     rng = np.random.default_rng(1)
     q, v, force = rng.uniform(-0.8, 0.8, 50), rng.normal(size=50), 1000.0 * rng.normal(size=50)
-    rate = (drive.geometry.length(q + h * v) - drive.geometry.length(q - h * v)) / (2.0 * h)
+    rate = (drive.moment_arm.length(q + h * v) - drive.moment_arm.length(q - h * v)) / (2.0 * h)
     np.testing.assert_allclose(drive.torque(force, q, v) * v, force * rate, rtol=1e-7, atol=1e-6)
 
 
@@ -52,8 +52,10 @@ def test_arms_of_both_sides_are_alike_and_keep_their_sign_within_the_limits() ->
         BLEEX.joint_names, right.joint_names, BLEEX.limits.lower, BLEEX.limits.upper, strict=True
     ):
         q = np.linspace(low, high, 50)
-        arm = CYLINDERS.drives[left_joint].geometry.arm(q)
-        np.testing.assert_allclose(read_actuators("bleex", right).drives[right_joint].geometry.arm(q), arm, rtol=1e-12)
+        arm = CYLINDERS.drives[left_joint].moment_arm.arm(q)
+        np.testing.assert_allclose(
+            read_actuators("bleex", right).drives[right_joint].moment_arm.arm(q), arm, rtol=1e-12
+        )
         assert np.abs(arm).min() > 0.01
         assert (arm > 0.0).all() or (arm < 0.0).all()
 
@@ -78,10 +80,10 @@ def test_a_table_of_the_arm_gives_the_same_torque() -> None:
     q, force = np.linspace(-0.3, 1.2, 40), np.full(40, 700.0)
     exact = CYLINDERS.drives["left_hip"]
     angles = np.linspace(-0.4, 1.3, 15)
-    table = LinearActuator(MomentArmTable(angles, exact.geometry.arm(angles)))
+    table = LinearActuator(MomentArmTable(angles, exact.moment_arm.arm(angles)))
     np.testing.assert_allclose(table.torque(force, q, q), exact.torque(force, q, q), rtol=1e-4)
-    change = table.geometry.length(q) - table.geometry.length(q[:1])
-    np.testing.assert_allclose(change, exact.geometry.length(q) - exact.geometry.length(q[:1]), atol=1e-5)
+    change = table.moment_arm.length(q) - table.moment_arm.length(q[:1])
+    np.testing.assert_allclose(change, exact.moment_arm.length(q) - exact.moment_arm.length(q[:1]), atol=1e-5)
 
 
 def test_angles_beyond_a_table_are_refused() -> None:

@@ -20,7 +20,9 @@ from turns import best_of_turns, show
 
 import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
-from exoid.leg.reduction import BaseSamples, Tree, fill_tree_regressor, numeric
+from exoid.leg.reduction.numeric import numeric
+from exoid.leg.reduction.tree import Tree
+from exoid.leg.reduction.tree_regressor import BaseSamples, fill_tree_regressor
 
 SAMPLES, MANY, CHECKED, ROUNDS = 25_000, 100_000, 500, 2
 EXTRA_MEMORY = 200e6

@@ -6,7 +6,8 @@ import pytest
 import exoid
 from exoid import published
 from exoid.errors import ExoidError
-from exoid.experiments import bleex, cuhk, refuse_poses_beyond_limits
+from exoid.experiments import bleex, cuhk
+from exoid.experiments.limits import refuse_poses_beyond_limits
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 

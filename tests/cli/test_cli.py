@@ -235,12 +235,10 @@ def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, dat
     assert json.loads(run.out, parse_constant=pytest.fail)["nrmse"] == [None, None, None]
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_real_recording_from_end_to_end(exoid_):
     """As the README shows it."""
     run = exoid_("identify", "dfki_double_pendulum", "dfki_double_pendulum:train", "-o", "leg.json")
-    if "cannot be downloaded" in run.err:
-        pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/signals/datasets")
     assert run.code == 0
     run = exoid_("validate", "leg.json", "dfki_double_pendulum:test")
     assert "shoulder" in run.out

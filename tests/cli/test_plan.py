@@ -8,7 +8,8 @@ import pytest
 
 import exoid
 from exoid.experiments import cuhk
-from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, precision_to_json, search
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, search
+from exoid.experiments.excitation.text import precision_to_json
 
 QUICK = ("--duration", "8", "--highest", "0.6", "--starts", "1", "--noise", "0.3")
 LEG = exoid.load_leg("cuhk")

@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.experiments import refuse_motion_beyond_limits
-from exoid.experiments.excitation import Clearance, MotionLimits, Scales, TorqueNoise, plan_excitation, write_plan
+from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation
+from exoid.experiments.excitation.clearance import Clearance
 from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.objective import Objective, Stage
+from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.search import search
+from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")

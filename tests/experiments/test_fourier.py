@@ -8,17 +8,9 @@ import pytest
 import exoid
 from exoid import datasets
 from exoid.errors import ExoidError
-from exoid.experiments import (
-    Approach,
-    Harmonics,
-    Hold,
-    fit_harmonics,
-    gait_for_leg,
-    healthy_gait,
-    norm_gait,
-    refuse_motion_beyond_limits,
-)
+from exoid.experiments import Approach, Harmonics, Hold, fit_harmonics, gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
+from exoid.experiments.limits import refuse_motion_beyond_limits
 
 GAIT = healthy_gait(1.0, 1.0)
 
@@ -145,12 +137,10 @@ def test_norms_that_are_missing_unknown_or_changed_are_refused(tmp_path, monkeyp
         datasets.gait_norm()
 
 
+@pytest.mark.real_data("gait_norm")
 def test_the_published_norms_fit_six_harmonics_and_bleex():
-    """Where the file is there: residuals below 0.15° at hip and knee."""
-    try:
-        norm = datasets.gait_norm("Free")
-    except ExoidError as error:
-        pytest.skip(str(error))
+    """Residuals below 0.15° at hip and knee."""
+    norm = datasets.gait_norm("Free")
     motion = norm_gait("Free", 1.0, 1.0)
     fitted = np.rad2deg([motion.at(float(p)).q[:, 0] for p in norm.phase])
     assert (np.sqrt(np.mean((fitted - norm.mean_deg) ** 2, axis=0)) < [0.15, 0.15, 0.7]).all()

@@ -21,7 +21,8 @@ from exoid.experiments.ground import (
 )
 from exoid.experiments.ground.feedforward import Bearing, planned_motion
 from exoid.experiments.ground.posture import planar_legs
-from exoid.rig.ground import BLEEX_SOLES, GroundPlant, JointGains, simulate_on_ground
+from exoid.rig.ground import GroundPlant, JointGains, simulate_on_ground
+from exoid.rig.ground.sole import BLEEX_SOLES
 
 EXO, LEG = bleex_machine(), bleex_machine("left")
 WEIGHT = 9.81 * sum(body.mass for body in EXO.leg.model.inertias)
@@ -162,17 +163,19 @@ def test_torques_of_the_plan_let_the_machine_follow_closely():
     assert errors[1] > 0.1
 
 
+NORM = pytest.mark.real_data("gait_norm")
+
+
 @pytest.mark.parametrize(
-    ("speed", "period"), [("VerySlow", 2.0), ("Slow", 1.4), ("Free", 1.2), ("Fast", 1.1), (None, 1.2), (None, 2.0)]
+    ("speed", "period"),
+    [
+        *(pytest.param(*walk, marks=NORM) for walk in (("VerySlow", 2.0), ("Slow", 1.4), ("Free", 1.2), ("Fast", 1.1))),
+        (None, 1.2),
+        (None, 2.0),
+    ],
 )
 def test_machines_walk_by_every_norm(speed, period):
-    """Where the file of the norms is there."""
-    try:
-        run = walking(EXO, 3.0, gait=Gait(speed, period))
-    except ExoidError as error:
-        if "no gait norms" not in str(error):
-            raise
-        pytest.skip(str(error))
+    run = walking(EXO, 3.0, gait=Gait(speed, period))
     assert np.abs(residual(run)).max() < 1e-6
     assert sum(foot.force[:, 2].mean() for foot in run.feet.values()) > 0.6 * WEIGHT
 

@@ -5,7 +5,8 @@ import pytest
 
 import exoid
 from exoid.experiments import Approach, Hold, bleex, healthy_gait
-from exoid.experiments.excitation import Clearance, MotionLimits, assess, plan_excitation
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
+from exoid.experiments.excitation.clearance import Clearance
 
 LEG = exoid.load_leg("cuhk")
 

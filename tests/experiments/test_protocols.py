@@ -6,16 +6,8 @@ import pytest
 import exoid
 from exoid import published
 from exoid.errors import ExoidError
-from exoid.experiments import (
-    Harmonics,
-    Hold,
-    StaticProtocol,
-    bleex,
-    cuhk,
-    healthy_gait,
-    refuse_motion_beyond_limits,
-    refuse_poses_beyond_limits,
-)
+from exoid.experiments import Harmonics, Hold, StaticProtocol, bleex, cuhk, healthy_gait
+from exoid.experiments.limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from exoid.experiments.references import Approach
 from exoid.torques import TorqueModel
 

@@ -5,18 +5,10 @@ import pytest
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.experiments import (
-    Bench,
-    StaticProtocol,
-    cuhk,
-    read_static_log,
-    run_motion,
-    run_static,
-    stiff_servo,
-    write_motion,
-    write_static_log,
-    write_static_protocol,
-)
+from exoid.experiments import Bench, StaticProtocol, cuhk, run_static
+from exoid.experiments.bench import stiff_servo
+from exoid.experiments.dynamic import run_motion
+from exoid.experiments.protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 
 LEG = exoid.load_leg("cuhk")

@@ -14,19 +14,21 @@ from exoid.experiments.excitation import (
     TorqueNoise,
     plan_excitation,
     plan_stance,
-    predict_stance,
     run_stance,
     search,
-    write_stance_plan,
 )
 from exoid.experiments.excitation.fourier import Basis, States
 from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
+from exoid.experiments.excitation.stance.files import write_stance_plan
 from exoid.experiments.excitation.stance.objective import StanceObjective
+from exoid.experiments.excitation.stance.precision import predict_stance
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
-from exoid.rig.ground import BLEEX_SOLES, Sole
+from exoid.rig.ground import Sole
+from exoid.rig.ground.sole import BLEEX_SOLES
 from exoid.torques import DEFAULT_TERMS, TorqueModel
-from exoid.torques.contacts import eliminate, standing_base
+from exoid.torques.contacts.elimination import eliminate
+from exoid.torques.contacts.standing_base import standing_base
 
 EXO = exoid.load_exo("bleex", base="floating")
 MODEL = TorqueModel(EXO, DEFAULT_TERMS)

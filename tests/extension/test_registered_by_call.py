@@ -25,7 +25,8 @@ from exoid.leg.exported import read_exported
 from exoid.rig import Plant, ProportionalDerivative
 from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
 from exoid.signals.readers import ArrayTable
-from exoid.torques import NonlinearParameter, Stiffness, Term, TorqueModel, register_term, term_from_json, term_to_json
+from exoid.torques import NonlinearParameter, Stiffness, Term, TorqueModel, register_term
+from exoid.torques.catalog import term_from_json, term_to_json
 
 LEG = exoid.load_leg("cuhk")
 FRICTION = (Coulomb(), Viscous())

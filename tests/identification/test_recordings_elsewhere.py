@@ -136,7 +136,8 @@ def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder,
 
 def test_workers_that_are_threads_of_this_process_do_not_wait_for_it(folder, in_memory):
     distributed = pytest.importorskip("distributed")
-    options = {"n_workers": 2, "processes": False, "dashboard_address": ":0"}
+    # an address of its own: Dask asks the network for one, which may be missing
+    options = {"n_workers": 2, "processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": ":0"}
     with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as threads:
         found = identify(SWING.leg, Cluster.of_files(threads, Recordings.from_folder(folder)), TERMS)
     assert_same(found, identify(SWING.leg, in_memory, TERMS))

@@ -200,16 +200,10 @@ def test_the_default_candidates_go_from_plain_to_rich():
 
 @pytest.fixture(scope="module")
 def dfki():
-    """The dataset, or a reason to skip."""
-    try:
-        return exoid.datasets.dfki_double_pendulum()
-    except ExoidError as error:
-        if "cannot be downloaded" not in error.what:
-            raise
-        pytest.skip(f"the DFKI recording is not to be had: {error.what[:80]}")
+    return exoid.datasets.dfki_double_pendulum()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
     """A rich model for both joints alike, and its figures: 0.0419 and 0.1024; without it 0.0664 and 0.1473."""
     (chosen,) = (c for c in friction_candidates() if c.name == CHOSEN)
@@ -228,8 +222,7 @@ def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
 
 
 @pytest.mark.slow
-@pytest.mark.real_data
-@pytest.mark.usefixtures("dfki")
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_command_chooses_inside_the_training_part(tmp_path):
     """The documented choice and its figures."""
     name, path = "dfki_double_pendulum", str(tmp_path / "est.json")

@@ -306,14 +306,11 @@ def test_given_candidates_cannot_drive_either(leg):
 
 @pytest.fixture(scope="module")
 def dfki():
-    try:
-        return exoid.datasets.dfki_double_pendulum()
-    except ExoidError as error:
-        pytest.skip(error.what[:80])
+    return exoid.datasets.dfki_double_pendulum()
 
 
 @pytest.mark.slow
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki):
     """Fitted to the slow rows, the fast ones are predicted nearly as well as by a fit of all: 1.10 and 1.07 times."""
     everything = Search(dfki.leg, [dfki.train], ZeroPhase(8.0), 5)

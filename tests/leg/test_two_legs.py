@@ -16,7 +16,8 @@ from exoid import ExoidError, Leg, Payload
 from exoid.cli import app
 from exoid.leg.description import describe
 from exoid.leg.exported import read_exported
-from exoid.leg.lift import distribute_bodies, lift
+from exoid.leg.lift import lift
+from exoid.leg.lift.lumping import distribute_bodies
 from exoid.leg.rewriting import rewrite
 from exoid.torques import Motion
 from exoid.torques.payloads import payload_torque

@@ -352,8 +352,9 @@ def test_a_passive_limb_of_the_same_size_makes_the_documents_leg():
 
 
 def test_legs_that_are_no_persons_have_no_anthropometry():
+    arm = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
     with pytest.raises(ExoidError, match="no anthropometry for the joints"):
-        limb_of(exoid.datasets.dfki_double_pendulum().leg)
+        limb_of(arm)
 
 
 @pytest.mark.parametrize("stature", [{"height": 175.0}, {"mass": 7e4}, {"height": -1.7}, {"mass": np.nan}])

@@ -29,11 +29,10 @@ from exoid.torques import (
     CouplingSpring,
     NonlinearParameter,
     TorqueModel,
-    nonlinear_settings,
     register_term,
-    term_from_json,
-    term_to_json,
 )
+from exoid.torques.catalog import term_from_json, term_to_json
+from exoid.torques.nonlinear import nonlinear_settings
 from exoid.torques.term import random_motion
 
 LEG = exoid.load_leg("bleex")

@@ -10,19 +10,10 @@ from planar_chains import random_motion
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Offset, Viscous
-from exoid.torques import (
-    JointMotion,
-    LoadFriction,
-    NonlinearParameter,
-    Presliding,
-    Stribeck,
-    TorqueModel,
-    nonlinear_settings,
-    term_from_json,
-    term_to_json,
-    with_settings,
-)
+from exoid.torques import JointMotion, LoadFriction, NonlinearParameter, Presliding, Stribeck, TorqueModel
+from exoid.torques.catalog import term_from_json, term_to_json
 from exoid.torques.linearised import linearise
+from exoid.torques.nonlinear import nonlinear_settings, with_settings
 
 DRY = (
     Coulomb(),

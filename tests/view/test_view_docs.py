@@ -27,14 +27,7 @@ def test_the_python_runs(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_table_is_what_the_study_prints(capsys):
-    try:
-        runpy.run_path(str(ROOT / "scripts" / "study_prediction.py"), run_name="__main__")
-    except Exception as error:
-        if "cannot be downloaded" in str(error):
-            pytest.skip(
-                "the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/signals/datasets"
-            )
-        raise
+    runpy.run_path(str(ROOT / "scripts" / "study_prediction.py"), run_name="__main__")
     assert capsys.readouterr().out in (ROOT / PAGE.name).read_text("utf-8")

@@ -17,21 +17,12 @@ STEP = 1e-6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Clearance:
-    """Points of the last segment that keep a distance from the ground and from the other segments.
+    """Points of the last segment that keep a distance from the ground and from the other segments."""
 
-    Attributes:
-        points: Points such as heel and toe: forward and upward distance from the last joint at the zero pose [m],
-            (k, 2).
-        ground: Height of the ground above the first joint [m], negative; −inf for none.
-        distance: Smallest distance to the ground and to the lines between other joints [m].
-
-    Raises:
-        ExoidError: The points are not a finite (k, 2) array, the ground is not negative, or the distance is negative.
-    """
-
+    # points such as heel and toe: forward and upward distance from the last joint at the zero pose [m], (k, 2)
     points: FloatArray
-    ground: float = -np.inf
-    distance: float = 0.05
+    ground: float = -np.inf  # height of the ground above the first joint [m], negative; −inf for none
+    distance: float = 0.05  # smallest distance to the ground and to the lines between other joints [m]
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -48,19 +39,7 @@ class Clearance:
         return f"Clearance({len(self.points)} points, ground {self.ground:g} m, distance {self.distance:g} m)"
 
     def margin(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
-        """Compute each distance less the smallest distance allowed.
-
-        Args:
-            leg: The leg, planar or not.
-            q: Angles [rad], (N, n).
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            Margins [m], (N, c), negative where a point is too near.
-
-        Raises:
-            ExoidError: The joints of the leg are not one chain.
-        """
+        """Compute each distance less the smallest distance allowed."""
         joints, points = _positions(leg, q, pitch, self.points)
         parts = []
         if np.isfinite(self.ground):
@@ -70,16 +49,7 @@ class Clearance:
         return np.hstack(parts) - self.distance if parts else np.empty((len(q), 0))
 
     def margin_derivative(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
-        """Compute the derivative of the margins by each angle, with central differences.
-
-        Args:
-            leg: The leg, planar or not.
-            q: Angles [rad], (N, n).
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            Derivatives ∂ margin / ∂q_j [m/rad], (n, N, c).
-        """
+        """Compute the derivative of the margins by each angle, with central differences."""
         steps = STEP * np.eye(q.shape[1])
         moved = np.concatenate([q + sign * step for sign in (1.0, -1.0) for step in steps])
         forward, backward = self.margin(leg, moved, pitch).reshape(2, q.shape[1], len(q), -1)

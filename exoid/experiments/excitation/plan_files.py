@@ -16,21 +16,9 @@ from .plan import Plan
 
 
 def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
-    """Write motions as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the rate of the plan, and poses.
-
-    tau is the expected torque. With several torso tilts each motion has its own file, ``plan_tilt+20.csv``. Poses are
-    written to ``plan_poses.csv`` by :func:`exoid.experiments.write_static_protocol`.
-
-    Args:
-        path: Name of the file of the motion; each file is written whole or not at all.
-        plan: The plan.
-
-    Returns:
-        Files that were written.
-
-    Raises:
-        ExoidError: The suffix is not .csv, the folder does not exist, or a file cannot be written.
-    """
+    """Write motions as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the rate of the plan, and poses."""
+    # tau is the expected torque. With several torso tilts each motion has its own file, `plan_tilt+20.csv`. Poses are
+    # written to `plan_poses.csv` by `exoid.experiments.write_static_protocol`.
     pitches = [motion.pitch for motion in plan.motions]
     files = plan_files(path, pitches, poses=bool(plan.poses))
     for file, recording in zip(files, plan.recordings, strict=False):
@@ -41,35 +29,13 @@ def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
 
 
 def plan_files(path: str | os.PathLike[str], pitches: Sequence[float], *, poses: bool) -> tuple[Path, ...]:
-    """Name the files of a plan.
-
-    Args:
-        path: Name of the file of the motion.
-        pitches: Tilt of the torso in each motion [rad].
-        poses: Whether there are static poses.
-
-    Returns:
-        A file of each motion, then a file of the poses at each tilt.
-
-    Raises:
-        ExoidError: The suffix is not .csv, or the folder does not exist.
-    """
+    """Name the files of a plan."""
     path = refuse_plan_name(path)
     return tuple(_named(path, kind, pitch, len(pitches)) for kind in ("", "_poses")[: 1 + poses] for pitch in pitches)
 
 
 def refuse_plan_name(path: str | os.PathLike[str]) -> Path:
-    """Refuse a file name under which a plan cannot be written.
-
-    Args:
-        path: Name of the file.
-
-    Returns:
-        The name as a path.
-
-    Raises:
-        ExoidError: The suffix is not .csv, or the folder does not exist.
-    """
+    """Refuse a file name under which a plan cannot be written."""
     path = Path(path)
     if path.suffix != ".csv":
         raise ExoidError(f"a plan in {path.name}", remedy="name the file .csv")

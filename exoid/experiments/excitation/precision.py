@@ -17,7 +17,7 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
 from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 from exoid.torques import TorqueModel
-from exoid.torques.contacts import SupportModel
+from exoid.torques.contacts.support_model import SupportModel
 
 from .noise import TorqueNoise
 from .scales import Scales

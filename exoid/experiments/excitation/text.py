@@ -44,14 +44,7 @@ def identifiability_lines(precision: Precision) -> list[str]:
 
 
 def precision_to_json(precision: Precision) -> dict[str, Any]:
-    """Convert a prediction to JSON types.
-
-    Args:
-        precision: Predicted precision.
-
-    Returns:
-        Standard deviations, classes and scales by name, condition number and duration; None for infinity.
-    """
+    """Convert a prediction to JSON types."""
     names = precision.names
     return {
         "predicted_std": dict(zip(names, map(_finite, precision.std), strict=True)),

@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.link_frames import link_frame
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundPlant
 
 ARM = 0.1

@@ -10,7 +10,7 @@ import pinocchio as pin
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg.link_frames import link_frame
-from exoid.leg.reduction import Limb
+from exoid.leg.reduction.planar_machine import Limb
 from exoid.rig.ground import GroundPlant
 
 JOINTS = 3

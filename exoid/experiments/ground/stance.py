@@ -10,7 +10,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Rates
-from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground.simulate import RATES
 
 from .feedforward import Bearing, planned_motion
 from .follow import follow

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.rig import Rates
-from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground.simulate import RATES
 
 from .feedforward import planned_motion
 from .follow import follow

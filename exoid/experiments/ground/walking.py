@@ -8,9 +8,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig import Rates
-from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground.simulate import RATES
 
 from .feedforward import Bearing, planned_motion
 from .follow import follow

@@ -12,8 +12,9 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check as can_exist
-from exoid.leg.lift import consistent_within, lift
-from exoid.leg.reduction import Limb
+from exoid.leg.lift import lift
+from exoid.leg.lift.lift import consistent_within
+from exoid.leg.reduction.planar_machine import Limb
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence

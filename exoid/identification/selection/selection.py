@@ -30,7 +30,8 @@ from exoid.signals import Recording
 from exoid.signals.default_preparation import highest_cutoff
 from exoid.signals.preparation_names import preparation_to_json
 from exoid.tools.tables import DataTable, make_table, to_text
-from exoid.torques import Term, TorqueModel, term_to_json
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import term_to_json
 
 from .by_joint import JointFriction, fit_candidate, select_by_joint
 from .candidates import Candidate, estimator_candidates, filter_candidates

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.experiments import Bench, StaticProtocol, bleex, run_motion, run_static
+from exoid.experiments import Bench, StaticProtocol, bleex, run_static
+from exoid.experiments.dynamic import run_motion
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import bleex_parameters, bleex_resistances
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors

@@ -13,7 +13,8 @@ from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
+from exoid.experiments import cuhk, healthy_gait
+from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.identification import identify
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import cuhk as document

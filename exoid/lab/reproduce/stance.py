@@ -17,11 +17,13 @@ from exoid.estimate.ground_prediction import level_wrench
 from exoid.identification import check, identify
 from exoid.leg.catalog import load_exo, load_leg
 from exoid.leg.leg import Leg
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundPlant
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Viscous
-from exoid.torques.contacts import EDGE, ImuErrors, split
+from exoid.torques.contacts import split
+from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.stretches import EDGE
 
 from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 

@@ -14,7 +14,8 @@ from exoid.control.model import ModelSource
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.experiments import gait_for_leg, healthy_gait, refuse_motion_beyond_limits
+from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.lab.stability import Amplification, largest_amplification
 from exoid.lab.stability.worn import AmplifiedLaw
 from exoid.rig import Plant, Reference, Sensors, Wearer

@@ -19,7 +19,8 @@ from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
 from exoid.tools.json_values import attributes, json_value, named
-from exoid.torques import Term, TorqueModel, term_to_json
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import term_to_json
 
 from .noise import Noise
 from .protocol import Protocol

@@ -15,7 +15,8 @@ from exoid.control.model import ModelSource
 from exoid.control.standard_laws import refuse_unknown_laws
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
-from exoid.experiments import Harmonics, refuse_motion_beyond_limits
+from exoid.experiments import Harmonics
+from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.tools.json_values import attributes
 from exoid.torques import TorqueModel
 

@@ -207,23 +207,8 @@ def lift(
 
 @_in_range()
 def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> bool:
-    """Say whether some physically consistent links have base parameters within a distance of the given ones.
-
-    This costs less than :func:`lift`, which looks for the nearest.
-
-    Args:
-        leg: The leg; its inertias are where the search begins.
-        values: Base parameters, (p,), in the order of ``leg.parameter_names``.
-        covariance: Covariance of the values, (p, p).
-        distance: The distance, in standard deviations.
-
-    Returns:
-        Whether there are such links.
-
-    Raises:
-        ExoidError: Values or covariance do not fit the leg, are not finite or absurd, or the covariance has a negative
-            eigenvalue.
-    """
+    """Say whether some physically consistent links have base parameters within a distance of the given ones."""
+    # This costs less than `lift`, which looks for the nearest.
     target = checked_values(leg, values)
     prior = make_consistent(leg.link_parameters)
     problem = Problem.around(prior, leg.reduction)

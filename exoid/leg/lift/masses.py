@@ -20,17 +20,11 @@ factor of 3 where the pull towards the URDF's own links is the usual one.
 
 
 class MassChange(NamedTuple):
-    """Mass of a link, before and after.
+    """Mass of a link, before and after."""
 
-    Attributes:
-        link: Name of the link.
-        before: Mass in the URDF [kg].
-        after: New mass [kg].
-    """
-
-    link: str
-    before: float
-    after: float
+    link: str  # name of the link
+    before: float  # mass in the URDF [kg]
+    after: float  # new mass [kg]
 
     @property
     def factor(self) -> float:

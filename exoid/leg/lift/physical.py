@@ -27,21 +27,13 @@ from .lift import checked_values, lift
 
 
 class MassBound(NamedTuple):
-    """Bounds of the mass of a segment and all segments below it [kg].
+    """Bounds of the mass of a segment and all segments below it [kg]."""
 
-    Attributes:
-        masses: Sum of masses that is bounded, such as "m_shank + m_foot".
-        formula: Lower bound without lengths, such as "(X2² + Y2²)/(J2 − J3)".
-        least: Value of this bound; infinite if the inertia is not positive.
-        least_with_lengths: Sharp lower bound, from the positions of the joints.
-        most: Sharp upper bound j/|d|², from the inertia of the segment above; infinite for the first segment.
-    """
-
-    masses: str
-    formula: str
-    least: float
-    least_with_lengths: float
-    most: float
+    masses: str  # sum of masses that is bounded, such as "m_shank + m_foot"
+    formula: str  # lower bound without lengths, such as "(X2² + Y2²)/(J2 − J3)"
+    least: float  # value of this bound; infinite if the inertia is not positive
+    least_with_lengths: float  # sharp lower bound, from the positions of the joints
+    most: float  # sharp upper bound j/|d|², from the inertia of the segment above; infinite for the first segment
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ Quantity(value=3.783, unit='kg·m', printed='3.783')
 2.38
 """
 
-from .document import Assumption, Document, Erratum, PublishedTable, Quantity, bleex, cuhk
+from .document import Assumption, Document, Erratum, PublishedTable, bleex, cuhk
 from .parameters import bleex_parameters, bleex_resistances, cuhk_cad_parameters, cuhk_parameters, cuhk_resistances
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "Document",
     "Erratum",
     "PublishedTable",
-    "Quantity",
     "bleex",
     "bleex_parameters",
     "bleex_resistances",

@@ -21,17 +21,11 @@ else:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Printed number.
+    """Printed number."""
 
-    Attributes:
-        value: Value.
-        unit: Unit as printed, ``"1"`` for a count.
-        printed: Digits as printed; trailing zeros show the precision.
-    """
-
-    value: float
-    unit: str
-    printed: str
+    value: float  # value
+    unit: str  # unit as printed, `"1"` for a count
+    printed: str  # digits as printed; trailing zeros show the precision
 
 
 @dataclass(frozen=True)

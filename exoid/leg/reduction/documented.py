@@ -14,22 +14,13 @@ MASS, MOMENT, INERTIA = 0, slice(1, 4), slice(4, 10)
 
 
 def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
-    """Map link parameters π to (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso.
-
-    For each segment, with x forward, z up and d the vector to the next joint at the zero pose (doc. 1, eqs. (1)-(9)):
-
-        X = −m c_z − M d_z,    Y = m c_x + M d_x,    J = I_yy + M |d|²,
-
-    with M the mass of all segments below and I_yy the inertia about the segment's own joint. With ``cumulative``, J
-    also contains the J below it (doc. 1). Without, it does not (doc. 2, Table I, with its last term read as J_t).
-
-    Args:
-        chain: Geometry of the leg.
-        cumulative: Whether J is cumulative, as in doc. 1.
-
-    Returns:
-        The reduction to 3 n parameters.
-    """
+    """Map link parameters π to (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso."""
+    # For each segment, with x forward, z up and d the vector to the next joint at the zero pose (doc. 1, eqs. (1)-(9)):
+    #
+    #     X = −m c_z − M d_z,    Y = m c_x + M d_x,    J = I_yy + M |d|²,
+    #
+    # with M the mass of all segments below and I_yy the inertia about the segment's own joint. With `cumulative`, J
+    # also contains the J below it (doc. 1). Without, it does not (doc. 2, Table I, with its last term read as J_t).
     n = chain.n
     collect, spread = np.zeros((3 * n, 10 * n)), np.zeros((10 * n, 3 * n))
     for j, rotation in enumerate(chain.rotations):

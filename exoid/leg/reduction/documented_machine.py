@@ -12,25 +12,15 @@ from .reduction import Reduction
 
 
 def documented_machine(machine: PlanarMachine, hip: FloatArray, *, cumulative: bool) -> Reduction:
-    """Map link parameters π to (X1_left, Y1_left, J1_left, X2_left, …), limb by limb.
-
-    A floating torso has its own ten parameters in π before those of the links, and M, X0, Y0, J0 before those of the
-    limbs. With M_l the mass of limb l and d_l the place of its hip, counted from the hip of the machine, the definition
-    continues that of a segment:
-
-        M = m + Σ M_l,    X0 = −m c_z − Σ M_l d_z,    Y0 = m c_x + Σ M_l d_x,    J0 = I_yy + Σ M_l |d_l|²,
-
-    with the torso's mass m, centre of mass c and inertia I_yy about the hip. With ``cumulative``, J0 also contains J1
-    of every limb, as each J contains the J below it (doc. 1).
-
-    Args:
-        machine: Geometry of the machine.
-        hip: Origin of the first joint in the axes of the root link [m], (3,).
-        cumulative: Whether J is cumulative, as in doc. 1.
-
-    Returns:
-        The reduction to 3 n parameters, or 4 + 3 n.
-    """
+    """Map link parameters π to (X1_left, Y1_left, J1_left, X2_left, …), limb by limb."""
+    # A floating torso has its own ten parameters in π before those of the links, and M, X0, Y0, J0 before those
+    # of the limbs. With M_l the mass of limb l and d_l the place of its hip, counted from the hip of the
+    # machine, the definition continues that of a segment:
+    #
+    #     M = m + Σ M_l,    X0 = −m c_z − Σ M_l d_z,    Y0 = m c_x + Σ M_l d_x,    J0 = I_yy + Σ M_l |d_l|²,
+    #
+    # with the torso's mass m, centre of mass c and inertia I_yy about the hip. With `cumulative`, J0 also contains J1
+    # of every limb, as each J contains the J below it (doc. 1).
     n, own, ten = machine.n, len(TORSO_PARAMETERS) * machine.floating, 10 * machine.floating
     collect, spread = np.zeros((own + 3 * n, ten + 10 * n)), np.zeros((ten + 10 * n, own + 3 * n))
     names, units = list(TORSO_PARAMETERS)[:own], list(TORSO_PARAMETERS.values())[:own]

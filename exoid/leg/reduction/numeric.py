@@ -53,23 +53,9 @@ LONGEST_NAME = 4
 
 
 def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_base: bool = False) -> Reduction:
-    """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``.
-
-    Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
-    Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
-
-    Args:
-        model: Model of joints with one degree of freedom, perhaps behind a free-flyer, whose six rows count too.
-        labels: Name of the link behind each joint, for the parameter names, (n,); of the base before them if it floats.
-        seed: Seed of the random motion.
-        moving_base: Whether the base moves too, which shows more parameters than a fixed one does.
-
-    Returns:
-        The reduction, with its :class:`RankDecision`.
-
-    Raises:
-        ExoidError: The singular values show no clear gap, so that the rank is ambiguous.
-    """
+    """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``."""
+    # Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
+    # Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
     regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
     W = regressor(model)
     changes = rounding_changes(model, regressor, seed=seed)

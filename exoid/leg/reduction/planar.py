@@ -46,38 +46,23 @@ class Plane(NamedTuple):
 
 
 class TorsoSamples(NamedTuple):
-    """Motion of the torso at N samples, see :class:`exoid.TorsoMotion`.
+    """Motion of the torso at N samples, see :class:`exoid.TorsoMotion`."""
 
-    Attributes:
-        pitch: Tilt [rad], (N,).
-        pitch_rate: Rate of the tilt [rad/s], (N,).
-        pitch_acceleration: Acceleration of the tilt [rad/s²], (N,).
-        hip_acceleration_x: Forward acceleration of the first joint's origin [m/s²], (N,).
-        hip_acceleration_z: Upward acceleration of the first joint's origin [m/s²], (N,).
-    """
-
-    pitch: FloatArray
-    pitch_rate: FloatArray
-    pitch_acceleration: FloatArray
-    hip_acceleration_x: FloatArray
-    hip_acceleration_z: FloatArray
+    pitch: FloatArray  # tilt [rad], (N,)
+    pitch_rate: FloatArray  # rate of the tilt [rad/s], (N,)
+    pitch_acceleration: FloatArray  # acceleration of the tilt [rad/s²], (N,)
+    hip_acceleration_x: FloatArray  # forward acceleration of the first joint's origin [m/s²], (N,)
+    hip_acceleration_z: FloatArray  # upward acceleration of the first joint's origin [m/s²], (N,)
 
 
 @dataclass(frozen=True, eq=False)
 class PlanarChain:
-    """Geometry of a serial chain of revolute joints whose axes are horizontal and parallel.
+    """Geometry of a serial chain of revolute joints whose axes are horizontal and parallel."""
 
-    Attributes:
-        plane: Plane of motion.
-        signs: Sign s_k of each axis: +1 along −lateral, −1 along +lateral, (n,).
-        offsets: Vectors d_j from joint j to joint j+1 at the zero pose, (x, z) [m], (n−1, 2).
-        rotations: Orientation of each joint frame at the zero pose, (n, 3, 3).
-    """
-
-    plane: Plane
-    signs: FloatArray
-    offsets: FloatArray
-    rotations: FloatArray
+    plane: Plane  # plane of motion
+    signs: FloatArray  # sign s_k of each axis: +1 along −lateral, −1 along +lateral, (n,)
+    offsets: FloatArray  # vectors d_j from joint j to joint j+1 at the zero pose, (x, z) [m], (n−1, 2)
+    rotations: FloatArray  # orientation of each joint frame at the zero pose, (n, 3, 3)
 
     @property
     def n(self) -> int:
@@ -86,27 +71,12 @@ class PlanarChain:
 
     @classmethod
     def from_model(cls, model: pin.Model) -> PlanarChain | None:
-        """Read the geometry from a model.
-
-        Args:
-            model: Pinocchio model.
-
-        Returns:
-            The chain; None if the model is not a planar chain.
-        """
+        """Read the geometry from a model."""
         return cls.of_joints(model, range(1, model.njoints))
 
     @classmethod
     def of_joints(cls, model: pin.Model, joints: range) -> PlanarChain | None:
-        """Read the geometry of some joints of a model.
-
-        Args:
-            model: Pinocchio model.
-            joints: Consecutive joints.
-
-        Returns:
-            The chain; None if the joints are not a planar chain on the base.
-        """
+        """Read the geometry of some joints of a model."""
         parents, freedoms = ([list(x)[j] for j in joints] for x in (model.parents, model.nvs))
         serial = parents == [0, *joints[:-1]] and set(freedoms) == {1} if joints else False
         gravity = model.gravity.linear
@@ -139,19 +109,7 @@ def fill_regressor(
     torso: TorsoSamples | None = None,
     force: FloatArray | None = None,
 ) -> None:
-    """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample.
-
-    Args:
-        chain: The geometry.
-        q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n).
-        a: Joint accelerations [rad/s²], (N, n).
-        out: Receives W, zeroed, (3 n, n, N): parameters first, samples last, so that each column is contiguous.
-        cumulative: Whether J_j contains J_{j+1} (doc. 1, eqs. (8)-(9)) or not (doc. 2, Table I).
-        torso: Motion of the torso; None if it is upright and still.
-        force: Receives the force of the torso on the chain, forward and up, without that on its mass at the hip;
-            zeroed, (3 n, 2, N). None if it is not needed.
-    """
+    """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample."""
     block = max(1, min(BLOCK, len(q)))
     work = _Workspace.allocate(chain.n, block)  # allocated once, as fresh memory costs more time than the arithmetic
     segments = _segments(chain)

@@ -38,19 +38,12 @@ PLANAR_ROWS = ("base_forward", "base_up", "base_pitch")
 
 @dataclass(frozen=True, eq=False)
 class Limb:
-    """Planar chain of joints on the torso.
+    """Planar chain of joints on the torso."""
 
-    Attributes:
-        chain: The geometry.
-        joints: Place of its joints among all joints.
-        label: "left" or "right" if its joint names say so, otherwise the name of its first joint; "" if it is alone.
-        hip: Forward and upward place of its first joint, counted from that of the first limb [m], (2,).
-    """
-
-    chain: PlanarChain
-    joints: slice
-    label: str
-    hip: FloatArray
+    chain: PlanarChain  # the geometry
+    joints: slice  # place of its joints among all joints
+    label: str  # "left" or "right" if its joint names say so, otherwise the name of its first joint; "" if it is alone
+    hip: FloatArray  # forward and upward place of its first joint, counted from that of the first limb [m], (2,)
 
     @property
     def parameters(self) -> slice:
@@ -60,15 +53,10 @@ class Limb:
 
 @dataclass(frozen=True, eq=False)
 class PlanarMachine:
-    """Limbs on one torso, all in parallel planes.
+    """Limbs on one torso, all in parallel planes."""
 
-    Attributes:
-        limbs: The limbs, at least one.
-        floating: Whether the torso floats, with three rows and four parameters before those of the joints.
-    """
-
-    limbs: tuple[Limb, ...]
-    floating: bool = False
+    limbs: tuple[Limb, ...]  # the limbs, at least one
+    floating: bool = False  # whether the torso floats, with three rows and four parameters before those of the joints
 
     @property
     def plane(self) -> Plane:
@@ -87,15 +75,7 @@ class PlanarMachine:
 
     @classmethod
     def from_model(cls, model: pin.Model, *, floating: bool = False) -> PlanarMachine | None:
-        """Read the geometry from a model.
-
-        Args:
-            model: Pinocchio model.
-            floating: Whether the torso floats.
-
-        Returns:
-            The machine; None if a joint is in no planar chain, or the planes are not parallel.
-        """
+        """Read the geometry from a model."""
         first = [j for j in range(1, model.njoints) if model.parents[j] == 0]
         parts = [range(start, stop) for start, stop in pairwise([*first, model.njoints])]
         chains = [PlanarChain.of_joints(model, joints) for joints in parts]
@@ -124,17 +104,7 @@ class PlanarMachine:
         cumulative: bool,
         torso: TorsoSamples | None = None,
     ) -> None:
-        """Write the documented regressor for (X1, Y1, J1, X2, …) of each limb, behind (M, X0, Y0, J0) if it floats.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            out: Receives W, zeroed, (p, rows, N): parameters first, samples last, so that each column is contiguous.
-            cumulative: Whether J contains the J below it; J0 those of the first segments.
-            torso: Motion of the torso about the hip; None if it is upright and still. If the torso floats, in axes that
-                turn with it (no pitch).
-        """
+        """Write the documented regressor for (X1, Y1, J1, X2, …) of each limb, behind (M, X0, Y0, J0) if it floats."""
         first, b = len(TORSO_PARAMETERS) * self.floating, self.base_rows
         torso = _still(len(q)) if torso is None and self.floating else torso
         for limb in self.limbs:

@@ -23,17 +23,7 @@ def fill_reduced_regressor(
     out: FloatArray,
     base: BaseSamples | None = None,
 ) -> None:
-    """Write the regressor of base parameters of every sample.
-
-    Args:
-        reduction: The base parameters.
-        tree: The geometry.
-        q: Positions of the joints [rad or m], (N, n).
-        v: Velocities of the joints [rad/s or m/s], (N, n).
-        a: Accelerations of the joints [rad/s² or m/s²], (N, n).
-        out: Receives the regressor, zeroed, (p, rows, N).
-        base: Motion of the base; None if it stands upright and still.
-    """
+    """Write the regressor of base parameters of every sample."""
     columns, spread = reduction.columns, reduction.spread
     if reduction.selects:
         fill_tree_regressor(tree, q, v, a, columns, out, base)

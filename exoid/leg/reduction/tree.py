@@ -46,31 +46,15 @@ class TreeJoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """Geometry of a tree of revolute and prismatic joints, on a base that stands or floats.
+    """Geometry of a tree of revolute and prismatic joints, on a base that stands or floats."""
 
-    Attributes:
-        joints: The joints, parents first.
-        gravity: Gravity in the axes of the base [m/s²], (3,).
-        floating: Whether the base is a body too, with six rows and ten parameters before those of the joints.
-    """
-
-    joints: tuple[TreeJoint, ...]
-    gravity: FloatArray
-    floating: bool
+    joints: tuple[TreeJoint, ...]  # the joints, parents first
+    gravity: FloatArray  # gravity in the axes of the base [m/s²], (3,)
+    floating: bool  # whether the base is a body too, with six rows and ten parameters before those of the joints
 
     @classmethod
     def from_model(cls, model: pin.Model) -> Tree:
-        """Read the geometry from a model.
-
-        Args:
-            model: Pinocchio model of joints with one degree of freedom, perhaps behind a free-flyer.
-
-        Returns:
-            The tree.
-
-        Raises:
-            ExoidError: A joint is neither revolute nor prismatic.
-        """
+        """Read the geometry from a model."""
         floating = is_floating(model)
         base = tuple(range(BASE_ROWS)) if floating else ()
         joints: list[TreeJoint] = []

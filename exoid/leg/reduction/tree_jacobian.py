@@ -15,17 +15,7 @@ from .tree_motion import BLOCK, carry, turned
 
 
 def tree_jacobian(tree: Tree, q: FloatArray, body: int, into: FloatArray) -> FloatArray:
-    """Compute the twist of a frame per unit of each rate.
-
-    Args:
-        tree: The geometry.
-        q: Positions of the joints [rad or m], (N, n).
-        body: Index of the joint whose body carries the frame; −1 for the base.
-        into: Motion vectors of the body into the axes of the frame, at its origin, (6, 6).
-
-    Returns:
-        Jacobian, linear rows before angular, in the axes of the frame, (N, 6, rows).
-    """
+    """Compute the twist of a frame per unit of each rate."""
     out = np.zeros((len(q), 6, tree.rows))
     path = []
     while body >= 0:

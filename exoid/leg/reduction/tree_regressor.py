@@ -36,15 +36,11 @@ INERTIAS = {4: (0, 0), 5: (0, 1), 6: (1, 1), 7: (2, 0), 8: (1, 2), 9: (2, 2)}
 
 
 class BaseSamples(NamedTuple):
-    """Motion of the base at N samples, in its own axes.
+    """Motion of the base at N samples, in its own axes."""
 
-    Attributes:
-        velocity: Spatial velocity, linear [m/s] before angular [rad/s], (N, 6).
-        acceleration: Spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6). Where the linear
-            velocity is zero, its linear part is the specific force that an accelerometer at the origin measures.
-    """
-
-    velocity: FloatArray
+    velocity: FloatArray  # spatial velocity, linear [m/s] before angular [rad/s], (N, 6)
+    # spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6). Where the linear
+    # velocity is zero, its linear part is the specific force that an accelerometer at the origin measures
     acceleration: FloatArray
 
 
@@ -57,17 +53,7 @@ def fill_tree_regressor(
     out: FloatArray,
     base: BaseSamples | None = None,
 ) -> None:
-    """Write columns of Pinocchio's regressor for every sample.
-
-    Args:
-        tree: The geometry.
-        q: Positions of the joints [rad or m], (N, n), without that of a floating base.
-        v: Velocities of the joints [rad/s or m/s], (N, n).
-        a: Accelerations of the joints [rad/s² or m/s²], (N, n).
-        columns: Columns of the regressor in ascending order, of ten for each body; p of them.
-        out: Receives the columns, zeroed, (p, rows, N): samples last, so that each column is contiguous.
-        base: Motion of the base; None if it stands upright and still.
-    """
+    """Write columns of Pinocchio's regressor for every sample."""
     layouts = [_Layout.of(tree, body, columns) for body in range(tree.bodies)]
     vectors = sum(AXES + len(joint.carriers) for joint in tree.joints)
     block = max(1, min(BLOCK, BLOCK_BYTES // (8 * 6 * max(vectors, 1)), len(q)))

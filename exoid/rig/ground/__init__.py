@@ -5,12 +5,10 @@ from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import Footing, GroundRun
 from .sensors import GroundSensors
-from .simulate import RATES, simulate_on_ground
-from .sole import BLEEX_SOLES, Sole
+from .simulate import simulate_on_ground
+from .sole import Sole
 
 __all__ = [
-    "BLEEX_SOLES",
-    "RATES",
     "Audit",
     "Footing",
     "GroundMotion",

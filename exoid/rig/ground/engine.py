@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import require_mujoco
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 
 from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name
 from .plant import GroundPlant

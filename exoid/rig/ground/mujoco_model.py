@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 
 from .plant import GroundPlant
 from .sole import Sole

@@ -6,7 +6,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.leg.base_kinematics import BaseKinematics
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import Wrench
 
 from .audit import Audit

@@ -11,12 +11,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 
-CLOSED = 1e-6
-"""Singular values of the constraints below this part of the largest are those of directions that cannot move anyway."""
-
-CONDITION = 0.03
-"""Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly move up."""
-
 POSES = 5
 """Random poses of which the independent constraints are counted."""
 
@@ -25,29 +19,18 @@ ALIGNED = 0.2
 
 
 class Elimination(NamedTuple):
-    """Combinations of rows that links on the ground do no work on, Zᵀ J_cᵀ = 0.
+    """Combinations of rows that links on the ground do no work on, Zᵀ J_cᵀ = 0."""
 
-    Attributes:
-        lever: Motion −K of the base per rate of each joint while the first link rests, K (N, b, n); None without base
-            rows.
-        loop: Z of joint rows: rates of the joints at which the other links rest too, orthonormal, (N, n, r); None for
-            one link, which leaves every joint free.
-        fit: Whether Z is well defined, (N,).
-    """
-
+    # motion −K of the base per rate of each joint while the first link rests, K (N, b, n); None without base
+    # rows
     lever: FloatArray | None
+    # Z of joint rows: rates of the joints at which the other links rest too, orthonormal, (N, n, r); None for
+    # one link, which leaves every joint free
     loop: FloatArray | None
-    fit: NDArray[np.bool_]
+    fit: NDArray[np.bool_]  # whether Z is well defined, (N,)
 
     def of(self, rows: FloatArray) -> FloatArray:
-        """Combine rows.
-
-        Args:
-            rows: Base rows, then joint rows, (K, b + n, N).
-
-        Returns:
-            Rows without the unknown wrenches, (K, n or r, N).
-        """
+        """Combine rows."""
         base = 0 if self.lever is None else self.lever.shape[1]
         out = rows[:, base:].copy()
         if self.lever is not None:
@@ -59,30 +42,21 @@ class Elimination(NamedTuple):
 
 
 def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None) -> Elimination:
-    """Find the rows that unknown wrenches on links leave.
-
-    The first link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with C q̇ = 0.
-    Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E (Eᵀ P E)^(−1/2) varies
-    smoothly, and is orthonormal, so that each row has the noise of one joint's torque. Constraints and their forces are
-    those of Featherstone (2008, ch. 8), the projector that of Aghili (2005). Mistry et al. (2010) find such rows by QR
-    of J_cᵀ; all choices span the same space (Righetti et al. 2011).
-
-    Args:
-        leg: The leg.
-        links: Links with an unknown wrench; at least one.
-        q: Joint angles [rad], (N, n).
-        axes: Constant reference E of the closed chains, (n, r); None for that of these samples.
-
-    Returns:
-        The combinations.
-    """
+    """Find the rows that unknown wrenches on links leave."""
+    # The first link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
+    # C q̇ = 0. Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E
+    # (Eᵀ P E)^(−1/2) varies smoothly, and is orthonormal, so that each row has the noise of one joint's torque.
+    # Constraints and their forces are those of Featherstone (2008, ch. 8), the projector that of Aghili (2005).
+    # Mistry et al. (2010) find such rows by QR of J_cᵀ; all choices span the same space (Righetti et al. 2011).
     fit = np.ones(len(q), dtype=np.bool_)
     lever, C = _constraints(leg, links, q)
     if C is None:
         return Elimination(lever, None, fit)
     _, sizes, Vt = np.linalg.svd(C)
     rank = _rank(leg, links)
-    fit &= sizes[:, rank - 1] > CONDITION * sizes[:, 0]
+    # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
+    # move up
+    fit &= sizes[:, rank - 1] > 0.03 * sizes[:, 0]
     free = Vt[:, rank:]
     P = np.swapaxes(free, 1, 2) @ free
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
@@ -110,20 +84,13 @@ def _rank(leg: Leg, links: Sequence[str]) -> int:
     poses = np.random.default_rng(0).standard_normal((POSES, len(leg.joint_names)))
     _, C = _constraints(leg, links, poses)
     assert C is not None
-    return int(np.linalg.matrix_rank(C, rtol=CLOSED).max())
+    # Singular values of the constraints below this part of the largest are those of directions that cannot move
+    # anyway
+    return int(np.linalg.matrix_rank(C, rtol=1e-6).max())
 
 
 def reference_axes(leg: Leg, links: Sequence[str], q: FloatArray) -> FloatArray | None:
-    """Choose the constant reference of closed chains for the poses of some samples.
-
-    Args:
-        leg: The leg.
-        links: Links with an unknown wrench.
-        q: Joint angles [rad], (N, n).
-
-    Returns:
-        The axes E, (n, r); None where no chain is closed.
-    """
+    """Choose the constant reference of closed chains for the poses of some samples."""
     found = eliminate(leg, links, q)
     if found.loop is None:
         return None

@@ -25,12 +25,6 @@ TURNING = 0.06
 ENDS = 0.07
 """Time at both ends of a rest that the differentiation of the pose draws on [s]."""
 
-CLEAN = 2.0
-"""A rotation is looked for where differences are smaller than so many times the white noise of the readings."""
-
-SCATTER = 0.1
-"""Biases below this part of the scatter of the differences are left: soft ground moves a foot as much."""
-
 DISAGREEMENT = 0.15
 """Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
 
@@ -42,47 +36,25 @@ SURE = 3.0
 
 
 class ImuErrors(NamedTuple):
-    """Errors of an inertial measurement unit on the base, in the axes of the base.
+    """Errors of an inertial measurement unit on the base, in the axes of the base."""
 
-    Attributes:
-        gyro_bias: Offset of the angular velocity [rad/s], (3,).
-        force_bias: Offset of the specific force [m/s²], (3,).
-        rotation: Small rotation of the readings [rad], (3,); zero where the motion does not tell it from a bias.
-        std: Standard deviations of the nine numbers above, in their order, (9,).
-    """
-
-    gyro_bias: FloatArray
-    force_bias: FloatArray
+    gyro_bias: FloatArray  # offset of the angular velocity [rad/s], (3,)
+    force_bias: FloatArray  # offset of the specific force [m/s²], (3,)
+    # small rotation of the readings [rad], (3,); zero where the motion does not tell it from a bias
     rotation: FloatArray
-    std: FloatArray
+    std: FloatArray  # standard deviations of the nine numbers above, in their order, (9,)
 
     def corrected(self, base: BaseMotion) -> BaseMotion:
-        """Take the errors out of readings.
-
-        Args:
-            base: Readings.
-
-        Returns:
-            Readings without the errors.
-        """
+        """Take the errors out of readings."""
         gyro, force = base.angular_velocity - self.gyro_bias, base.specific_force - self.force_bias
         return BaseMotion(gyro - np.cross(self.rotation, gyro), force - np.cross(self.rotation, force), base.position)
 
 
 def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
-    """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground.
-
-    Readings are ω' = ω + δ × ω + b_ω and f' = f + δ × f + b_f with biases b and a small rotation δ. They are linear in
-    the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against the gyroscope.
-
-    Args:
-        leg: The leg.
-        recording: Recording with the readings, at even time stamps.
-        resting: Samples at which each link is on level ground, (N,) each.
-
-    Returns:
-        The errors; None if the base was not measured by such a unit, or rests are too short or disagree.
-    """
+    """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground."""
+    # Readings are ω' = ω + δ × ω + b_ω and f' = f + δ × f + b_f with biases b and a small rotation δ. They are
+    # linear in the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against
+    # the gyroscope.
     base = recording.base
     if base is None or base.pose is not None:
         return None
@@ -101,7 +73,8 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
         x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
     )
     white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
-    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+    # A rotation is looked for where differences are smaller than so many times the white noise of the readings
+    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < 2.0 * white))
     if len(means) < FEW:
         return found
     apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
@@ -110,7 +83,8 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
 
 def _within_scatter(differences: FloatArray) -> bool:
     """Whether the mean of differences, (N, 3), is small beside their scatter: a foot is not exactly still."""
-    return bool(np.linalg.norm(differences.mean(axis=0)) < SCATTER * np.linalg.norm(differences.std(axis=0)))
+    # Biases below this part of the scatter of the differences are left: soft ground moves a foot as much
+    return bool(np.linalg.norm(differences.mean(axis=0)) < 0.1 * np.linalg.norm(differences.std(axis=0)))
 
 
 class _Flat(NamedTuple):

@@ -11,19 +11,7 @@ from exoid.leg.link_frames import link_frame
 
 
 def link_placements(leg: Leg, q: FloatArray, link: str) -> SegmentPlacements:
-    """Compute the placement of a link in the axes of the root link.
-
-    Args:
-        leg: The leg.
-        q: Joint angles [rad], (N, n).
-        link: Name of the link in the URDF.
-
-    Returns:
-        Rotations (N, 3, 3), base from link, and positions of its origin [m], (N, 3).
-
-    Raises:
-        ExoidError: The URDF has no such link.
-    """
+    """Compute the placement of a link in the axes of the root link."""
     body, placement = link_frame(leg.model, leg.description, link)
     own, place = np.array(placement.rotation), np.array(placement.translation)
     if body < 0:

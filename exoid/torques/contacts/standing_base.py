@@ -22,31 +22,16 @@ CUTOFF = 15.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StandingBase(BaseMotion):
-    """Motion of the base that was not measured: joint angles say it while a link rests.
+    """Motion of the base that was not measured: joint angles say it while a link rests."""
 
-    Attributes:
-        link: Link that rests.
-    """
-
-    link: str = ""
+    link: str = ""  # link that rests
 
 
 def standing_base(leg: Leg, recording: Recording, link: str, compliance: float = 0.0) -> StandingBase:
-    """Derive the motion of the base from the joint angles while a link rests flat on level ground.
-
-    The link stands as it does where all joints of the URDF are at zero and the base is upright. Elsewhere the result
-    has no meaning. On a soft sole it tilts by c τ about the axis of the joint that carries it, whose torque τ is the
-    moment of the ground on it but for the weight of the foot.
-
-    Args:
-        leg: The leg.
-        recording: The recording, with even time stamps.
-        link: Link that rests.
-        compliance: Compliance c of sole and ground [rad/(N·m)].
-
-    Returns:
-        Motion of the base at all samples.
-    """
+    """Derive the motion of the base from the joint angles while a link rests flat on level ground."""
+    # The link stands as it does where all joints of the URDF are at zero and the base is upright. Elsewhere the result
+    # has no meaning. On a soft sole it tilts by c τ about the axis of the joint that carries it, whose torque τ is the
+    # moment of the ground on it but for the weight of the foot.
     rotation, position = link_placements(leg, recording.q, link)
     turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
     if compliance:

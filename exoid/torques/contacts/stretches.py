@@ -31,35 +31,24 @@ SHORTEST = 0.15
 
 
 class Left(NamedTuple):
-    """Samples of a recording that were left out, as shares of those that could count.
+    """Samples of a recording that were left out, as shares of those that could count."""
 
-    Attributes:
-        changing: Near a touch-down or lift-off.
-        slipping: A link that was said to rest moved, and the motion of the base had to follow from it.
-        singular: Chains were closed and stretched, or left no row.
-        gaps: Not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
-            when the wrench of a link that bears no load is eliminated.
-        moving: Not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
-            eliminated, or measured, whether it rests or not.
-    """
-
-    changing: float
-    slipping: float
-    singular: float
+    changing: float  # near a touch-down or lift-off
+    slipping: float  # A link that was said to rest moved, and the motion of the base had to follow from it
+    singular: float  # chains were closed and stretched, or left no row
+    # not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
+    # when the wrench of a link that bears no load is eliminated
     gaps: float
+    # not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
+    # eliminated, or measured, whether it rests or not
     moving: float
 
 
 class Stretch(NamedTuple):
-    """Part of a recording in which the same links rest by unknown wrenches.
+    """Part of a recording in which the same links rest by unknown wrenches."""
 
-    Attributes:
-        links: These links; the root link for a base that is held; none where no wrench is unknown.
-        recording: The recording with a mask of the samples, and with the motion of the base.
-    """
-
-    links: tuple[str, ...]
-    recording: Recording
+    links: tuple[str, ...]  # these links; the root link for a base that is held; none where no wrench is unknown
+    recording: Recording  # the recording with a mask of the samples, and with the motion of the base
 
 
 class Split(NamedTuple):
@@ -159,16 +148,7 @@ def _is_carried(leg: Leg, link: str) -> bool:
 
 
 def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
-    """Find contact of a link from its measured wrench.
-
-    Args:
-        leg: The leg.
-        link: The link, which is level where all joint angles are zero.
-        wrench: Its wrench in its own axes.
-
-    Returns:
-        Whether the link is in contact, (N,); None for one that is never lifted, such as a harness.
-    """
+    """Find contact of a link from its measured wrench."""
     up = level_rotation(leg, link).T @ (0.0, 0.0, 1.0)
     normal = wrench.force @ up
     low, high = np.quantile(normal, [0.02, 0.98])

@@ -22,31 +22,17 @@ LOOP = "loop_"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SupportModel(TorqueModel):
-    """Torque model while links rest on the ground, or the base is held, by wrenches that were not measured.
+    """Torque model while links rest on the ground, or the base is held, by wrenches that were not measured."""
 
-    [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see :func:`eliminate`
-    (Aghili 2005; Mistry et al. 2010).
+    # [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see `eliminate`
+    # (Aghili 2005; Mistry et al. 2010).
 
-    Attributes:
-        links: Links with an unknown wrench; none where all wrenches were measured.
-        axes: Reference of closed chains, see :func:`reference_axes`.
-    """
-
-    links: tuple[str, ...] = ()
-    axes: FloatArray | None = None
+    links: tuple[str, ...] = ()  # links with an unknown wrench; none where all wrenches were measured
+    axes: FloatArray | None = None  # reference of closed chains, see `reference_axes`
 
     @classmethod
     def of(cls, model: TorqueModel, links: Sequence[str], axes: FloatArray | None) -> SupportModel:
-        """Let links of a model rest on the ground.
-
-        Args:
-            model: Torque model of the leg.
-            links: Links with an unknown wrench.
-            axes: Reference of closed chains.
-
-        Returns:
-            The model.
-        """
+        """Let links of a model rest on the ground."""
         return cls(model.leg, model.terms, model.rigid, model.regrouped, model.separate, tuple(links), axes)
 
     @property
@@ -73,86 +59,34 @@ class SupportModel(TorqueModel):
         return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)
 
     def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
-        """Torque of payloads in the rows without the unknown wrenches.
-
-        Args:
-            payload: Torque of the leg's rows [N, N·m], (N, b + n).
-            q: Joint angles [rad], (N, n).
-
-        Returns:
-            Torque of each row, (N, R).
-        """
+        """Torque of payloads in the rows without the unknown wrenches."""
         return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q)[0].T)
 
     def columns(self, motion: Motion) -> FloatArray:
-        """Form the columns of all parameters for a motion, or for some rows of one.
-
-        Args:
-            motion: Motion of N samples.
-
-        Returns:
-            Columns, (P, R, N).
-        """
+        """Form the columns of all parameters for a motion, or for some rows of one."""
         return self._reduced(super().columns(motion), motion.q)
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
-        """Form the measured side of the equation.
-
-        Args:
-            tau: Torques of the joints [N·m], (N, n).
-            motion: Motion of the N samples.
-            wrenches: Measured wrenches on links.
-
-        Returns:
-            Torque of each row, (N, R).
-        """
+        """Form the measured side of the equation."""
         full = super().row_torque(tau, motion, wrenches)
         return np.ascontiguousarray(self._reduced(full.T[np.newaxis], motion.q)[0].T)
 
     def row_shares(self, q: FloatArray) -> FloatArray | None:
-        """Tell how the torque of each joint enters the rows.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-
-        Returns:
-            Shares Z, (N, n, R); None where each row has the torque of its own joint.
-        """
+        """Tell how the torque of each joint enters the rows."""
         return eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Tell which rows have a measured side: joints of a closed chain share theirs.
-
-        Args:
-            measured: Joints whose torque was measured, (n,).
-
-        Returns:
-            Rows with a measured side, (R,).
-        """
+        """Tell which rows have a measured side: joints of a closed chain share theirs."""
         if self.links and self.axes is not None:
             return np.full(self.axes.shape[1], bool(measured.all()))
         return measured if self.links else super().measured_rows(measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Select the samples from which the terms can be identified.
-
-        Args:
-            v: Joint velocities [rad/s], (N, n).
-
-        Returns:
-            Whether a sample of a row is usable, (N, R).
-        """
+        """Select the samples from which the terms can be identified."""
         return self._on_rows(super().usable(v), np.all)
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Select the samples at which a joint turns round.
-
-        Args:
-            v: Joint velocities of a recording [rad/s], (N, n).
-
-        Returns:
-            Whether a joint of a row turns round, (N, R); None if no term asks for it.
-        """
+        """Select the samples at which a joint turns round."""
         found = super().reversing(v)
         return None if found is None else self._on_rows(found, np.any)
 

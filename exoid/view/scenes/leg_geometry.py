@@ -13,8 +13,9 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
-from exoid.leg.lift import PULL, lift
-from exoid.leg.reduction import SIDES
+from exoid.leg.lift import lift
+from exoid.leg.lift.lift import PULL
+from exoid.leg.reduction.planar_machine import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform

@@ -13,7 +13,9 @@ from exoid.errors import ExoidError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.signals.link_wrenches import refuse_unknown_links, wrenches_on_links
-from exoid.torques.contacts import contact_of, level_rotation, link_placements
+from exoid.torques.contacts import level_rotation
+from exoid.torques.contacts.placements import link_placements
+from exoid.torques.contacts.stretches import contact_of
 
 from .leg_geometry import LegGeometry
 from .replay import Replay

@@ -99,11 +99,15 @@ def test_a_torque_twice_as_large_as_the_smallest_that_the_test_notices_is_notice
     assert all(action.acts for action in found.actions)
 
 
-def test_real_logs_without_a_wearer_are_not_worn():
-    for data in (exoid.datasets.bleex_swing(), exoid.datasets.dfki_double_pendulum()):
-        estimate = exoid.identify(data.leg, data.train)
-        assert not exoid.interaction(estimate, data.test).worn
-        assert not exoid.interaction(estimate, data.train).worn
+@pytest.mark.parametrize(
+    "name",
+    ["bleex_swing", pytest.param("dfki_double_pendulum", marks=pytest.mark.real_data("dfki_double_pendulum"))],
+)
+def test_logs_without_a_wearer_are_not_worn(name):
+    data = getattr(exoid.datasets, name)()
+    estimate = exoid.identify(data.leg, data.train)
+    assert not exoid.interaction(estimate, data.test).worn
+    assert not exoid.interaction(estimate, data.train).worn
 
 
 def test_several_recordings_are_joined_and_kept_apart(leg, estimate, worn):

@@ -47,7 +47,7 @@ def test_noisy_angles_are_no_fault(noise):
     assert kinds(exoid.check(leg, dataclasses.replace(log, q=q))) == set()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_real_recording_has_the_findings_that_the_page_argues_for():
     data = exoid.datasets.dfki_double_pendulum()
     found = {(finding.kind, finding.joint) for finding in exoid.check(data.leg, data.train)}

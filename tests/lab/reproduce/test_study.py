@@ -1,6 +1,7 @@
 """Both replays for many seeds: 95th percentiles of the errors.
 
-CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/lab/reproduce`` runs sixteen and prints the figures.
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/lab/reproduce`` runs sixteen and prints
+the figures.
 """
 
 import os

@@ -29,7 +29,8 @@ from exoid.lab.study import (
     run_study,
 )
 from exoid.lab.study.tracking_runs import track_cases
-from exoid.torques import DEFAULT_TERMS, TorqueModel, term_by_name
+from exoid.torques import DEFAULT_TERMS, TorqueModel
+from exoid.torques.catalog import term_by_name
 
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)

@@ -12,7 +12,8 @@ from semidefinite import nearest_to_estimate, nearest_to_prior, nearest_with_pul
 import exoid
 from exoid import ExoidError, Leg
 from exoid.leg.description import describe
-from exoid.leg.lift import Lift, consistent_within, lift
+from exoid.leg.lift import Lift, lift
+from exoid.leg.lift.lift import consistent_within
 from exoid.leg.lift.pseudo_inertia import (
     congruence,
     link_parameters,

@@ -8,7 +8,7 @@ import exoid
 from exoid import Leg
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.model import dynamic_parameters
-from exoid.leg.reduction import numeric
+from exoid.leg.reduction.numeric import numeric
 
 CUMULATIVE = pytest.mark.parametrize("cumulative", [True, False])
 

@@ -14,7 +14,8 @@ import exoid
 from exoid import Armature, ExoidError, Leg
 from exoid.leg.description import Description, describe, read_description
 from exoid.leg.dynamics import joint_torque_regressor
-from exoid.leg.reduction import LINK_PARAMETERS, LINK_UNITS, numeric
+from exoid.leg.reduction.numeric import numeric
+from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.torques import TorqueModel
 
 CASES = {  # joints to use (None for all of one degree of freedom), and how many base parameters they have

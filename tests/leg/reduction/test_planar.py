@@ -8,7 +8,8 @@ from planar_chains import assert_relative, planar_chains, random_chain, random_m
 import exoid
 from exoid import Leg, TorsoMotion
 from exoid.leg.dynamics import joint_torque_regressor
-from exoid.leg.reduction import PlanarChain, planar
+from exoid.leg.reduction import planar
+from exoid.leg.reduction.planar import PlanarChain
 
 TOLERANCE = 1e-12
 CUMULATIVE = pytest.mark.parametrize("cumulative", [True, False])

@@ -12,8 +12,9 @@ from public_robots import urdf_of
 from exoid import ExoidError, Leg
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.dynamics import joint_torque_regressor
-from exoid.leg.reduction import BaseSamples, Tree, fill_tree_regressor
 from exoid.leg.reduction import tree_regressor as batched
+from exoid.leg.reduction.tree import Tree
+from exoid.leg.reduction.tree_regressor import BaseSamples, fill_tree_regressor
 
 TOLERANCE = 1e-12
 SMALL_BLOCK = 7

@@ -42,16 +42,7 @@ PUBLISHED_NRMSE = {"1.0": (0.088, 0.289), "2.0": (0.096, 0.173)}
 
 @pytest.fixture(scope="module")
 def data():
-    """The dataset, or a reason to skip."""
-    try:
-        return exoid.datasets.dfki_double_pendulum()
-    except ExoidError as error:
-        if "cannot be downloaded" not in error.what:
-            raise
-        pytest.skip(
-            f"the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded; put {dfki.FILE} into "
-            f"$EXOID_DATA_DIR/dfki_double_pendulum/ (from {dfki.URL}) or go online: {error.what[:80]}"
-        )
+    return exoid.datasets.dfki_double_pendulum()
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +63,7 @@ def published_nrmse(data, model):
     return np.sqrt(((measured - predicted) ** 2).mean(axis=0)) / measured.std(axis=0)
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_parts_are_the_published_split(data):
     assert data.leg.joint_names == data.train.joint_names == ("shoulder", "elbow")
     assert data.train.time[-1] == pytest.approx(48.343, abs=0.006)
@@ -85,7 +76,7 @@ def test_the_parts_are_the_published_split(data):
     assert "BSD-3-Clause" in data.citation
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_estimate_predicts_the_unseen_part(data, estimate):
     """Measured 0.0664 and 0.1473; 0.48 s from the ends, as far as they were left out before, 0.0650 and 0.1435."""
     found = exoid.validate(estimate, data.test)
@@ -98,7 +89,7 @@ def test_the_estimate_predicts_the_unseen_part(data, estimate):
     assert error[1] <= 0.1442
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_estimate_predicts_with_a_band_that_holds(data, estimate):
     """Share inside the 95 % band 0.950 and 0.950; by parameters and noise alone 0.929 and 0.891.
 
@@ -113,7 +104,7 @@ def test_the_estimate_predicts_with_a_band_that_holds(data, estimate):
     assert (found.half_width.mean(axis=0) < 1.08 * bare.half_width.mean(axis=0)).all()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_an_estimate_of_slow_motion_has_a_band_that_holds_in_faster_motion(data):
     slow = exoid.identify(data.leg, data.train.between(0.0, 21.0))
     for start, stop in ((21.0, 33.0), (36.0, 48.0)):
@@ -124,7 +115,7 @@ def test_an_estimate_of_slow_motion_has_a_band_that_holds_in_faster_motion(data)
         assert found.verdict == ("predicts poorly" if ("large-residual", "shoulder") in kinds else "predicts")
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 @pytest.mark.parametrize("model", PUBLISHED)
 def test_the_estimate_is_better_than_the_published_models(data, estimate, model):
     """Their models under the same filter reach their published figures, and the estimate beats them."""
@@ -134,7 +125,7 @@ def test_the_estimate_is_better_than_the_published_models(data, estimate, model)
     assert (exoid.validate(estimate, data.test).nrmse < theirs).all()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_estimate_is_a_leg_that_could_exist(data, estimate):
     """Masses, inertias and dry friction are positive, and near what the authors found by other means."""
     for name in ("X1", "J1", "X2", "J2", "Ia_elbow", "c0_shoulder", "c0_elbow"):
@@ -145,7 +136,7 @@ def test_the_estimate_is_a_leg_that_could_exist(data, estimate):
     assert estimate.value("X2") == pytest.approx(p["m"][1] * p["r"][1], rel=0.15)
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_leaving_out_the_rotor_must_cost_accuracy(data, estimate):
     """Torque is that of the motors: a model without rotor inertia predicts the elbow worse."""
     without = exoid.identify(data.leg, data.train, terms=(exoid.Coulomb(), exoid.Viscous(), exoid.Offset()))
@@ -162,7 +153,7 @@ def with_velocity(data):
     return whole.slice(None, dfki.TRAIN_ROWS).resampled(), whole.slice(dfki.TRAIN_ROWS, None).resampled()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 @pytest.mark.parametrize("cutoff", [8.0, 16.0, 60.0])
 def test_the_recorded_velocity_is_one_to_two_milliseconds_late(with_velocity, cutoff):
     """Least squares on v_recorded(t) = v(t) − lag a(t), with v and a derived from the angle; measured 0.8 to 2.0 ms."""
@@ -177,7 +168,7 @@ def test_the_recorded_velocity_is_one_to_two_milliseconds_late(with_velocity, cu
         assert (lag < 2.2e-3).all()
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_recorded_velocity_costs_accuracy_at_the_shoulder(with_velocity, data, estimate):
     """Measured: 5 % more error with it, 22 % with accelerations derived from it."""
     ours = exoid.validate(estimate, data.test).nrmse[0]
@@ -214,7 +205,7 @@ def test_without_a_network_the_error_says_what_to_fetch_and_where_to_put_it(tmp_
     assert "\n" not in str(e.value)
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("dfki_double_pendulum")
 def test_the_kept_file_is_used_without_a_network(data, tmp_path, monkeypatch):
     """From $EXOID_DATA_DIR, and nothing is fetched."""
     kept = tmp_path / "dfki_double_pendulum"

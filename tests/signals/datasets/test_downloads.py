@@ -17,7 +17,7 @@ CONTENT = b"time,pos1\n" + b"0.0,1.0\n" * 50_000
 
 FETCH = """
 import sys
-from exoid.datasets import dfki
+from exoid.signals.datasets import dfki
 dfki.URL, dfki.SHA256 = sys.argv[1:]
 print(dfki.recording_path())
 """

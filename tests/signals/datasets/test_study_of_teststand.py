@@ -11,21 +11,17 @@ import pinocchio as pin
 import pytest
 
 import exoid
-from exoid import ExoidError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import study_teststand as study
 
+pytestmark = pytest.mark.real_data("teststand_leg")
+
 
 @pytest.fixture(scope="module")
 def samples():
-    """Filtered samples, or a reason to skip."""
-    try:
-        return study.samples_of(exoid.datasets.teststand_leg())
-    except ExoidError as error:
-        if "cannot be downloaded" not in error.what:
-            raise
-        pytest.skip("the recording of the test stand is neither in $EXOID_DATA_DIR nor to be downloaded")
+    """Filtered samples."""
+    return study.samples_of(exoid.datasets.teststand_leg())
 
 
 @pytest.fixture(scope="module")

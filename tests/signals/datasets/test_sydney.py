@@ -14,19 +14,9 @@ AUTHORS = {"inner": (4.321897e-3, 5.452402e-3, 1.403128e-3), "outer": (4.374847e
 """J [kg·m²], Kc [N·m] and Kv [N·m·s/rad] that the authors identified, as in their files times 1e-3."""
 
 
-def load(which):
-    """The dataset, or a reason to skip."""
-    try:
-        return exoid.datasets.sydney_swing_leg(which)
-    except ExoidError as error:
-        if "cannot be downloaded" not in error.what:
-            raise
-        pytest.skip(f"put the files of {sydney.URL} into $EXOID_DATA_DIR/sydney_swing_leg/ or go online")
-
-
-@pytest.mark.real_data
+@pytest.mark.real_data("sydney_swing_leg")
 def test_the_recording_is_in_si_and_split_before_the_end_of_the_chirp():
-    data = load("inner")
+    data = exoid.datasets.sydney_swing_leg("inner")
     assert data.leg.joint_names == ("leg",)
     assert len(data.train) + len(data.test) == 15_570
     assert data.train.sample_rate == pytest.approx(200.0)
@@ -34,10 +24,10 @@ def test_the_recording_is_in_si_and_split_before_the_end_of_the_chirp():
     assert abs(data.train.q).max() == pytest.approx(np.radians(92.0654296875))
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("sydney_swing_leg")
 def test_the_leg_swings_as_a_pendulum_under_its_own_gravity():
     """Free swing without a command: the identified leg has the frequency of the measured angle."""
-    data = load("inner")
+    data = exoid.datasets.sydney_swing_leg("inner")
     est = exoid.identify(data.leg, data.train, check=False)
     free = data.train.between(4.0, 8.0)
     q = free.q[:, 0] - free.q[:, 0].mean()
@@ -47,10 +37,11 @@ def test_the_leg_swings_as_a_pendulum_under_its_own_gravity():
     assert measured == pytest.approx(expected, rel=0.05)
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("sydney_swing_leg")
+@pytest.mark.real_data("sydney_swing_leg", "outer")
 @pytest.mark.parametrize("which", ["inner", "outer"])
 def test_the_estimate_is_that_of_the_authors_and_predicts_the_rest_of_the_chirp(which):
-    data = load(which)
+    data = exoid.datasets.sydney_swing_leg(which)
     est = exoid.identify(data.leg, data.train, check=False)
     inertia, coulomb, viscous = AUTHORS[which]
     assert est.value("J1") == pytest.approx(inertia, rel=0.06)
@@ -59,17 +50,17 @@ def test_the_estimate_is_that_of_the_authors_and_predicts_the_rest_of_the_chirp(
     assert exoid.validate(est, data.test).nrmse[0] < {"inner": 0.30, "outer": 0.21}[which]
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("sydney_swing_leg")
 def test_a_command_that_stands_still_is_reported():
     """Five volts for five seconds look like a sensor at its limit; the torque is a command, and both are said."""
-    data = load("inner")
+    data = exoid.datasets.sydney_swing_leg("inner")
     kinds = {finding.kind for finding in exoid.identify(data.leg, data.train).findings}
     assert {"saturation", "stuck-channel"} <= kinds
 
 
-@pytest.mark.real_data
+@pytest.mark.real_data("sydney_swing_leg")
+@pytest.mark.real_data("sydney_swing_leg", "outer")
 def test_the_command_line_knows_both_legs(exoid_):
-    load("outer")
     for name in ("sydney_swing_leg", "sydney_swing_leg_outer"):
         done = exoid_("identify", name, f"{name}:train", "--no-check", "--test", f"{name}:test")
         assert done.code == 0, done.err

@@ -17,13 +17,7 @@ from exoid.signals.datasets import teststand
 
 @pytest.fixture(scope="module")
 def data():
-    """The dataset, or a reason to skip."""
-    try:
-        return exoid.datasets.teststand_leg()
-    except ExoidError as error:
-        if "cannot be downloaded" not in error.what:
-            raise
-        pytest.skip(f"put the files of {teststand.LOG_URL} into $EXOID_DATA_DIR/teststand_leg/ or go online")
+    return exoid.datasets.teststand_leg()
 
 
 def static_torque(data, force):
@@ -37,6 +31,7 @@ def static_torque(data, force):
     return np.array(rows)
 
 
+@pytest.mark.real_data("teststand_leg")
 def test_halves_and_force_are_of_the_whole_recording(data):
     assert data.leg.joint_names == ("HFE", "KFE")
     assert len(data.recording) == len(data.force) == 23_372
@@ -47,6 +42,7 @@ def test_halves_and_force_are_of_the_whole_recording(data):
     assert "array" not in repr(data)
 
 
+@pytest.mark.real_data("teststand_leg")
 def test_the_force_is_one_on_the_foot_in_the_axes_of_the_root_link(data):
     """With any sign of x or z reversed, the static torque explains less of the measured one."""
     tau = zero_phase(data.recording.tau, 1000.0, 5.0)[::50]
@@ -59,6 +55,7 @@ def test_the_force_is_one_on_the_foot_in_the_axes_of_the_root_link(data):
     assert error[1, 1][1] < 0.2 * tau[:, 1].std()
 
 
+@pytest.mark.real_data("teststand_leg")
 def test_the_wrench_on_the_foot_is_the_force_in_axes_of_the_foot(data):
     """Pinocchio's placement of the foot turns it back."""
     model = data.leg.model
@@ -72,6 +69,7 @@ def test_the_wrench_on_the_foot_is_the_force_in_axes_of_the_foot(data):
     assert len(data.test.wrenches[teststand.FOOT]) == len(data.test)
 
 
+@pytest.mark.real_data("teststand_leg")
 def test_the_torque_of_the_knee_stays_at_the_limit_of_its_current(data):
     limit = 12.0 * 0.025 * 9.0  # A, N·m/A, ratio
     at_limit = np.abs(data.recording.tau[:, 1] - limit) < 0.03

@@ -8,7 +8,9 @@ import exoid
 from exoid import Armature, Coulomb, Viscous
 from exoid.signals import ZeroPhase, base_during
 from exoid.torques import TorqueModel
-from exoid.torques.contacts import SupportModel, eliminate, reference_axes, standing_base
+from exoid.torques.contacts.elimination import eliminate, reference_axes
+from exoid.torques.contacts.standing_base import standing_base
+from exoid.torques.contacts.support_model import SupportModel
 
 FEET = {"both": ("left_foot", "right_foot"), "left": ("left_foot",)}
 

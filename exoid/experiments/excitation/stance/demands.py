@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.experiments.excitation.fourier import States
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.torques import TorqueModel
 
 from .limits import GroundLimits

@@ -12,20 +12,8 @@ from .plan import StancePlan
 
 
 def write_stance_plan(path: str | os.PathLike[str], plan: StancePlan) -> tuple[Path, ...]:
-    """Write motions as ``time, q_, v_, a_, tau_`` of each joint and ``contact_`` of each foot, at the rate of the plan.
-
-    tau is the expected torque. With several supports each motion has its own file, ``plan_both.csv``.
-
-    Args:
-        path: Name of the file; each file is written whole or not at all.
-        plan: The plan.
-
-    Returns:
-        Files that were written.
-
-    Raises:
-        ExoidError: The suffix is not .csv, the folder does not exist, or a file cannot be written.
-    """
+    """Write motions as ``time, q_, v_, a_, tau_`` of each joint and ``contact_`` of each foot."""
+    # tau is the expected torque. With several supports each motion has its own file, `plan_both.csv`.
     files = stance_files(path, [support.name for support in plan.supports])
     for file, recording in zip(files, plan.recordings, strict=True):
         recording.to_csv(file)
@@ -33,18 +21,7 @@ def write_stance_plan(path: str | os.PathLike[str], plan: StancePlan) -> tuple[P
 
 
 def stance_files(path: str | os.PathLike[str], supports: Sequence[str]) -> tuple[Path, ...]:
-    """Name the files of a plan.
-
-    Args:
-        path: Name of the file.
-        supports: Name of each support.
-
-    Returns:
-        A file of each motion.
-
-    Raises:
-        ExoidError: The suffix is not .csv, or the folder does not exist.
-    """
+    """Name the files of a plan."""
     path = refuse_plan_name(path)
     if len(supports) == 1:
         return (path,)

@@ -21,7 +21,8 @@ from exoid.experiments.excitation.series import series
 from exoid.experiments.excitation.text import identifiability_lines, precision_table
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
-from exoid.rig.ground import BLEEX_SOLES, Sole
+from exoid.rig.ground import Sole
+from exoid.rig.ground.sole import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
 from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel

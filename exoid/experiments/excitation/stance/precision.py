@@ -13,7 +13,9 @@ from exoid.experiments.excitation.scales import Scales
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.torques import TorqueModel
-from exoid.torques.contacts import SupportModel, reference_axes, split
+from exoid.torques.contacts import split
+from exoid.torques.contacts.elimination import reference_axes
+from exoid.torques.contacts.support_model import SupportModel
 
 MANY = 2000
 """Samples that the reference of closed chains is chosen for."""
@@ -26,25 +28,11 @@ def predict_stance(
     scales: Scales,
     preparation: Preparation | None = None,
 ) -> Precision:
-    """Predict the covariance of weighted least squares from recordings whose links rest by unknown wrenches.
-
-    Rows are those of :func:`exoid.identify`: of each set of resting links those on which their wrenches do no work. The
-    noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base counts as known, as
-    from an IMU. Where feet carry it instead, the unknown compliance of their soles makes intervals up to twice as wide.
-
-    Args:
-        model: Leg on a floating base, and terms.
-        recordings: Motions with contacts; torques are not used. Measured wrenches count as exact.
-        noise: Torque noise, white before the filter.
-        scales: Scales of the standard deviations.
-        preparation: Preparation as for :func:`exoid.identify`; None for its default.
-
-    Returns:
-        Predicted precision.
-
-    Raises:
-        ExoidError: There is no recording, a link is unknown, or no sample is left of one.
-    """
+    """Predict the covariance of weighted least squares from recordings whose links rest by unknown wrenches."""
+    # Rows are those of `exoid.identify`: of each set of resting links those on which their wrenches do no work.
+    # The noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base
+    # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
+    # intervals up to twice as wide.
     found: dict[tuple[str, ...], list[Recording]] = {}
     for recording in recordings:
         for links, part, *_ in split(model.leg, for_leg(model, recording)).stretches:

@@ -9,7 +9,8 @@ from exoid.experiments.ground.follow import follow
 from exoid.experiments.ground.stance import GAINS, HAND_RAIL
 from exoid.experiments.ground.waves import knots
 from exoid.rig import Rates
-from exoid.rig.ground import RATES, GroundPlant, GroundRun, Spring
+from exoid.rig.ground import GroundPlant, GroundRun, Spring
+from exoid.rig.ground.simulate import RATES
 
 from .plan import StancePlan
 

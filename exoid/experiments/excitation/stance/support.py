@@ -16,7 +16,7 @@ from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.leg.reduction import GRAVITY
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundPlant, Sole
 
 BOTH = "both"
@@ -49,40 +49,20 @@ class GroundRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StanceSupport:
-    """Feet that stand flat, side by side; other legs swing.
+    """Feet that stand flat, side by side; other legs swing."""
 
-    A motion has the joints of the first standing leg and of the legs that swing as coordinates. The other standing legs
-    have the same posture.
+    # A motion has the joints of the first standing leg and of the legs that swing as coordinates. The other
+    # standing legs have the same posture.
 
-    Attributes:
-        name: "both", or the label of the leg that stands.
-        plant: Machine with its soles.
-        stands: Legs whose feet stand.
-        swings: Legs in the air.
-        hip: Point that the base rows are about, in the axes of the root link [m].
-    """
-
-    name: str
-    plant: GroundPlant
-    stands: tuple[PlanarLeg, ...]
-    swings: tuple[PlanarLeg, ...]
-    hip: complex
+    name: str  # "both", or the label of the leg that stands
+    plant: GroundPlant  # machine with its soles
+    stands: tuple[PlanarLeg, ...]  # legs whose feet stand
+    swings: tuple[PlanarLeg, ...]  # legs in the air
+    hip: complex  # point that the base rows are about, in the axes of the root link [m]
 
     @classmethod
     def of(cls, plant: GroundPlant, name: str) -> StanceSupport:
-        """Find the legs of a support.
-
-        Args:
-            plant: Machine with its soles.
-            name: "both", the label of a leg ("left") or the link of its foot.
-
-        Returns:
-            The support.
-
-        Raises:
-            ExoidError: There is no such leg, a leg does not have hip, knee, ankle and a sole, or the legs that stand
-                differ.
-        """
+        """Find the legs of a support."""
         legs, labels = planar_legs(plant), [limb.label for limb in plant.leg.limbs]
         if name == BOTH:
             stands = legs
@@ -138,29 +118,11 @@ class StanceSupport:
         return np.asarray(self.spread / np.linalg.norm(self.spread, axis=1, keepdims=True))
 
     def joints(self, states: States) -> States:
-        """Compute the motion of all joints.
-
-        Args:
-            states: Motion of the coordinates, (N, k).
-
-        Returns:
-            Motion of the joints, (N, n).
-        """
+        """Compute the motion of all joints."""
         return States(*(part @ self.spread for part in states))
 
     def coordinate_limits(self, limits: MotionLimits, knee: float) -> MotionLimits:
-        """Take limits of joints for the coordinates, with bent knees.
-
-        Args:
-            limits: Limits of all joints.
-            knee: Smallest flexion of each knee [rad].
-
-        Returns:
-            Limits of the coordinates.
-
-        Raises:
-            ExoidError: No range is left.
-        """
+        """Take limits of joints for the coordinates, with bent knees."""
         lower, upper = limits.lower.copy(), limits.upper.copy()
         for leg in (*self.stands, *self.swings):
             joint = leg.joints.start + 1
@@ -176,17 +138,10 @@ class StanceSupport:
         return MotionLimits(low, high, *least)
 
     def torso(self, states: States) -> TorsoStates:
-        """Compute the motion of the torso over the first foot that stands.
-
-        The foot is level and still. With the vectors r_j of shank, thigh and hip at the zero pose and their angles φ_j,
-        the origin of the root link is at p = p_ankle − Σ_j e^{iφ_j} r_j, so p̈ = −Σ_j e^{iφ_j}(i φ̈_j − φ̇_j²) r_j.
-
-        Args:
-            states: Motion of all joints, (N, n).
-
-        Returns:
-            Motion of the torso.
-        """
+        """Compute the motion of the torso over the first foot that stands."""
+        # The foot is level and still. With the vectors r_j of shank, thigh and hip at the zero pose and
+        # their angles φ_j, the origin of the root link is at p = p_ankle − Σ_j e^{iφ_j} r_j, so p̈ = −Σ_j
+        # e^{iφ_j}(i φ̈_j − φ̇_j²) r_j.
         leg, plane = self.stands[0], self.plant.plane
         angle, rate, change = (self._turns(part) for part in states)
         vectors = np.exp(1j * angle) * np.array([leg.shank, leg.thigh, leg.hip])
@@ -201,19 +156,11 @@ class StanceSupport:
         return TorsoStates(np.column_stack([place.real, place.imag, angle[:, 2]]), kinematics)
 
     def ground_rows(self, states: States, rows: FloatArray) -> GroundRows:
-        """Find what the first foot that stands bears, and what is left for the joints.
-
-        A force f and a moment m about a point r have the moment m + Im{conj(r − p) f} about p. The base rows are about
-        the hip in axes that turn with the torso. They give the wrench on the foot, whose moments about the joints of
-        the leg are taken off the rows of these. This is :func:`exoid.torques.contacts.eliminate` for a planar machine.
-
-        Args:
-            states: Motion of all joints, (N, n).
-            rows: Base rows, then joint rows, (P, b + n, N).
-
-        Returns:
-            Rows of the wrench and of the torques.
-        """
+        """Find what the first foot that stands bears, and what is left for the joints."""
+        # A force f and a moment m about a point r have the moment m + Im{conj(r − p) f} about p. The base
+        # rows are about the hip in axes that turn with the torso. They give the wrench on the foot, whose
+        # moments about the joints of the leg are taken off the rows of these. This is
+        # `exoid.torques.contacts.eliminate` for a planar machine.
         leg, angle, count = self.stands[0], self._turns(states.q), len(self.leg.parameter_names)
         turn = np.exp(1j * angle)
         knee = -turn[:, 0] * leg.shank  # from the ankle
@@ -233,15 +180,7 @@ class StanceSupport:
         return np.asarray(-np.cumsum((leg.signs * joints[:, leg.joints])[:, ::-1], axis=1))
 
     def heights(self, q: FloatArray, pose: FloatArray) -> FloatArray:
-        """Compute the heights of the soles in the air.
-
-        Args:
-            q: Angles of all joints [rad], (N, n).
-            pose: Pose of the torso, see :class:`TorsoStates`, (N, 3).
-
-        Returns:
-            Heights of the points of the soles [m], (N, K); none if all feet stand.
-        """
+        """Compute the heights of the soles in the air."""
         parts = [leg.points(pose, q).imag for leg in self.swings]
         return np.hstack(parts) if parts else np.empty((len(pose), 0))
 
