@@ -14,7 +14,7 @@ from .information import absorb
 from .rows import Block, Rows, rows_of
 from .settings import Settings
 from .solution import belief, current, follow_residuals, inflations
-from .state import REMEMBERED, Change, Detector, Information, State, begin, checkpoints_of, no_epochs
+from .state import REMEMBERED, Change, Information, State, begin, checkpoints_of, no_epochs
 
 SETTLED = 20.0
 """Rows for each parameter from which on innovations are noise, not errors of the first values."""
@@ -97,9 +97,9 @@ def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
         values=tuple(state.values.tolist()),
     )
     information = _freed(settings, state, Information(*(kept[-1] for kept in state.checkpoints)), one.basis)
-    nothing = (np.zeros_like(x) for x in detector[:3])
+    nothing = {name: np.zeros_like(getattr(detector, name)) for name in ("score", "energy", "level")}
     return _solved(settings, state, information)._replace(
-        detector=Detector(*nothing, 0.0, -1, 0, detector.weights),
+        detector=detector._replace(**nothing, looks=0.0, crossing=-1, settled=0),
         checkpoints=checkpoints_of(information),
         changes=(*state.changes, change)[-REMEMBERED:],
         epochs=no_epochs(settings),

@@ -94,9 +94,9 @@ class RecursiveEstimator:
             window=window,
             epoch=epoch,
         )
-        recursion = Recursion.of(settings)
-        state = recursion.begin()
-        self._begin(recursion, Memory(state if start is None else started(settings, state, start), Stream()))
+        self.settings, self._recursion = settings, Recursion.of(settings)
+        state, self._stream, self._pending = self._recursion.begin(), Stream(), list[Sample]()
+        self._state = state if start is None else started(settings, state, start)
 
     def __repr__(self) -> str:
         """Name the leg and the number of samples."""
@@ -225,13 +225,9 @@ class RecursiveEstimator:
         """
         settings, memory = read_memory(path, leg)
         resumed = cls.__new__(cls)
-        resumed._begin(Recursion.of(settings), memory)
+        resumed.settings, resumed._recursion = settings, Recursion.of(settings)
+        resumed._state, resumed._stream, resumed._pending = memory.state, memory.stream, list(memory.pending)
         return resumed
-
-    def _begin(self, recursion: Recursion, memory: Memory) -> None:
-        """Begin with a memory."""
-        self.settings, self._recursion = recursion.settings, recursion
-        self._state, self._stream, self._pending = memory.state, memory.stream, list(memory.pending)
 
     def _take(self, sample: Sample, stamp: float) -> None:
         """Take one sample in; a complete block goes on."""

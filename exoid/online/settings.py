@@ -153,7 +153,7 @@ class Settings:
         """Rows that say as much as one independent row of white noise behind both filters."""
         if self.cutoff is None:
             return 1.0
-        response = scipy.signal.convolve(*(kernel.smooth for kernel in self.kernels))
+        response = np.convolve(self.kernels[0].smooth, self.kernels[1].smooth)
         every = scipy.signal.correlate(response, response)[len(response) - 1 :: self.stride]
         return float(1.0 + 2.0 * (every[1:] / every[0]).sum())
 

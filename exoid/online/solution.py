@@ -72,7 +72,8 @@ def weighted_stack(information: Information, weights: FloatArray, inflation: Flo
 def belief(settings: Settings, state: State) -> FloatArray:
     """[R z] of all that is known, R β = z + noise of unit size, (P + 1, P + 1); zero before the first rows."""
     inflation = inflations(settings, state.correlation)
-    return weighted_stack(state.information, state.weights, inflation) / float(np.sqrt(inflation.mean()))
+    stacked = weighted_stack(state.information, state.weights, inflation)
+    return np.asarray(stacked / np.sqrt(inflation.mean()))
 
 
 def residual_rms(information: Information, values: FloatArray) -> FloatArray:
@@ -80,7 +81,7 @@ def residual_rms(information: Information, values: FloatArray) -> FloatArray:
     rows = np.maximum(information.rows[:-1], 1e-9)
     norms = np.linalg.norm(information.R[:-1] @ np.append(values, -1.0), axis=1)
     torque = np.linalg.norm(information.R[:-1, :, -1], axis=1) / np.sqrt(rows)
-    return np.maximum(np.maximum(norms / np.sqrt(rows), 1e-9 * float(torque.max())), TINY)
+    return np.asarray(np.maximum(np.maximum(norms / np.sqrt(rows), 1e-9 * float(torque.max())), TINY))
 
 
 def follow_residuals(settings: Settings, before: Correlation, e: FloatArray, used: NDArray[np.bool_]) -> Correlation:
@@ -129,7 +130,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     def rms_of(values: FloatArray) -> FloatArray:
         """RMS residuals; those of earlier weights where rows are too few to tell the size of the noise."""
         few = (rows[:-1] < FEWEST_ROWS) & bool(R[-1].any())
-        return np.where(few, 1.0 / state.weights, residual_rms(state.information, values))
+        return np.asarray(np.where(few, 1.0 / state.weights, residual_rms(state.information, values)))
 
     first = state.values if R[-1].any() else solve(stack(factors), model.names, knowledge, bounds).values
     weights = np.ones(settings.n) if settings.estimator == "ols" else 1.0 / rms_of(first)
