@@ -11,7 +11,8 @@ from pathlib import Path
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile, logs_in
 
-from .inputs import LogOptions, read_log
+from .inputs import read_log
+from .options import LogOptions
 from .progress import progress_bar
 
 PASSES = 2

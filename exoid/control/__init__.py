@@ -18,7 +18,7 @@ from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel
 from .motion_filter import MotionFilter
-from .observers import KalmanObserver, MomentumObserver, SensorNoise, tuned_observer
+from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
 from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
@@ -29,7 +29,6 @@ from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
 from .stateful import StatefulLaw, stateful
-from .torque_prediction import TorquePrediction
 from .track import track
 from .tracking import Tracking, command_table
 
@@ -56,7 +55,6 @@ __all__ = [
     "SideBySide",
     "State",
     "StatefulLaw",
-    "TorquePrediction",
     "Tracking",
     "Weights",
     "adaptive",
@@ -83,5 +81,4 @@ __all__ = [
     "stateful",
     "track",
     "transparent",
-    "tuned_observer",
 ]

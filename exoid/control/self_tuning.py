@@ -22,22 +22,13 @@ from .model import ControlModel, ModelSource
 from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .pd import PD
-from .slotine_li import SlotineLiModel, refuse_unknown_covariance
-
-CHANGE = ExpectedChange()
-"""Default of the expected changes."""
+from .slotine_li import SlotineLiModel
 
 LOOSE = 100.0
 """Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
 
 TORQUE_STD = 1.0
 """Standard deviation of the torque's error that a source without residuals is given at first [N·m]."""
-
-CUTOFF = 8.0
-"""Largest default cut-off of the filter [Hz], and"""
-
-RATE_A_CUTOFF = 12.5
-"""smallest sampling rate over the default cut-off."""
 
 
 class SelfTuningMemory(NamedTuple):
@@ -92,7 +83,6 @@ class SelfTuning:
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        refuse_unknown_covariance(self.model.covariance)
         if not all(0.0 < x < np.inf for x in (self.time_constant, self.slew, self.bound)):
             raise ExoidError(
                 f"time constant {self.time_constant:g} s, slew {self.slew:g}, bound {self.bound:g}",
@@ -241,7 +231,7 @@ def self_tuning(
     kp: ArrayLike,
     kd: ArrayLike,
     *,
-    change: ExpectedChange = CHANGE,
+    change: ExpectedChange | None = None,
     time_constant: float = 0.3,
     slew: float = 3.0,
     bound: float = 5.0,
@@ -256,7 +246,7 @@ def self_tuning(
         source: An estimate, whose covariance is part of the prior; or a leg, or a plant of one rig.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad], likewise.
-        change: Standard deviations of what may change: payloads and friction.
+        change: Standard deviations of what may change; None for a payload of 1 kg on each link, and 30 % of friction.
         time_constant: Time constant with which the parameters approach the estimate [s].
         slew: Largest rate of each parameter, in standard deviations of what may change [1/s].
         bound: Largest distance of each parameter from its first value, likewise.
@@ -279,8 +269,7 @@ def self_tuning(
     """
     refuse_rate(rate)
     estimate = as_estimate(source, TORQUE_STD)
-    model = replace(SlotineLiModel.of(estimate, change), model=ControlModel.of(source))
-    refuse_unknown_covariance(model.covariance)
+    model = replace(SlotineLiModel.of(estimate, change or ExpectedChange()), model=ControlModel.of(source))
     cone = ParameterCone.of(model.model.leg, model.positive)
     covariance = estimate.covariance.copy()
     places = places_of(model.names, estimate.names)
@@ -293,7 +282,7 @@ def self_tuning(
     settings = Settings(
         model=estimate.model,
         rate=rate,
-        cutoff=min(CUTOFF, rate / RATE_A_CUTOFF) if cutoff is None else cutoff,
+        cutoff=min(8.0, rate / 12.5) if cutoff is None else cutoff,  # what the rate can carry
         forgetting="directional",
         memory=memory,
         estimator="wls",

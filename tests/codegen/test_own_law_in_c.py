@@ -178,7 +178,6 @@ def test_files_and_their_description(tmp_path):
     assert data["functions"] == ["my_law_init", "my_law_step"]
     assert (data["safe"], data["patience"], data["precision"], data["rate"]) == ("zero", 0.1, "float", 100.0)
     assert set(data["files"]) == {"my-law.c", "my_law.h"}
-    assert data["operations"] == written.operations.by_kind
     assert "#define MY_LAW_PATIENCE 10" in written.source
     again = c_source(laws()["pd"], name="my-law", precision="float", safety=Safety("zero", patience=0.1))
     assert (again.source, again.header) == (written.source, written.header)

@@ -18,7 +18,6 @@ from exoid import Coulomb, ExoidError, Recording, Viscous
 from exoid.estimate import predict_motion
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
-from exoid.identification.selection import Candidate, select_terms
 from exoid.torques import TorqueModel
 from exoid.view.report.recording_prediction import predict_recording
 from exoid.view.report.text import error_table, summary
@@ -239,18 +238,6 @@ def test_groups_share_what_one_of_them_measured():
     assert "left_ankle not measured" in str(found)
     with pytest.raises(ExoidError, match="c0_ankle"):
         identify(swing_.leg, groups, TERMS, own=("c0",))
-
-
-def test_selection_scores_the_joints_that_were_measured():
-    swing_, log = swing()
-    candidates = [Candidate("friction", TERMS), Candidate("viscous", (Viscous(),))]
-    selection = select_terms(swing_.leg, without(log, "left_ankle"), candidates, tune=False)
-    assert selection.candidate.name == "friction"
-    score = selection.scores[0]
-    assert np.isnan(score.nrmse).tolist() == [False, False, True]
-    assert 0.0 < score.nrmse[:2].min() < score.mean < score.nrmse[:2].max()
-    assert 0.0 < score.fast < 0.1
-    assert "c0_ankle" not in selection.identify(without(log, "left_ankle")).names
 
 
 def test_a_report_says_which_torque_was_not_measured():

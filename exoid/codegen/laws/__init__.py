@@ -1,7 +1,6 @@
 """A control law as C99 for a microcontroller: header and source, with limits, watchdog and safe torque."""
 
 from .law_in_c import MOTION, REFERENCE, ArrayInC, InputInC, LawInC, LegInC, Needed
-from .operations import Operations, count_operations
 from .safety import Safety
 from .source import LawSource
 from .write import law_source, write_law
@@ -15,9 +14,7 @@ __all__ = [
     "LawSource",
     "LegInC",
     "Needed",
-    "Operations",
     "Safety",
-    "count_operations",
     "law_source",
     "write_law",
 ]

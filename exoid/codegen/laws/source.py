@@ -1,4 +1,4 @@
-"""A law written in C: header and source, with what a step costs."""
+"""A law written in C: header and source."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from exoid.codegen.dialect import Dialect
 from exoid.tools.tables import to_text
 
 from .law_in_c import LawInC
-from .operations import Operations
 from .safety import Safety
 
 SCHEMA = "exoid-law-in-c-1"
@@ -28,7 +27,6 @@ class LawSource:
         dialect: Precision of the numbers.
         law: The law.
         safety: Watchdog and safe torque.
-        operations: Number of operations of one step in the worst case.
         warnings: Warnings about the model.
         path: Source that was written; None if none was.
     """
@@ -39,7 +37,6 @@ class LawSource:
     dialect: Dialect
     law: LawInC
     safety: Safety
-    operations: Operations
     warnings: tuple[str, ...] = ()
     path: Path | None = None
 
@@ -62,7 +59,7 @@ class LawSource:
         """Describe the files as JSON data.
 
         Returns:
-            Names, hashes, equation, rate, precision, functions, joints, inputs, safe torque, operations and warnings.
+            Names, hashes, equation, rate, precision, functions, joints, inputs, safe torque and warnings.
         """
         texts = {self.header_name: self.header, self.source_name: self.source}
         return {
@@ -76,7 +73,6 @@ class LawSource:
             "inputs": ["q", "v", *(each.name for each in self.law.inputs)],
             "safe": self.safety.safe,
             "patience": self.safety.patience,
-            "operations": self.operations.by_kind,
             "warnings": list(self.warnings),
         }
 
@@ -85,13 +81,12 @@ class LawSource:
         return f"LawSource({str(self.path or self.prefix)!r}, {self.dialect.real!r})"
 
     def __str__(self) -> str:
-        """Print files, functions, inputs and operations."""
+        """Print files, functions and inputs."""
         where = self.path or Path(f"{self.prefix}.c")
         return to_text(
             f"{where} and {where.with_name(self.header_name)}: {self.law.equation}",
             f"{self.dialect.real} precision, C99, needs <math.h> only; joints: {', '.join(self.law.joints)}",
             f"functions: {', '.join(self.functions)}, {self.law.rate:g} times a second",
             f"inputs: {', '.join(('q', 'v', *(each.name for each in self.law.inputs)))}",
-            f"one step in the worst case: {self.operations}",
             *(f"warning: {warning}" for warning in self.warnings),
         )

@@ -20,15 +20,11 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.files import write_whole
 
 from .law_in_c import ArrayInC, LawInC, LegInC
-from .operations import count_operations
 from .safety import Safety, per_joint
 from .source import LawSource
 
 ABSURD = 1e9
 """Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
-
-MANY = 32
-"""Size from which an array of zeros is set by loops."""
 
 INSIDE: dict[str, frozenset[str]] = {
     "springs": frozenset({"springs"}),
@@ -104,7 +100,7 @@ def law_source(
         warnings: Warnings for the result.
 
     Returns:
-        Header and source, with the number of operations of a step.
+        Header and source.
 
     Raises:
         ExoidError: The safe torque needs a model that the law does not have, a setting is for another number of joints,
@@ -147,10 +143,8 @@ def law_source(
     texts = {"step": law.step, "begin": law.begin, "helpers": law.helpers}
     inside |= {key: fill(f"{text.rstrip()}\n", dialect, **names) if text else "" for key, text in texts.items()}
     source = fill("laws/law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
-    declared = fill("laws/law.h.jinja", dialect, **values, operations="not counted yet")
-    operations = count_operations(source, declared, f"{prefix}_step")
-    header = fill("laws/law.h.jinja", dialect, **values, operations=str(operations))
-    return LawSource(header, source, prefix, dialect, law, safety, operations, tuple(warnings))
+    header = fill("laws/law.h.jinja", dialect, **values)
+    return LawSource(header, source, prefix, dialect, law, safety, tuple(warnings))
 
 
 def _needed(law: LawInC, safety: Safety) -> frozenset[str]:
@@ -198,23 +192,9 @@ def _dimensions(array: ArrayInC) -> str:
 def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:
     """Statements that set the memory."""
     for array in memory:
-        if array.values.size > MANY and not array.values.any():
-            yield _loop_over_zeros(array, dialect)
-            continue
         for index, value in np.ndenumerate(array.values):
             place = "".join(f"[{k}]" for k in index)
             yield f"    state->{array.name}{place} = {dialect.number(float(value))};\n"
-
-
-def _loop_over_zeros(array: ArrayInC, dialect: Dialect) -> str:
-    """Loops that set a large array of the memory to zero."""
-    shape, indices = array.values.shape, [f"k{level}" for level in range(array.values.ndim)]
-    text = f"    {{\n        int {', '.join(indices)};\n"
-    for level, (index, size) in enumerate(zip(indices, shape, strict=True)):
-        text += f"{'    ' * (level + 2)}for ({index} = 0; {index} < {size}; ++{index}) {{\n"
-    place = "".join(f"[{index}]" for index in indices)
-    text += f"{'    ' * (len(shape) + 2)}state->{array.name}{place} = {dialect.number(0.0)};\n"
-    return text + "".join("    " * level + "}\n" for level in range(len(shape) + 1, 0, -1))
 
 
 def _plausible(law: LawInC, source: str, prefix: str) -> str:

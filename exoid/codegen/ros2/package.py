@@ -94,7 +94,7 @@ class Ros2Package:
         return to_text(
             f"{self.folder or self.name}: package {self.name} for ROS 2 {DISTRIBUTION}, {law.equation}",
             f"controller {self.name}/Controller and program {self.name}_node, {law.rate:g} times a second",
-            f"joints: {', '.join(law.joints)}; one step in the worst case: {self.source.operations}",
+            f"joints: {', '.join(law.joints)}",
             "the C++ is tested against stub headers: it was not built with ROS 2, see README.md",
             *(f"warning: {warning}" for warning in self.source.warnings),
         )

@@ -1,6 +1,5 @@
 """Control laws as C99: which template and which numbers each law is in C; :mod:`exoid.codegen.laws` writes them."""
 
-from .adaptive import adaptive_in_c
 from .admittance import admittance_in_c
 from .assist_as_needed import assist_as_needed_in_c
 from .computed_torque import computed_torque_in_c
@@ -20,7 +19,6 @@ from .sensitivity_amplification import sensitivity_amplification_in_c
 from .write import c_source, write_c
 
 __all__ = [
-    "adaptive_in_c",
     "admittance_in_c",
     "assist_as_needed_in_c",
     "c_source",

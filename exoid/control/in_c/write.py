@@ -35,7 +35,7 @@ def write_c(
         warnings: Warnings about the model, for the result.
 
     Returns:
-        The texts that were written, with the number of operations of a step.
+        The texts that were written.
 
     Raises:
         ExoidError: The law, a term of its model or its leg has no form in C, or a file cannot be written.
@@ -65,15 +65,15 @@ def c_source(
         warnings: Warnings about the model, for the result.
 
     Returns:
-        Header and source, with the number of operations of a step.
+        Header and source.
 
     Raises:
         ExoidError: The law, a term of its model or its leg has no form in C.
 
     Example:
         >>> from exoid.control import pd
-        >>> print(c_source(pd((22.0, 56.0), (2.2, 5.6))).operations)
-        18 + −, 6 ×, 0 ÷, 36 compare
+        >>> print(c_source(pd((22.0, 56.0), (2.2, 5.6))).functions)
+        ('law_init', 'law_step')
     """
     dialect = Dialect(precision)
     form = law_in_c(law, dialect)
