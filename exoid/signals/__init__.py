@@ -3,7 +3,6 @@
 from . import datasets
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import BasePose, turn_upright
-from .cluster import Cluster
 from .column import Column
 from .contact_checks import refuse_contradictions
 from .contacts import contacts_from_switch, contacts_from_wrench, settled
@@ -32,7 +31,6 @@ __all__ = [
     "Approaches",
     "BaseMotion",
     "BasePose",
-    "Cluster",
     "Column",
     "FiniteDifference",
     "GroundForces",

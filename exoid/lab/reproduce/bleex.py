@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import bleex
 from exoid.identification import identify
@@ -19,7 +20,6 @@ from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
-from .replicates import refuse_no_replicates
 from .sequential import SequentialEstimate
 from .sequential import bleex as steps
 from .torque_error import by_name, nrmse_text, torque_nrmse
@@ -101,7 +101,8 @@ def reproduce_bleex(
     Raises:
         ExoidError: The number of replicates is below one, or the measurements are too few.
     """
-    refuse_no_replicates(replicates)
+    if replicates < 1:
+        raise BadArgumentError(f"{replicates} replicates", remedy="request at least one")
     report, extent = progress or (lambda _: None), extent or Extent()
     rng = np.random.default_rng(seed)
     measured = {}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_static
 from exoid.experiments.dynamic import run_motion
@@ -20,7 +20,6 @@ from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rate
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
-from .replicates import refuse_no_replicates
 from .sequential import SequentialEstimate
 from .sequential import cuhk as steps
 from .torque_error import by_name, nrmse_text, predicted_torque, torque_nrmse, torque_rmse, validation_rows
@@ -133,9 +132,10 @@ def reproduce_cuhk(
     Raises:
         ExoidError: The number of replicates is below one, or the duration is too short.
     """
-    refuse_no_replicates(replicates)
+    if replicates < 1:
+        raise BadArgumentError(f"{replicates} replicates", remedy="request at least one")
     if not SETTLE < duration < np.inf:
-        raise ExoidError(f"motions of {duration:g} s", remedy=f"measure longer than {SETTLE:g} s")
+        raise BadArgumentError(f"motions of {duration:g} s", remedy=f"measure longer than {SETTLE:g} s")
     report = progress or (lambda _: None)
     rng = np.random.default_rng(seed)
     leg = load_leg("cuhk")

@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
@@ -129,7 +129,7 @@ def reproduce_cuhk_tracking(
 def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
     """Build the CUHK-EXO with the payload of a wearer, friction and rotors."""
     if not 0.0 <= rotor < np.inf:
-        raise ExoidError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
+        raise BadArgumentError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
     values = {**cuhk_parameters(), **cuhk_resistances()}
     return Plant.build(load_leg("cuhk"), {**values, "Ia_hip": rotor, "Ia_knee": rotor})
 

@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
 from exoid.control.model import ModelSource
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
@@ -162,7 +162,7 @@ def wear(
         True
     """
     if not (0.0 < period < np.inf and 1.0 < most < np.inf):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a stride of {period:g} s and amplifications up to {most:g}",
             remedy="give a positive period in s, and a largest amplification above 1",
         )
@@ -223,7 +223,7 @@ def _refuse_unstable(largest: Mapping[str, Amplification]) -> None:
     """Refuse a controller that is not stable even where it only carries the weight."""
     for name, found in largest.items():
         if found.largest < 1.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"with the {name} model the worn leg is unstable even without amplification",
                 remedy="raise the rate or the bandwidth of the controller, or check the model's masses",
             )

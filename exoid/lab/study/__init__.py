@@ -8,7 +8,7 @@ from .result import Combination, StudyResult
 from .run import run_study
 from .tracking_statistics import Spread, TrackingStatistics
 from .tracking_task import TrackingTask
-from .workers import Done, Workers, dask_cluster, processes, run_serially
+from .workers import Done, Workers, joblib_backend, processes, run_serially
 
 __all__ = [
     "Chunk",
@@ -25,8 +25,8 @@ __all__ = [
     "TrackingStatistics",
     "TrackingTask",
     "Workers",
-    "dask_cluster",
     "document",
+    "joblib_backend",
     "planned",
     "plausible_truth",
     "processes",

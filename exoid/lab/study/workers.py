@@ -1,4 +1,4 @@
-"""Workers that run the chunks: this process, several on this machine, or a Dask cluster."""
+"""Workers that run the chunks: this process, several on this machine, or those of joblib's backend."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
 
-from joblib import Parallel, delayed
+from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky import get_reusable_executor
 
 from exoid.errors import ExoidError
-from exoid.signals.cluster import connect
 
 from .design import Study
 from .replicates import Outcomes, run_chunk
@@ -91,34 +90,23 @@ def processes(count: int) -> Workers:
 
 
 def _done(study: Study, number: int) -> Done:
-    return Done(number, run_chunk(study, number))
+    with parallel_config("sequential"):  # a chunk is not distributed again
+        return Done(number, run_chunk(study, number))
 
 
-def dask_cluster(address: str) -> Workers:
-    """Run chunks on an existing Dask cluster; its workers need exoid installed, but no shared disk.
+def joblib_backend(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
+    """Run chunks on the workers of joblib's backend, such as those of a Dask cluster.
 
     Args:
-        address: Address of the scheduler, ``tcp://host:port``.
+        study: The study.
+        numbers: Numbers of the chunks.
 
-    Returns:
-        Function that runs the chunks.
+    Yields:
+        Each chunk as it is finished.
 
-    Raises:
-        ExoidError: (When used) Dask is not installed, the scheduler does not answer, or workers die repeatedly.
+    Example:
+        >>> with distributed.Client("tcp://host:8786"), joblib.parallel_config("dask"):  # doctest: +SKIP
+        ...     run_study(study, workers=joblib_backend)
     """
-
-    def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
-        """Yield chunks as they are done."""
-        with connect(address) as client:
-            import distributed  # noqa: PLC0415 - an extra, which connect() requires
-
-            futures = {client.submit(run_chunk, study, number, pure=False): number for number in numbers}
-            for future in distributed.as_completed(futures):
-                try:
-                    yield Done(futures[future], future.result())
-                except distributed.KilledWorker as error:
-                    raise ExoidError(
-                        "workers of the cluster died repeatedly", where=address, remedy="give them more memory"
-                    ) from error
-
-    return work
+    parallel = Parallel(return_as="generator_unordered", batch_size=1)
+    yield from parallel(delayed(_done)(study, number) for number in numbers)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -17,7 +16,6 @@ from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
 from exoid.tools.reader_process.reading import reading
 
-from .mat_elements import expanded_size, readable_variables
 from .table import ArrayTable, ReadOptions, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
@@ -39,11 +37,9 @@ def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
     path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        data = path.read_bytes()
-        refuse_expansion(expanded_size(data), path, file)
-        names, stream = readable_variables(data), cast("Any", io.BytesIO(data))  # a type that scipy's annotations lack
-        content = scipy.io.loadmat(stream, variable_names=names, simplify_cells=True, chars_as_strings=True)
+        content = scipy.io.loadmat(path, appendmat=False, simplify_cells=True, chars_as_strings=True)
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
+        refuse_expansion(sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), path, file)
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
         return Content(to_columns(_flat(variables, file), file, ReadOptions(**options)))

@@ -5,6 +5,7 @@ import warnings
 from dataclasses import replace
 from functools import partial
 
+import joblib
 import numpy as np
 import pytest
 
@@ -21,7 +22,7 @@ from exoid.lab.study import (
     Study,
     TrackingCase,
     TrackingTask,
-    dask_cluster,
+    joblib_backend,
     plausible_truth,
     processes,
     run_chunk,
@@ -150,10 +151,9 @@ def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path):
 def test_processes_and_dask_workers_give_the_same_bits(result):
     assert same(run_study(study(), workers=processes(2)), result)
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
-    ) as cluster:
-        assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster), joblib.parallel_config("dask"):
+        assert same(run_study(study(), workers=joblib_backend), result)
 
 
 @pytest.mark.slow

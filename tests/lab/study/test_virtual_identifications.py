@@ -24,7 +24,6 @@ from exoid.lab.study import (
     Noise,
     Protocol,
     Study,
-    dask_cluster,
     document,
     plausible_truth,
     processes,
@@ -297,32 +296,6 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     printed = [run.communicate(timeout=200)[0] for run in runs]
     assert [run.returncode for run in runs] == [0, 0, 0]
     assert printed[0] == printed[1] == printed[2] != ""
-
-
-@pytest.mark.slow
-def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
-    """Two workers of a local cluster, one of which is killed when the first chunk is there."""
-    distributed = pytest.importorskip("distributed")
-    what = study(replicates=12)
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
-    ) as cluster:
-        assert same(run_study(what, None, dask_cluster(cluster.scheduler_address)), expected := run_study(what))
-
-        def killing(asked, numbers):
-            for k, done in enumerate(dask_cluster(cluster.scheduler_address)(asked, numbers)):
-                if k == 0:
-                    os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
-                yield done
-
-        assert same(run_study(what, tmp_path / "kept", killing), expected)
-
-
-def test_nobody_at_the_address_of_a_scheduler_is_one_line(monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
-    with pytest.raises(ExoidError, match="no Dask scheduler answers"):
-        run_study(study(), None, dask_cluster("tcp://127.0.0.1:9"))
 
 
 @pytest.mark.parametrize(
