@@ -35,7 +35,7 @@ def describe(
     damping: FloatArray | None = None,
     measured: str = "in->v",
 ) -> LawInC:
-    """Describe a law with a model: numbers and comment by name of a table, comment of the memory, which begins with zero.
+    """Describe a law with a model: numbers and comment of each table, comment of the memory, which begins with zero.
 
     ``{friction}`` stands in the equation, and ``{{friction}}`` in the step, where friction is compensated, at the
     velocity ``measured``. The default damping of the safe torque is the default Kd of controllers, at the zero pose.
