@@ -1,6 +1,6 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
-from .adaptive import Adaptive, adaptive
+from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
@@ -22,12 +22,10 @@ from .limited import Limited
 from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel, default_gains
-from .motion_filter import MotionFilter
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
-from .parameter_cone import ParameterCone
 from .replay import LawReplay, replay_law
-from .self_tuning import SelfTuning, self_tuning
+from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, standard_laws
@@ -40,7 +38,6 @@ __all__ = [
     "LAWS",
     "SHARP",
     "SMOOTH",
-    "Adaptive",
     "ControlModel",
     "Driven",
     "ExpectedChange",
@@ -50,10 +47,7 @@ __all__ = [
     "LawReplay",
     "Limited",
     "MomentumObserver",
-    "MotionFilter",
-    "ParameterCone",
     "PassiveFriction",
-    "SelfTuning",
     "SensorNoise",
     "SideBySide",
     "State",
