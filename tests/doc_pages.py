@@ -33,7 +33,7 @@ for line in sys.stdin.read().splitlines():
 
         import exoid
 
-        webbrowser.open, exoid.view.SceneServer.wait = lambda url: True, lambda server: None
+        webbrowser.open, exoid.view.scenes.server.SceneServer.wait = lambda url: True, lambda server: None
     try:
         main()
     except SystemExit as stop:
