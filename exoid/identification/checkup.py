@@ -32,7 +32,7 @@ def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: A
         message, remedy = "recordings on a cluster were not searched for faults", "run exoid check on some of them"
         return Checkup((Finding("not-checked", "", 0.0, "1", "info", message, f"{remedy} before they are sent"),))
     leg = _fitted_leg(fitted, group, covariance)
-    return check_fit(leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
+    return check_fit(leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
 
 
 def model_error(
@@ -86,15 +86,19 @@ def _shifted(group: Group, delays: FloatArray) -> Group:
 
 def _shift_finding(joint: str, delay: float, half: float) -> Finding:
     """Say that a torque was shifted."""
+    message = (
+        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
+        "and was shifted by that"
+    )
+    remedy = "correct the time stamps of the log; validation shifts its torques by the same"
     return Finding(
         "torque-delay",
         joint,
         float(delay),
         "s",
         "info",
-        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
-        "and was shifted by that",
-        "correct the time stamps of the log; validation shifts its torques by the same",
+        message,
+        remedy,
         interval=(float(delay - half), float(delay + half)),
     )
 

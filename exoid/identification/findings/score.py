@@ -80,6 +80,7 @@ class State:
     shares: FloatArray  # shares of the fitted columns in each nuisance column, (F, K)
     used: NDArray[np.intp]  # indices of the columns that are fitted or tested
     like: State | None  # fit whose residuals give the noise; None for this fit's own
+    dof: float  # rows less fitted columns, at least 1
 
     @classmethod
     def of(
@@ -103,7 +104,8 @@ class State:
         pinv = pseudo_inverse(R[:, columns])
         solution = pinv @ R[:, -1]
         residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.count : -1]
-        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like)
+        dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
+        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like, dof)
 
     @property
     def values(self) -> FloatArray:
@@ -111,12 +113,6 @@ class State:
         values = np.where(np.isfinite(self.evidence.fixed), self.evidence.fixed, 0.0)
         values[self.evidence.free] = self.solution[: len(self.evidence.free)]
         return np.asarray(values)
-
-    @property
-    def dof(self) -> float:
-        """Rows less fitted columns, at least 1."""
-        rows = sum(int(part.usable.sum()) for part in self.evidence.parts)
-        return max(1.0, rows - len(self.columns))
 
     @cached_property
     def _tests(self) -> _Tests:
