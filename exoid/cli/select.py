@@ -2,74 +2,71 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
-import typer
+from typer import Option
 
-from exoid import identification
+import exoid
 
-from .inputs import (
+from .inputs import read_drives, read_logs
+from .legs import refuse_unknown_leg
+from .option_groups import expand_options
+from .options import (
     ANY_LEG,
+    FIXED_BASE,
     READ_AS_IT_IS,
     AsJson,
     DriveFile,
+    EstimateOutput,
     LegName,
     LegOptions,
     LogNames,
     LogOptions,
-    read_drives,
-    read_logs,
+    Number,
+    Text,
 )
-from .legs import refuse_unknown_leg
-from .option_groups import expand_options
-from .outputs import check_outputs
+from .outputs import check_outputs, print_result
 from .progress import progress_bar
 
 
-@expand_options()
+@expand_options(without=FIXED_BASE)
 def select(
     leg: LegName,
     logs: LogNames,
-    output: Annotated[
-        str | None,
-        typer.Option("--output", "-o", metavar="EST.JSON", help="Write the selected model's estimate."),
-    ] = None,
-    test: Annotated[
-        str | None, typer.Option(metavar="LOG", help="Validate the selected model, once, on another log.")
-    ] = None,
-    folds: Annotated[int, typer.Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
+    output: EstimateOutput = None,
+    test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
+    folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[
-        float | None,
-        typer.Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
+        Number,
+        Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
     ] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select friction of each joint, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+    """Select friction, filter and estimator for LEG by blocked cross-validation inside the LOGs.
 
     Example: exoid select bleex bleex_swing:train -o est.json
     """
     refuse_unknown_leg(leg)
     check_outputs({"--output": output}, [leg, *logs, test])
-    reading.refuse_other([*logs, *([test] if test else [])])
-    recordings = read_logs(logs, reading)
-    tested = None if test is None else read_logs([test], reading._replace(start=None, stop=None))[0]
+    tests = [] if test is None else [test]
+    recordings = read_logs(logs, reading, beside=tests)
+    tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
     found = choice.find(leg, recordings[0].joint_names)
     drives = read_drives(actuators, found)
     if drives is not None:
-        recordings = [drives.torque(each) for each in recordings]
-        tested = None if tested is None else drives.torque(tested)
+        recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))
     with progress_bar("selecting friction") as progress:
-        selection = identification.select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
+        select_terms = exoid.identification.select_terms
+        selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
     estimate = selection.estimate
     if output is not None:
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
-    if tested is not None:
-        validation = selection.validate(estimate, tested)
+    for each in tested:
+        validation = selection.validate(estimate, each)
         data["test"] = validation.to_json()
         text.append(str(validation))
-    typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
+    print_result("\n\n".join(text), as_json=as_json, data=data)

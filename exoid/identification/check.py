@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .drives import DrivenGroups, Drives
@@ -55,8 +55,6 @@ def check(
         ()
     """
     group = Group.alone(leg, recordings)
-    if isinstance(group.data, Cluster):
-        raise BadArgumentError("recordings are on the workers of a cluster", remedy="check them before they are sent")
     try:
         found = identify(
             leg, group.data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators
@@ -67,7 +65,6 @@ def check(
             driven = DrivenGroups.of((group,), actuators)
             used, (group,) = driven.default_terms() if terms is None else used, driven.groups
             names = tuple(driven.known_rotors(used, PriorKnowledge.of(known, None, nonnegative=False)))
-        assert not isinstance(group.data, Cluster)
         model = TorqueModel.at_start(leg, used, names)
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
         return ordered((*signal_findings(model, group.data), refused))

@@ -9,12 +9,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.estimate.model_error import ModelError
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, without_torque_delay
+from exoid.signals import Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .findings.arms import arm_shapes
@@ -28,9 +27,6 @@ from .group_rows import Group
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
     """Check the logs of one group, and the fit to them."""
-    if isinstance(fitted.problem.groups[group].data, Cluster):
-        message, remedy = "recordings on a cluster were not searched for faults", "run exoid check on some of them"
-        return Checkup((Finding("not-checked", "", 0.0, "1", "info", message, f"{remedy} before they are sent"),))
     leg = _fitted_leg(fitted, group, covariance)
     return check_fit(leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
 
@@ -43,7 +39,7 @@ def model_error(
     noise: Sequence[JointNoise],
 ) -> ModelError | None:
     """Estimate how far friction of another form may move the torques that one group's estimate predicts."""
-    if checkup.ranges is None or isinstance(fitted.problem.groups[group].data, Cluster):
+    if checkup.ranges is None:
         return None
     speed, leg = checkup.ranges.speed, _fitted_leg(fitted, group)
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
@@ -63,8 +59,6 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
     """Estimate by how much torques are late, and shift them."""
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
-        if isinstance(group.data, Cluster):
-            raise ExoidError("delays of recordings on a cluster cannot be corrected", remedy="leave delay out")
         leg = _fitted_leg(fitted, k)
         late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled()), len(leg.model.joint_names))
         groups.append(_shifted(group, late.values) if late.values.any() else group)
@@ -76,7 +70,6 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
 
 def _shifted(group: Group, delays: FloatArray) -> Group:
     """Shift the torques of a group."""
-    assert not isinstance(group.data, Cluster)
     model = TorqueModel.at_start(group.leg, ())
     by_joint = {k: float(delay) for k, delay in enumerate(delays) if delay}
     chosen = (for_leg(model, one) for one in group.data)
@@ -106,12 +99,11 @@ def _shift_finding(joint: str, delay: float, half: float) -> Finding:
 def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
     """Gather what a check of one group needs."""
     model, problem = fitted.models[group], fitted.problem
-    data = problem.groups[group].data
-    assert not isinstance(data, Cluster)
+    rows = problem.groups[group]
     names = problem.layout.names_of(group)
     known = problem.layout.known_by(group, problem.prior_knowledge).known
     held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
     fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
     values = fitted.values[problem.layout.places[group][: len(model.names)]]
     errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
-    return FittedLeg(model, data, problem.groups[group].preparation, fixed, values, errors)
+    return FittedLeg(model, rows.data, rows.preparation, fixed, values, errors)

@@ -31,9 +31,6 @@ LARGEST_NUMBER = 1e9
 UNBOUNDED = ("limit",)
 """Elements whose numbers may be larger, because they mean that there is no limit."""
 
-SHORTEST_AXIS = 1e-6
-"""Smallest length of a joint axis."""
-
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 """A decimal number. Each text matches in one way only, so that long ones take no longer than they are."""
 
@@ -231,7 +228,8 @@ def _check_axes(root: etree._Element, name: str) -> None:
             continue
         if axis.get("xyz") is None:  # the parser takes it as zero
             raise ExoidError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
-        if math.hypot(*map(float, axis.get("xyz", "").split())) < SHORTEST_AXIS:
+        # Smallest length of a joint axis
+        if math.hypot(*map(float, axis.get("xyz", "").split())) < 1e-6:
             raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
 
 

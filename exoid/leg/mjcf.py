@@ -11,9 +11,6 @@ from lxml import etree
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 
-RADIUS = 0.015
-"""Radius of the rods that show the links [m]; they have no mass and touch nothing."""
-
 SHORTEST = 0.01
 """Length below which a link is not drawn [m]."""
 
@@ -96,10 +93,11 @@ def _draw(body: Any, mujoco: Any, model: pin.Model, j: int) -> None:  # noqa: AN
     carried = [model.jointPlacements[k].translation for k in range(j + 1, model.njoints) if model.parents[k] == j]
     for end in carried or [2.0 * model.inertias[j].lever]:
         if np.linalg.norm(end) > SHORTEST:
+            # Radius of the rods that show the links [m]; they have no mass and touch nothing
             body.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
                 fromto=[0.0, 0.0, 0.0, *end],
-                size=[RADIUS, 0.0, 0.0],
+                size=[0.015, 0.0, 0.0],
                 mass=0.0,
                 contype=0,
                 conaffinity=0,

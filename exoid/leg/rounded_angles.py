@@ -9,15 +9,6 @@ from __future__ import annotations
 import math
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal
 
-RIGHT_ANGLE_DECIMALS = 2
-"""Decimals from which on a number that is a rounded multiple of π/2 stands for it: 1.57."""
-
-OTHER_ANGLE_DECIMALS = 4
-"""Decimals from which on a number that is a rounded multiple of π/12 stands for it: 0.5236."""
-
-MOST_DECIMALS = 10
-"""Decimals beyond which rounding has no effect: the number stays as it is."""
-
 
 def exact_angle(text: str) -> str:
     """Replace a rounded multiple of π/12 by the exact one."""
@@ -26,9 +17,12 @@ def exact_angle(text: str) -> str:
     assert isinstance(exponent, int)  # the number is finite
     if abs(number) > 7:
         return text
-    for step, decimals in ((math.pi / 2.0, RIGHT_ANGLE_DECIMALS), (math.pi / 12.0, OTHER_ANGLE_DECIMALS)):
+    # Decimals from which on a number that is a rounded multiple of π/2 stands for it: 1.57
+    # Decimals from which on a number that is a rounded multiple of π/12 stands for it: 0.5236
+    for step, decimals in ((math.pi / 2.0, 2), (math.pi / 12.0, 4)):
         multiple = round(float(number) / step) * step
-        if multiple and decimals <= -exponent <= MOST_DECIMALS:
+        # Decimals beyond which rounding has no effect: the number stays as it is
+        if multiple and decimals <= -exponent <= 10:
             digit = Decimal(1).scaleb(exponent)
             if number in [Decimal(multiple).quantize(digit, rounding) for rounding in (ROUND_HALF_EVEN, ROUND_DOWN)]:
                 return repr(multiple)

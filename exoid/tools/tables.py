@@ -17,9 +17,6 @@ WIDTH = 110
 NARROWEST = 60
 """Longest line of a text on any narrower terminal."""
 
-COMPACT = 80
-"""Widest table with wide gaps between its columns; in a wider one they are a character narrower."""
-
 line_width: ContextVar[int] = ContextVar("line_width", default=WIDTH)
 """Longest line of a text. The command sets it to the width of its terminal, between the two above."""
 
@@ -69,7 +66,8 @@ def _pieces(table: DataTable, most: int) -> Iterator[list[str]]:
     first, last = 1, len(table.headers)
     while first < last:  # columns that do not fit beside each other go into a table below
         columns = _columns(table, first, last)
-        lines = _drawn(*columns, min(COMPACT, most), 3, _width) or _drawn(*columns, most, 2, _unbroken)
+        # Widest table with wide gaps between its columns; in a wider one they are a character narrower
+        lines = _drawn(*columns, min(80, most), 3, _width) or _drawn(*columns, most, 2, _unbroken)
         if lines is not None or last == first + 1:
             yield lines or _drawn(*columns, most, 2, _letter) or []
             first, last = last, len(table.headers)

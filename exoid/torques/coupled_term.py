@@ -74,33 +74,14 @@ class CoupledTerm(Term):
         """
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Refuse the motion of one joint.
-
-        Args:
-            motion: Motion of one joint.
-            out: Stays as it is.
-
-        Raises:
-            ExoidError: Always: the term needs the motion of all its joints.
-        """
+        """Refuse the motion of one joint."""
         raise ExoidError(
             f"{type(self).__name__} needs the motion of {', '.join(self.joints or ())} at once",
             remedy="form its columns through a TorqueModel",
         )
 
     def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
-        """Find its joints among those of a leg.
-
-        Args:
-            names: Joints of the leg, (n,).
-            labels: Joint names as they occur in parameter names, (n,).
-
-        Returns:
-            One tuple: indices of its joints, in the order of :attr:`joints`.
-
-        Raises:
-            ExoidError: A joint is missing or named twice, or the term depends on load or temperature, or has memory.
-        """
+        """Find its joints among those of a leg."""
         self._refuse_joints()
         self.joint_indices(names, labels)
         places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
@@ -116,13 +97,7 @@ class CoupledTerm(Term):
         return (places,)
 
     def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
-        """Write the columns of its joints.
-
-        Args:
-            motion: Motion of all joints of the leg, N samples.
-            joints: Indices of its joints, m of them.
-            out: Receives the columns, zeroed, (number of symbols, m, N).
-        """
+        """Write the columns of its joints."""
         chosen = list(joints)
         own = JointsMotion(motion.q[chosen].T, motion.v[chosen].T, motion.a[chosen].T)
         self.fill_joints(own, out.transpose(0, 2, 1))

@@ -56,24 +56,11 @@ class CoordinateTerm(CoupledTerm):
             raise ExoidError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
 
     def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
-        """Name its parameters by the coordinate, or by the joints.
-
-        Args:
-            joints: Indices of its joints.
-            labels: Labels of the joints of the leg, (n,).
-
-        Returns:
-            What follows the symbol in parameter names.
-        """
+        """Name its parameters by the coordinate, or by the joints."""
         return super().label(joints, labels) if self.name is None else self.name
 
     def fill_joints(self, motion: JointsMotion, out: FloatArray) -> None:
-        """Write the columns r_j f.
-
-        Args:
-            motion: Motion of the joints, N samples.
-            out: Receives the columns, (number of symbols, N, m).
-        """
+        """Write the columns r_j f."""
         ratios = np.array(self.ratios, dtype=np.float64)
         columns = np.zeros(out.shape[:2])
         q, v, a = (x @ ratios for x in motion)
@@ -100,12 +87,7 @@ class CouplingSpring(CoordinateTerm):
     nonnegative = ("k",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the columns s and 1.
-
-        Args:
-            motion: Motion of the coordinate, N samples.
-            out: Receives the columns, (2, N).
-        """
+        """Write the columns s and 1."""
         out[0], out[1] = motion.q, 1.0
 
 
@@ -143,15 +125,7 @@ class Cable(CoordinateTerm):
         return {"slack": ("slack", "rad")}
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column max(s − slack, 0).
-
-        Args:
-            motion: Motion of the coordinate, N samples.
-            out: Receives the columns, (1, N).
-
-        Raises:
-            ExoidError: The slack has no value yet.
-        """
+        """Write the column max(s − slack, 0)."""
         np.maximum(motion.q - number(self.slack), 0.0, out=out[0])
 
 
@@ -185,23 +159,11 @@ class CouplingFriction(CoordinateTerm):
                 raise ExoidError(f"CouplingFriction({field}={value!r})", remedy="a velocity in rad/s, zero or positive")
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Select the samples at which the coordinate turns round.
-
-        Args:
-            v: Velocities of its joints over a recording [rad/s], (N, m).
-
-        Returns:
-            Whether each sample belongs to a reversal, (N,); None without a reversal speed.
-        """
+        """Select the samples at which the coordinate turns round."""
         return reversals(v @ np.array(self.ratios), self.reversal_speed)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the columns tanh(ṡ / smoothing) and ṡ.
-
-        Args:
-            motion: Motion of the coordinate, N samples.
-            out: Receives the columns, (2, N).
-        """
+        """Write the columns tanh(ṡ / smoothing) and ṡ."""
         if self.smoothing > 0.0:
             with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
                 np.tanh(np.divide(motion.v, self.smoothing, out=out[0]), out=out[0])
@@ -222,10 +184,5 @@ class CouplingInertia(CoordinateTerm):
     nonnegative = ("Ia",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column s̈.
-
-        Args:
-            motion: Motion of the coordinate, N samples.
-            out: Receives the columns, (1, N).
-        """
+        """Write the column s̈."""
         out[0] = motion.a

@@ -20,9 +20,6 @@ from .term import LoadedMotion, Term, TermBlock, term_blocks
 STEP = 1e-4
 """Relative step of the differences by a setting."""
 
-LOAD_STEP = 1e-6
-"""Step of the differences by the load, relative to its largest value."""
-
 
 class Slope(NamedTuple):
     """Derivative of the torque by a setting, as a central difference."""
@@ -99,7 +96,8 @@ class Linearised(TorqueModel):
     def _slope_by_load(self, block: TermBlock, motion: LoadedMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""
         values = np.array([self._values.get(name, 0.0) for name in block.names])
-        step = LOAD_STEP * float(np.abs(motion.load[block.joints[0]]).max())
+        # Step of the differences by the load, relative to its largest value
+        step = 1e-6 * float(np.abs(motion.load[block.joints[0]]).max())
         if step == 0.0:
             return np.zeros(motion.load.shape[1])
         above, below = (_torque(block, motion._replace(load=motion.load + each), values) for each in (step, -step))

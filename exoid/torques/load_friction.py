@@ -52,12 +52,7 @@ class LoadFriction(DryFriction):
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column |τ_rb| z, or its driving and its back-driving part.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1 or 2, N).
-        """
+        """Write the column |τ_rb| z, or its driving and its back-driving part."""
         self.direction(motion, out[0])
         if self.split:
             outwards = out[0] * np.sign(motion.load)

@@ -32,19 +32,10 @@ class Presliding(InternalState):
     length: float
 
     def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the state z at each sample.
-
-        It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0, as
-        friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not change
-        between two samples of zero velocity, so that separate poses do not affect each other.
-
-        Args:
-            q: Angle of the joint [rad], (N,), in time order.
-            v: Velocity of the joint [rad/s], (N,).
-
-        Returns:
-            State between −1 and 1, (N,).
-        """
+        """Compute the state z at each sample."""
+        # It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0,
+        # as friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not
+        # change between two samples of zero velocity, so that separate poses do not affect each other.
         if len(q) == 0:
             return np.zeros(0)
         step = np.diff(q, prepend=q[:1])

@@ -43,14 +43,6 @@ class Stribeck(DryFriction):
         return {**super().nonlinear_symbols, "velocity": ("vs", "rad/s")}
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column exp(−(v / velocity)²) z.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1, N).
-
-        Raises:
-            ExoidError: A setting is a :class:`NonlinearParameter`.
-        """
+        """Write the column exp(−(v / velocity)²) z."""
         self.direction(motion, out[0])
         out[0] *= np.exp(-((motion.v / number(self.velocity)) ** 2))

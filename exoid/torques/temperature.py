@@ -13,9 +13,6 @@ from exoid.errors import ExoidError
 from .term import JointMotion
 from .terms import DryFriction
 
-ABSOLUTE_ZERO = -273.15
-"""[°C]"""
-
 
 @dataclass(frozen=True, kw_only=True)
 class TemperatureFriction(DryFriction):
@@ -50,21 +47,14 @@ class TemperatureFriction(DryFriction):
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
-        if isinstance(self.reference, bool) or not ABSOLUTE_ZERO < self.reference < math.inf:
+        # [°C]
+        if isinstance(self.reference, bool) or not -273.15 < self.reference < math.inf:
             raise ExoidError(
                 f"TemperatureFriction(reference={self.reference})", remedy="a temperature in °C, such as 25"
             )
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the columns z (T − T0) and q̇ (T − T0).
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (2, N).
-
-        Raises:
-            ExoidError: The motion has no temperature.
-        """
+        """Write the columns z (T − T0) and q̇ (T − T0)."""
         if motion.temperature is None:
             raise ExoidError(
                 "TemperatureFriction needs the temperature of its joint",

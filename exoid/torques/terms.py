@@ -107,25 +107,11 @@ class DryFriction(Term):
             out[~self.usable(motion.v)] = 0.0
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Select the samples outside the dead band.
-
-        Args:
-            v: Velocity of the joint [rad/s], (N,).
-
-        Returns:
-            Whether each sample is outside, (N,).
-        """
+        """Select the samples outside the dead band."""
         return np.asarray(np.abs(v) > self.dead_band) if self.dead_band > 0.0 else super().usable(v)
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Select the samples around reversals: slower than the reversal speed, or at a change of sign.
-
-        Args:
-            v: Velocity of the joint over a recording [rad/s], (N,).
-
-        Returns:
-            Whether each sample belongs to a reversal, (N,); None without a reversal speed.
-        """
+        """Select the samples around reversals: slower than the reversal speed, or at a change of sign."""
         return reversals(v, self.reversal_speed)
 
 
@@ -156,12 +142,7 @@ class Coulomb(DryFriction):
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column z, or its positive and its negative part.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1 or 2, N).
-        """
+        """Write the column z, or its positive and its negative part."""
         self.direction(motion, out[0])
         if self.asymmetric:
             np.minimum(out[0], 0.0, out=out[1])
@@ -196,12 +177,7 @@ class Viscous(Term):
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column v, or its positive and its negative part.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1 or 2, N).
-        """
+        """Write the column v, or its positive and its negative part."""
         if self.asymmetric:
             np.maximum(motion.v, 0.0, out=out[0])
             np.minimum(motion.v, 0.0, out=out[1])
@@ -222,12 +198,7 @@ class Armature(Term):
     nonnegative = ("Ia",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column a.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1, N).
-        """
+        """Write the column a."""
         out[0] = motion.a
 
 
@@ -239,12 +210,7 @@ class Offset(Term):
     units = ("N·m",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write a column of ones.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (1, N).
-        """
+        """Write a column of ones."""
         out[0] = 1.0
 
 
@@ -277,12 +243,7 @@ class Stiffness(Term):
         return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the columns q^degree, …, q, 1.
-
-        Args:
-            motion: Motion of the joint, N samples.
-            out: Receives the columns, (degree + 1, N).
-        """
+        """Write the columns q^degree, …, q, 1."""
         out[-1] = 1.0
         for k in range(self.degree - 1, -1, -1):
             out[k] = out[k + 1] * motion.q

@@ -57,7 +57,7 @@ class Evidence(NamedTuple):
         return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, factors, counts)
 
     @property
-    def count(self) -> int:
+    def parameter_count(self) -> int:
         """Number of parameters P; nuisance columns follow."""
         return len(self.fixed)
 
@@ -71,7 +71,7 @@ class Evidence(NamedTuple):
 
     def places(self, nuisances: Sequence[int]) -> NDArray[np.intp]:
         """Find the columns of the free parameters, and some nuisance columns."""
-        return np.concatenate([self.free, self.count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
+        return np.concatenate([self.free, self.parameter_count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""

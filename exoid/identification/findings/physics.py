@@ -113,7 +113,7 @@ def negative_parameters(
     model: TorqueModel, evidence: Evidence, values: FloatArray, std: FloatArray
 ) -> NDArray[np.bool_]:
     """Which parameters are negative although they cannot be, by more than their errors and 2 % of the torque."""
-    shares = evidence.torque_shares(np.arange(evidence.count), np.diag(values))
+    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(values))
     below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02)
     return np.asarray(below & never_negative(model))
 
@@ -218,7 +218,7 @@ class Residuals(NamedTuple):
         torques: list[list[FloatArray]] = [[] for _ in range(n)]
         squares: list[list[FloatArray]] = [[] for _ in range(n)]
         for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
-            residual = np.where(part.usable, part.tau - part.W[..., : evidence.count] @ values, 0.0)
+            residual = np.where(part.usable, part.tau - part.W[..., : evidence.parameter_count] @ values, 0.0)
             for j in range(n):
                 torques[j].append(part.tau[part.usable[:, j], j])
                 squares[j].append(residual[part.usable[:, j], j] ** 2)

@@ -15,7 +15,7 @@ from exoid.estimate.finding import Finding
 from exoid.identification.group_rows import Group
 from exoid.identification.recording_summary import RecordingSummary, summarize
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, Recording, Recordings
+from exoid.signals import Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
 
@@ -37,7 +37,7 @@ def counted_once(
     for group in groups:
         of_group = list(summaries[group.name])
         found: list[Finding] = []
-        if len(of_group) > 1 and not isinstance(group.data, Cluster):
+        if len(of_group) > 1:
             group, of_group, found = _without_copies(group, of_group)  # noqa: PLW2901 - the group without copies
             if not isinstance(group.data, Recordings):
                 group, of_group, more = _without_overlaps(models[group.name], group, of_group)  # noqa: PLW2901
@@ -66,7 +66,6 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
     kept, data = sorted(first.values()), group.data
     if len(kept) == len(summaries):
         return _Kept(group, summaries, [])
-    assert not isinstance(data, Cluster)
     findings = [
         _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
         for k in range(len(summaries))
@@ -82,7 +81,6 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
 
 def _without_overlaps(model: TorqueModel, group: Group, summaries: list[RecordingSummary]) -> _Kept:
     """Let samples that two recordings share count in the first one only."""
-    assert not isinstance(group.data, Cluster)
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
     recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     masks: dict[int, BoolArray] = {}

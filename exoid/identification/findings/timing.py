@@ -57,8 +57,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     inner, steps = slice(WINDOW - 1, q.shape[1] - WINDOW), np.diff(q, axis=1)
     still = (steps == 0.0).astype(np.float64)
     near = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0)
-    wrapped = (np.abs(steps) > np.pi).any(axis=0)
-    odd &= ~(near >= 5.0)[inner] & ~wrapped[inner]  # neither a frozen channel nor a wrap
+    wrapped = np.asarray((np.abs(steps) > np.pi).any(axis=0))
+    odd &= ~np.asarray(near >= 5.0)[inner] & ~wrapped[inner]  # neither a frozen channel nor a wrap
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
     places = _peaks(odd, size)
     if not places:

@@ -20,12 +20,6 @@ from exoid.leg.rewriting import read_inertials
 
 from .pseudo_inertia import congruence, link_parameters, make_consistent, margins, pseudo_inertias, upper_factors
 
-SMALLEST_MARGIN = 1e-6
-"""Smallest margin of the rest of a body that counts as consistent."""
-
-AGREEMENT = 1e-9
-"""Largest relative difference between a body and the sum of its links."""
-
 
 class LinkInertia(NamedTuple):
     """A link with inertia."""
@@ -41,7 +35,8 @@ def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf)
     every = zip(leg.bodies, _parts(leg), leg.link_parameters.reshape(-1, 10), bodies, strict=True)
     for own, parts, given, body in every:
         total = np.sum([part.parameters for part in parts], axis=0)
-        if not np.allclose(total, given, rtol=0.0, atol=AGREEMENT * np.abs(given).max()):
+        # Largest relative difference between a body and the sum of its links
+        if not np.allclose(total, given, rtol=0.0, atol=1e-9 * np.abs(given).max()):
             raise ExoidError(
                 f"the links fixed to {own!r} do not sum to its body",
                 where=leg.description.name,
@@ -59,7 +54,8 @@ def _rest_of(own: str, parts: list[LinkInertia], body: FloatArray, mass_factor: 
     mine = [part for part in parts if part.link == own and part.parameters[0] > 0.0]
     fixed = [part.parameters for part in parts if part.link != own]
     rest = body - np.sum(fixed, axis=0) if fixed else body
-    if mine and (not fixed or (margins(rest)[0] > SMALLEST_MARGIN and _within(rest, mine[0], mass_factor))):
+    # Smallest margin of the rest of a body that counts as consistent
+    if mine and (not fixed or (margins(rest)[0] > 1e-6 and _within(rest, mine[0], mass_factor))):
         return [mine[0]._replace(parameters=rest)]
     return []
 

@@ -21,12 +21,6 @@ from .pseudo_inertia import BASIS, congruence, link_parameters, pseudo_inertias,
 PENALTIES = 10.0 ** -np.arange(11)
 """μ of the successive problems; the remaining error of the last one is corrected exactly."""
 
-FEASIBLE_MU = 1e-7
-"""Value of μ from which on the corrected bodies of a feasible estimate are consistent."""
-
-TIGHTEST = 1e-8
-"""Smallest eigenvalue of P, relative to the prior, of a body that is not on the boundary of the consistent set."""
-
 LEAST_SHARE = 1e-10
 """Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to rounding."""
 
@@ -166,9 +160,12 @@ def _exact(
         U = problem.minimise(U, Misfit(natural, target, mu, bound))
         unit = _unit(U)
         unit = unit + smallest_change @ (target - problem.K @ unit)
-        consistent = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
+        # Smallest eigenvalue of P, relative to the prior, of a body that is not on the boundary of the
+        # consistent set
+        consistent = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > 1e-8
         heavy = bool((U[:, 3, 3] ** 2 > heaviest).any())
-        if heavy or (not consistent and mu <= FEASIBLE_MU):
+        # Value of μ from which on the corrected bodies of a feasible estimate are consistent
+        if heavy or (not consistent and mu <= 1e-7):
             return None, heavy
     return unit, bool((unit[::10] > heaviest).any())
 

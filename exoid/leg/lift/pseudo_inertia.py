@@ -18,9 +18,6 @@ BASIS = np.array([pin.PseudoInertia.FromDynamicParameters(unit).toMatrix() for u
 COORDINATES = np.linalg.pinv(BASIS.reshape(10, 16).T)
 """Link parameters π of a flattened pseudo-inertia, (10, 16)."""
 
-BARELY = 1e-8
-"""Smallest margin of a consistent body, beyond rounding."""
-
 SMALLEST_RADIUS = 1e-2
 """Smallest radius of gyration in any direction that a repaired body gets [m]."""
 
@@ -53,7 +50,8 @@ def make_consistent(link_parameters: FloatArray) -> FloatArray:
     # Mass and centre of mass do not change. Principal second moments about the centre of mass grow to at least
     # m · `SMALLEST_RADIUS`² and `THINNEST` times the largest.
     repaired = np.reshape(link_parameters, (-1, 10)).copy()
-    for k in np.flatnonzero(margins(link_parameters) < BARELY):
+    # Smallest margin of a consistent body, beyond rounding
+    for k in np.flatnonzero(margins(link_parameters) < 1e-8):
         P = pseudo_inertias(repaired[k])[0]
         mass, moment = P[3, 3], P[:3, 3]
         values, axes = np.linalg.eigh(P[:3, :3] - np.outer(moment, moment) / mass)

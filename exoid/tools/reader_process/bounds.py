@@ -15,9 +15,6 @@ MOST_EXPANSION = 50
 READER_MEMORY = 2**29
 """Memory that a reader needs beside the content of the file [bytes]."""
 
-READER_SECONDS = 15.0
-"""Time that a reader needs beside the content of the file [s]."""
-
 SLOWEST = 2e5
 """Lowest rate at which a file is read [bytes/s]; bags take longest."""
 
@@ -52,7 +49,8 @@ def most_memory(size: int) -> int:
 
 def most_seconds(size: int) -> float:
     """Longest time that reading a file may take."""
-    return READER_SECONDS + size / SLOWEST
+    # Time that a reader needs beside the content of the file [s]
+    return 15.0 + size / SLOWEST
 
 
 def refuse_expansion(memory: int, path: Path, file: str) -> None:

@@ -40,9 +40,6 @@ WATCHED = os.name == "posix" and sys.platform != "linux"
 THREADS = "4"
 """Number of threads of polars, each of which needs memory; the variable of the same name in the environment rules."""
 
-SECONDS_TO_START = 120.0
-"""Longest time in which the child starts and imports its libraries [s]."""
-
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -112,7 +109,8 @@ class Child:
         self._replies = cast("BufferedReader", self._process.stdout)
         self.owner = os.getpid()
         self.usable = False
-        with Watch(self._process, SECONDS_TO_START):
+        # Longest time in which the child starts and imports its libraries [s]
+        with Watch(self._process, 120.0):
             self.usable = bool(self._replies.readline())
 
     def ask(self, request: Mapping[str, Any], file: str, seconds: float) -> Content:

@@ -21,17 +21,11 @@ if sys.platform != "win32":
 STATM = Path("/proc/self/statm")
 """File in which Linux tells the sizes of this process [pages]."""
 
-RESIDENT = 1
-"""Place of the resident size among the numbers of /proc/self/statm."""
-
 DATA = 5
 """Place of the size of the data among the numbers of /proc/self/statm."""
 
 MOST_KEPT = 2**28
 """Memory beyond which the process does not serve another request [bytes]."""
-
-SECONDS_OF_PS = 5.0
-"""Longest time for which ps is waited for [s]."""
 
 
 @contextmanager
@@ -62,14 +56,16 @@ def keeps_little() -> bool:
     """Tell whether this process has not kept much memory; the peak would be that of the caller, which started it."""
     if sys.platform != "linux":
         return True  # its caller looks at its size
-    return _pages(RESIDENT) * resource.getpagesize() < MOST_KEPT
+    # Place of the resident size among the numbers of /proc/self/statm
+    return _pages(1) * resource.getpagesize() < MOST_KEPT
 
 
 def size_of_process(pid: int | None, kind: str = "rss") -> int:
     """Ask ps for the size of a process."""
     command = ["ps", "-o", f"{kind}=", "-p", str(os.getpid() if pid is None else pid)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SECONDS_OF_PS)
+        # Longest time for which ps is waited for [s]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=5.0)
         return 1024 * int(done.stdout)
     except (OSError, ValueError, subprocess.SubprocessError):
         return 0

@@ -11,12 +11,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 
-CLOSED = 1e-6
-"""Singular values of the constraints below this part of the largest are those of directions that cannot move anyway."""
-
-CONDITION = 0.03
-"""Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly move up."""
-
 POSES = 5
 """Random poses of which the independent constraints are counted."""
 
@@ -60,7 +54,9 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
         return Elimination(lever, None, fit)
     _, sizes, Vt = np.linalg.svd(C)
     rank = _rank(leg, links)
-    fit &= sizes[:, rank - 1] > CONDITION * sizes[:, 0]
+    # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
+    # move up
+    fit &= sizes[:, rank - 1] > 0.03 * sizes[:, 0]
     free = Vt[:, rank:]
     P = np.swapaxes(free, 1, 2) @ free
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
@@ -88,7 +84,9 @@ def _rank(leg: Leg, links: Sequence[str]) -> int:
     poses = np.random.default_rng(0).standard_normal((POSES, len(leg.joint_names)))
     _, C = _constraints(leg, links, poses)
     assert C is not None
-    return int(np.linalg.matrix_rank(C, rtol=CLOSED).max())
+    # Singular values of the constraints below this part of the largest are those of directions that cannot move
+    # anyway
+    return int(np.linalg.matrix_rank(C, rtol=1e-6).max())
 
 
 def reference_axes(leg: Leg, links: Sequence[str], q: FloatArray) -> FloatArray | None:

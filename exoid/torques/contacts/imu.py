@@ -25,12 +25,6 @@ TURNING = 0.06
 ENDS = 0.07
 """Time at both ends of a rest that the differentiation of the pose draws on [s]."""
 
-CLEAN = 2.0
-"""A rotation is looked for where differences are smaller than so many times the white noise of the readings."""
-
-SCATTER = 0.1
-"""Biases below this part of the scatter of the differences are left: soft ground moves a foot as much."""
-
 DISAGREEMENT = 0.15
 """Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
 
@@ -79,7 +73,8 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
         x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
     )
     white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
-    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+    # A rotation is looked for where differences are smaller than so many times the white noise of the readings
+    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < 2.0 * white))
     if len(means) < FEW:
         return found
     apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
@@ -88,7 +83,8 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
 
 def _within_scatter(differences: FloatArray) -> bool:
     """Whether the mean of differences, (N, 3), is small beside their scatter: a foot is not exactly still."""
-    return bool(np.linalg.norm(differences.mean(axis=0)) < SCATTER * np.linalg.norm(differences.std(axis=0)))
+    # Biases below this part of the scatter of the differences are left: soft ground moves a foot as much
+    return bool(np.linalg.norm(differences.mean(axis=0)) < 0.1 * np.linalg.norm(differences.std(axis=0)))
 
 
 class _Flat(NamedTuple):

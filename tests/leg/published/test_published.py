@@ -6,6 +6,7 @@ import math
 import pytest
 
 from exoid import ExoidError, published
+from exoid.leg.published.document import Quantity
 
 PRINTED = [  # document, table, name, digits, unit
     ("bleex", "I", "left.b23", "0.3129", "N·m/rad²"),
@@ -59,7 +60,7 @@ DOCUMENTS = {"bleex": published.bleex, "cuhk": published.cuhk}
 @pytest.mark.parametrize(("document", "table", "name", "digits", "unit"), PRINTED)
 def test_a_table_holds_the_printed_digits_and_unit(document, table, name, digits, unit):
     quantity = DOCUMENTS[document]().table(table).quantity(name)
-    assert quantity == published.Quantity(float(digits), unit, digits)
+    assert quantity == Quantity(float(digits), unit, digits)
 
 
 def test_each_document_has_its_tables_in_order():
@@ -230,7 +231,7 @@ def test_an_unknown_name_is_refused_with_what_exists(ask, offered):
 def test_published_numbers_are_read_only():
     document = published.bleex()
     with pytest.raises(TypeError):
-        document.table("V").values["X1"] = published.Quantity(0.0, "kg·m", "0")
+        document.table("V").values["X1"] = Quantity(0.0, "kg·m", "0")
     with pytest.raises(TypeError):
         document.tables["V"] = document.table("I")
     with pytest.raises(dataclasses.FrozenInstanceError):
