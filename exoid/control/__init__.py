@@ -1,6 +1,6 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
-from .adaptive import Adaptive, adaptive
+from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
@@ -20,11 +20,10 @@ from .model import ControlModel
 from .motion_filter import MotionFilter
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
-from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
 from .pd import p, pd
 from .replay import LawReplay, replay_law
-from .self_tuning import SelfTuning, self_tuning
+from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
@@ -37,7 +36,6 @@ __all__ = [
     "LAWS",
     "SHARP",
     "SMOOTH",
-    "Adaptive",
     "ControlModel",
     "Driven",
     "ExpectedChange",
@@ -48,9 +46,7 @@ __all__ = [
     "Limited",
     "MomentumObserver",
     "MotionFilter",
-    "ParameterCone",
     "PassiveFriction",
-    "SelfTuning",
     "SensorNoise",
     "SideBySide",
     "State",

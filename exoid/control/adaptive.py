@@ -46,29 +46,16 @@ class Adaptive:
     measurement, teaches nothing; neither does one whose torque was limited; β̂ stays in a :class:`ParameterCone`, in
     which M(q) is positive definite and friction is not negative. Nobody may wear or touch the leg: the controller would
     take their torque for parameters of the leg.
-
-    Attributes:
-        model: Linear model, initial values and covariance.
-        kp: Kp [N·m/rad], a number or (n,).
-        kd: Kd [N·m·s/rad], likewise.
-        cone: Set of the parameters.
-        time_constant: Time in which the error of the worst expected change decays, about [s].
-        dead_zone: Half width of the dead zone of s [rad/s], a number or (n,).
-        still: Velocity below which a joint stands [rad/s], a number or (n,).
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A gain, time, velocity or rate is out of range.
     """
 
-    model: SlotineLiModel
-    kp: FloatArray
-    kd: FloatArray
-    cone: ParameterCone
-    time_constant: float
-    dead_zone: ArrayLike
-    still: ArrayLike
-    rate: float
+    model: SlotineLiModel  # linear model, initial values and covariance
+    kp: FloatArray  # Kp [N·m/rad], a number or (n,)
+    kd: FloatArray  # Kd [N·m·s/rad], likewise
+    cone: ParameterCone  # set of the parameters
+    time_constant: float  # time in which the error of the worst expected change decays, about [s]
+    dead_zone: ArrayLike  # half width of the dead zone of s [rad/s], a number or (n,)
+    still: ArrayLike  # velocity below which a joint stands [rad/s], a number or (n,)
+    rate: float  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -102,31 +89,12 @@ class Adaptive:
         return float(1.0 / (self.time_constant * largest.mean()))
 
     def begin(self, state: State) -> AdaptiveMemory:
-        """Begin with the initial values.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin with the initial values."""
         values = np.tile(self.start[:, None], state.q.reshape(self.model.n, -1).shape[1])
         return AdaptiveMemory(values.reshape(-1, *state.q.shape[1:]), np.full_like(state.q, np.nan))
 
     def step(self, memory: AdaptiveMemory, state: State, target: Target) -> tuple[FloatArray, AdaptiveMemory]:
-        """Compute the torque, and adapt the parameters; see the class.
-
-        Args:
-            memory: Memory from the previous sample.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-
-        Raises:
-            ExoidError: The target has no acceleration, or a reading, target or held torque is not finite.
-        """
+        """Compute the torque, and adapt the parameters; see the class."""
         shape, n = state.q.shape, self.model.n
         q, v, q_d, v_d, a_d, requested = (
             x.reshape(n, -1) for x in (state.q, state.v, target.q, target.v, acceleration(target), memory.requested)
@@ -147,14 +115,7 @@ class Adaptive:
         return torque.reshape(shape), AdaptiveMemory(learned.T.reshape(-1, *shape[1:]), torque.reshape(shape))
 
     def estimate_of(self, memory: AdaptiveMemory) -> dict[str, float]:
-        """Read the parameters of one leg.
-
-        Args:
-            memory: Memory of one leg.
-
-        Returns:
-            Values in SI units by name.
-        """
+        """Parameters of one leg in SI units, by name."""
         return dict(zip(self.names, np.ravel(memory.values).tolist(), strict=True))
 
     def _project(self, values: FloatArray, before: FloatArray) -> FloatArray:
@@ -195,7 +156,7 @@ def adaptive(
     still: ArrayLike = 0.05,
     rate: float = RATE,
 ) -> Adaptive:
-    """Make an :class:`Adaptive` controller from a model of the leg.
+    """Make a controller that adapts its parameters, by Slotine and Li, from a model of the leg.
 
     Args:
         source: An estimate, whose covariance is part of the metric; or a leg, or a plant of one rig. Parameters that

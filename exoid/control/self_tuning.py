@@ -61,28 +61,17 @@ class SelfTuning:
     β̂ moves along straight lines inside the cone, a convex set, so M(q; β̂) is positive definite at every sample. Its
     distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
     for parameters of the leg.
-
-    Attributes:
-        feedback: PD feedback.
-        model: Linear model, initial values and P₀ of the adapted parameters.
-        cone: Set of the parameters.
-        source: Initial estimate, of which the recursive one has the parameters; other terms keep their coefficients.
-        covariance: P₀ of all of these, (R, R).
-        recursion: Settings of the recursive estimator.
-        time_constant: Time constant with which β̂ approaches β* [s].
-        slew: Largest rate of each parameter, in standard deviations of P₀ [1/s].
-        bound: Largest distance of each parameter from β₀, in standard deviations of P₀.
     """
 
-    feedback: PD
-    model: SlotineLiModel
-    cone: ParameterCone
-    source: Estimate
-    covariance: FloatArray
-    recursion: Recursion
-    time_constant: float
-    slew: float
-    bound: float
+    feedback: PD  # PD feedback
+    model: SlotineLiModel  # linear model, initial values and P₀ of the adapted parameters
+    cone: ParameterCone  # set of the parameters
+    source: Estimate  # initial estimate, with the parameters of the recursive one; other terms keep their coefficients
+    covariance: FloatArray  # P₀ of all of these, (R, R)
+    recursion: Recursion  # settings of the recursive estimator
+    time_constant: float  # time constant with which β̂ approaches β* [s]
+    slew: float  # largest rate of each parameter, in standard deviations of P₀ [1/s]
+    bound: float  # largest distance of each parameter from β₀, in standard deviations of P₀
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -103,14 +92,7 @@ class SelfTuning:
         return self.model.names
 
     def begin(self, state: State) -> SelfTuningMemory:
-        """Begin with the initial values.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin with the initial values."""
         n, count = self.model.n, state.q.reshape(self.model.n, -1).shape[1]
         values = np.tile(self.model.values[:, None], count).reshape(-1, *state.q.shape[1:])
         unknown = np.full((3, n, count), np.nan)
@@ -118,19 +100,7 @@ class SelfTuning:
         return SelfTuningMemory(values, values, (self._start,) * count, nothing, unknown, unknown[0])
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
-        """Compute the torque, and refresh the parameters; see the class.
-
-        Args:
-            memory: Memory from the previous sample.
-            state: Measured state with the torque held until now in ``last``, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-
-        Raises:
-            ExoidError: The target has no acceleration, or a reading is not finite.
-        """
+        """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
         n, shape = self.model.n, state.q.shape
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
@@ -143,18 +113,7 @@ class SelfTuning:
         return torque, memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
-        """Make an estimate of what the recursive estimator of one leg knows, without the prior.
-
-        Args:
-            memory: Memory of one leg or of several.
-            leg: Index of the leg.
-
-        Returns:
-            The estimate.
-
-        Raises:
-            ExoidError: The samples so far do not determine every parameter: names them.
-        """
+        """Estimate of what the recursive estimator of one leg knows, without the prior."""
         return estimate_of(self.recursion.settings, memory.online[leg], ())
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
@@ -243,7 +202,7 @@ def self_tuning(
     false_alarms: float = 0.1,
     rate: float = RATE,
 ) -> SelfTuning:
-    """Make a :class:`SelfTuning` controller from a model of the leg.
+    """Make a self-tuning controller from a model of the leg.
 
     Args:
         source: An estimate, whose covariance is part of the prior; or a leg, or a plant of one rig.

@@ -17,7 +17,7 @@ from .band import NoiseBand, Residual, filtered_noise
 from .joint_filters import JointFilters
 from .observer import BLOCK, TorqueObserver
 from .readings import observed_log
-from .sensor_noise import SensorNoise
+from .sensor_noise import SensorNoise, noise_columns
 
 
 class InnovationTest(NamedTuple):
@@ -145,7 +145,7 @@ class KalmanObserver(TorqueObserver):
         residual = Residual.of(self.source, n).density * self.rate
         process, speed = residual, np.zeros(n)
         if self.noise is not None:
-            torque, velocity, angle = self.noise.columns(n)
+            torque, velocity, angle = noise_columns(self.noise, n)
             slope = np.array([self.rate, -self.rate])
             if self.alignment.filters is not None:
                 slope = self.alignment.filters[1].impulse_response(np.array([1.0]))[:, 0]
