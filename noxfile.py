@@ -60,4 +60,4 @@ def site(session: nox.Session) -> None:
 @nox.session
 def golden(session: nox.Session) -> None:
     """Numbers of all golden journeys, compared with the stored ones."""
-    session.run("python", "scripts/golden.py", "--compare", *session.posargs)
+    session.run("python", "scripts/golden.py", "--compare", "scripts/golden.json", *session.posargs)

@@ -49,7 +49,7 @@ def main() -> None:
                     models, period=period, bandwidth=bandwidth, largest=largest.get(bandwidth), seed=seed
                 )
                 largest[bandwidth] = study.largest
-                found[period, bandwidth].append(reproduce.wear_json(study))
+                found[period, bandwidth].append(reproduce.wear_report(study).data)
         for run, each in found.items():
             print(_line(leg, *run, each), flush=True)
 

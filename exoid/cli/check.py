@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
-from exoid import identification
-from exoid.estimate.finding import Finding, finding_lines, findings_table, findings_to_json
-from exoid.tools.tables import to_text
-from exoid.torques import TERMS
+import exoid
 
-from .inputs import (
+from .inputs import given_terms, read_drives, read_logs
+from .legs import refuse_unknown_leg
+from .numbers import parse_known
+from .option_groups import expand_options
+from .options import (
     ANY_LEG,
     READ_AS_IT_IS,
     AsJson,
     DriveFile,
-    FloatingBase,
+    Known,
     LegName,
     LegOptions,
     LogNames,
     LogOptions,
-    MovingBase,
-    given_terms,
-    read_drives,
-    read_logs,
+    Number,
+    TermNames,
 )
-from .legs import refuse_unknown_leg
-from .numbers import parse_known
-from .option_groups import expand_options
+from .outputs import print_result
+
+if TYPE_CHECKING:
+    from exoid.estimate.finding import Finding
 
 
 @expand_options()
@@ -37,16 +36,12 @@ def check(
     leg: LegName,
     logs: LogNames,
     choice: LegOptions = ANY_LEG,
-    terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
+    terms: TermNames = None,
     cutoff: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Of the zero-phase low-pass; by default chosen from the logs.")
+        Number, Option(metavar="HZ", help="Of the zero-phase low-pass; by default chosen from the logs.")
     ] = None,
-    known: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
-    ] = None,
+    known: Known = None,
     reading: LogOptions = READ_AS_IT_IS,
-    moving_base: MovingBase = False,
-    floating_base: FloatingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -54,24 +49,19 @@ def check(
 
     Example: exoid check bleex bleex_swing:train
     """
+    from exoid.estimate.finding import findings_to_json  # noqa: PLC0415 - help needs no estimates
+
     refuse_unknown_leg(leg)
-    reading.refuse_other(logs)
     recordings = read_logs(logs, reading)
-    logged = recordings[0].joint_names
-    found_leg = choice.find(leg, logged, moving_base=moving_base, floating_base=floating_base)
-    found = identification.check(
-        found_leg,
-        recordings,
-        given_terms(terms),
-        cutoff=cutoff,
-        known=parse_known(known),
-        actuators=read_drives(actuators, found_leg),
-    )
-    typer.echo(json.dumps({"findings": findings_to_json(found)}, indent=1) if as_json else _text(found))
+    found_leg = choice.find(leg, recordings[0].joint_names)
+    drives, values = read_drives(actuators, found_leg), parse_known(known)
+    found = exoid.check(found_leg, recordings, given_terms(terms), cutoff=cutoff, known=values, actuators=drives)
+    print_result(_text(found), as_json=as_json, data={"findings": findings_to_json(found)})
 
 
 def _text(findings: tuple[Finding, ...]) -> str:
     """Write a table, and below it what each finding means."""
-    if not findings:
-        return "nothing found"
-    return to_text(findings_table(findings), "", *finding_lines(findings))
+    from exoid.estimate.finding import finding_lines, findings_table  # noqa: PLC0415
+    from exoid.tools.tables import to_text  # noqa: PLC0415
+
+    return to_text(findings_table(findings), "", *finding_lines(findings)) if findings else "nothing found"

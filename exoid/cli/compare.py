@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
-import typer
+from typer import Argument
 
-from exoid import estimate as estimates
+import exoid
 
-from .inputs import AsJson
+from .options import AsJson, EstimateName
+from .outputs import print_result
 
 
 def compare(
-    first: Annotated[str, typer.Argument(metavar="A.JSON", help="Estimate of exoid identify -o.")],
-    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another, of other logs or by another estimator.")],
+    first: EstimateName,
+    second: Annotated[str, Argument(metavar="B.JSON", help="Another, of other logs or by another estimator.")],
     as_json: AsJson = False,
 ) -> None:
     """Test whether B differs from A: left and right, one day and another, with and without a wearer.
 
     Example: exoid compare est.json other.json
     """
-    result = estimates.compare(*(estimates.Estimate.load(path) for path in (first, second)))
-    if as_json:
-        typer.echo(json.dumps(result.to_json(), indent=1))
-    else:
-        typer.echo(str(result))
+    print_result(exoid.compare(exoid.Estimate.load(first), exoid.Estimate.load(second)), as_json=as_json)

@@ -6,14 +6,14 @@ import stat
 from collections.abc import Mapping
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
     """Refuse options that have no effect."""
     for option, value in options.items():
         if value is not None:
-            raise ExoidError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
+            raise BadArgumentError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
 
 
 def is_readable(name: str) -> bool:
@@ -26,7 +26,7 @@ def is_readable(name: str) -> bool:
         raise unreadable(name, problem) from None
 
 
-def unreadable(name: str, problem: Exception) -> ExoidError:
+def unreadable(name: str, problem: Exception) -> UnreadableInputError:
     """Make the error about a file that the system does not let read."""
     reason = getattr(problem, "strerror", None) or str(problem)
-    return ExoidError(f"cannot be read ({reason})", where=name, remedy="check the path and its rights")
+    return UnreadableInputError(f"cannot be read ({reason})", where=name, remedy="check the path and its rights")

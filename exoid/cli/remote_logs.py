@@ -1,4 +1,4 @@
-"""Logs that are read one by one: those of a folder, and those that the workers of a cluster read."""
+"""Logs of a folder, which are read one by one."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from exoid.signals import Cluster, Poses, Recording, Recordings
+from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile, logs_in
 
-from .inputs import LogOptions, read_log
+from .inputs import read_log
+from .options import LogOptions
 from .progress import progress_bar
 
 PASSES = 2
@@ -34,15 +35,8 @@ def logs_on_disk(names: Sequence[str], options: LogOptions) -> Recordings:
 
 
 @contextmanager
-def at_hand(
-    logs: Sequence[Recording | Poses], scheduler: str | None
-) -> Iterator[Sequence[Recording | Poses] | Cluster]:
-    """Provide logs to the workers of a Dask cluster, or to this process with a progress bar."""
-    if scheduler is not None and isinstance(logs, Recordings):
-        cluster = Cluster.of_files(scheduler, logs)
-        with cluster.client:
-            yield cluster
-        return
+def with_progress(logs: Sequence[Recording | Poses]) -> Iterator[Sequence[Recording | Poses]]:
+    """Show a progress bar while logs are read from a disk."""
     if not isinstance(logs, Recordings):
         yield logs
         return

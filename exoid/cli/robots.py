@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 INSTALL = "pip install 'exoid[robots]'"
 
@@ -25,7 +25,7 @@ def urdf_of_robot(name: str) -> Path:
     try:
         return Path(getModelPath(inside)) / inside
     except OSError as error:
-        raise ExoidError(f"no URDF of {name!r} ({error})", remedy=f"install its data: {INSTALL}") from None
+        raise UnreadableInputError(f"no URDF of {name!r} ({error})", remedy=f"install its data: {INSTALL}") from None
 
 
 def folder_of_robot(name: str) -> Path:

@@ -2,59 +2,43 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
-import typer
+from typer import Option
 
-from exoid import identification
-from exoid.errors import ExoidError
-from exoid.identification.selection import Candidate, friction_candidates
-from exoid.signals.default_preparation import highest_cutoff
+import exoid
 
-from .inputs import (
+from .inputs import read_drives, read_logs
+from .legs import refuse_unknown_leg
+from .option_groups import expand_options
+from .options import (
     ANY_LEG,
+    FIXED_BASE,
     READ_AS_IT_IS,
     AsJson,
     DriveFile,
+    EstimateOutput,
     LegName,
     LegOptions,
     LogNames,
     LogOptions,
-    read_drives,
-    read_logs,
+    Number,
+    Text,
 )
-from .legs import refuse_unknown_leg
-from .option_groups import expand_options
-from .outputs import check_outputs
+from .outputs import check_outputs, print_result
 from .progress import progress_bar
 
-FRICTION = [candidate.name for candidate in friction_candidates()]
-"""Friction models that can be compared for all joints alike."""
 
-
-@expand_options()
+@expand_options(without=FIXED_BASE)
 def select(
     leg: LegName,
     logs: LogNames,
-    output: Annotated[
-        str | None,
-        typer.Option("--output", "-o", metavar="EST.JSON", help="Write the selected model's estimate."),
-    ] = None,
-    test: Annotated[
-        str | None, typer.Option(metavar="LOG", help="Validate the selected model, once, on another log.")
-    ] = None,
-    friction: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B",
-            help=f"Models for all joints alike, of {', '.join(FRICTION)}; default: friction joint by joint.",
-        ),
-    ] = None,
-    folds: Annotated[int, typer.Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
+    output: EstimateOutput = None,
+    test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
+    folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[
-        float | None,
-        typer.Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
+        Number,
+        Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
     ] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
@@ -67,38 +51,22 @@ def select(
     """
     refuse_unknown_leg(leg)
     check_outputs({"--output": output}, [leg, *logs, test])
-    reading.refuse_other([*logs, *([test] if test else [])])
-    recordings = read_logs(logs, reading)
-    tested = None if test is None else read_logs([test], reading._replace(start=None, stop=None))[0]
+    tests = [] if test is None else [test]
+    recordings = read_logs(logs, reading, beside=tests)
+    tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
     found = choice.find(leg, recordings[0].joint_names)
-    if cutoff is None:
-        cutoff = highest_cutoff(min(recording.sample_rate for recording in recordings))
     drives = read_drives(actuators, found)
     if drives is not None:
-        recordings = [drives.torque(each) for each in recordings]
-        tested = None if tested is None else drives.torque(tested)
+        recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))
     with progress_bar("selecting friction") as progress:
-        selection = identification.select_terms(
-            found, recordings, _candidates(friction, cutoff), folds=folds, cutoff=cutoff, progress=progress
-        )
-    estimate = selection.estimate or selection.identify(recordings)
+        select_terms = exoid.identification.select_terms
+        selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
+    estimate = selection.estimate
     if output is not None:
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
-    if tested is not None:
-        validation = selection.validate(estimate, tested)
+    for each in tested:
+        validation = selection.validate(estimate, each)
         data["test"] = validation.to_json()
         text.append(str(validation))
-    typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
-
-
-def _candidates(names: str | None, cutoff: float) -> list[Candidate] | None:
-    """Find friction models by name; None to choose the friction of each joint."""
-    if names is None:
-        return None
-    known = {candidate.name: candidate for candidate in friction_candidates(cutoff)}
-    requested = [name.strip() for name in names.split(",")]
-    missing = [name for name in requested if name not in known]
-    if missing:
-        raise ExoidError(f"no friction model {', '.join(missing)}", remedy=f"use some of {', '.join(known)}")
-    return [known[name] for name in requested]
+    print_result("\n\n".join(text), as_json=as_json, data=data)

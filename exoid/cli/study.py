@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import typer
 from threadpoolctl import threadpool_limits
+from typer import Option
 
 from exoid.control import ControlModel
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
 from exoid.lab import study as studies
 from exoid.lab.study import Protocol, TrackingTask
 from exoid.leg.leg import Leg
 from exoid.tools.files import make_folder
-from exoid.torques import Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .inputs import ANY_LEG, AsJson, LegName, LegOptions, parse_numbers, parse_terms, split_names
+from .inputs import given_terms
+from .numbers import parse_numbers, split_names
 from .option_groups import expand_options
+from .options import ANY_LEG, FIXED_BASE, AsJson, LegName, LegOptions, TermNames, Text
+from .options import TorqueNoise as NoiseLevel
+from .outputs import print_result
 from .progress import progress_bar
 from .refusals import refuse
-
-PROTOCOLS = ("planned", "document")
 
 SCALE, PERIOD = 0.8, 10.0
 """Factor of the amplitudes and period [s] of the gait that controllers follow, as in ``exoid track``."""
@@ -37,37 +38,27 @@ COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
 
 
-@expand_options()
+@expand_options(without=FIXED_BASE)
 def study(
     leg: LegName,
     folder: Annotated[
-        str | None,
-        typer.Option(
-            "--folder", "-o", metavar="DIR", help="Keep finished chunks in this folder, and resume from them."
-        ),
+        Text, Option("--folder", "-o", metavar="DIR", help="Keep finished chunks in this folder, and resume from them.")
     ] = None,
     choice: LegOptions = ANY_LEG,
-    terms: Annotated[
-        str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
-    ] = None,
-    protocols: Annotated[str, typer.Option(metavar="A,B", help="Motions: planned, document.")] = "planned",
-    colours: Annotated[str, typer.Option(metavar="A,B", help="Noise: white, correlated, mixed.")] = "mixed",
-    estimators: Annotated[str, typer.Option(metavar="A,B", help="wls, huber, gls, ols.")] = "wls",
-    noise: Annotated[
-        str | None,
-        typer.Option(
-            metavar="N·M", help="Torque noise, one number or one for each joint; default: 2 % of typical torques."
-        ),
-    ] = None,
-    memory: Annotated[float, typer.Option(metavar="S", help="Correlation time of correlated noise.")] = 0.05,
-    replicates: Annotated[int, typer.Option(min=2, help="Identifications of each combination.")] = 100,
-    duration: Annotated[float, typer.Option(metavar="S", help="Duration of each protocol.")] = 60.0,
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Rate of the log.")] = 100.0,
-    cutoff: Annotated[float, typer.Option(metavar="HZ", help="Cut-off of the zero-phase low-pass.")] = 8.0,
-    followed: Annotated[Literal["exactly", "rig"], typer.Option(help="How motions are followed.")] = "exactly",
+    terms: TermNames = None,
+    protocols: Annotated[str, Option(metavar="A,B", help="Motions: planned, document.")] = "planned",
+    colours: Annotated[str, Option(metavar="A,B", help="Noise: white, correlated, mixed.")] = "mixed",
+    estimators: Annotated[str, Option(metavar="A,B", help="wls, huber, gls, ols.")] = "wls",
+    noise: NoiseLevel = None,
+    memory: Annotated[float, Option(metavar="S", help="Correlation time of correlated noise.")] = 0.05,
+    replicates: Annotated[int, Option(min=2, help="Identifications of each combination.")] = 100,
+    duration: Annotated[float, Option(metavar="S", help="Duration of each protocol.")] = 60.0,
+    rate: Annotated[float, Option(metavar="HZ", help="Rate of the log.")] = 100.0,
+    cutoff: Annotated[float, Option(metavar="HZ", help="Cut-off of the zero-phase low-pass.")] = 8.0,
+    followed: Annotated[Literal["exactly", "rig"], Option(help="How motions are followed.")] = "exactly",
     laws: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             metavar="A,B",
             help="Controllers to run with estimates: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr, "
             "adaptive, self_tuning.",
@@ -75,16 +66,13 @@ def study(
     ] = None,
     course: Annotated[
         Literal["gait", "planned"] | None,
-        typer.Option(help="Motion of the controllers: a stride of 10 s (default), or a plan."),
+        Option(help="Motion of the controllers: a stride of 10 s (default), or a plan."),
     ] = None,
-    kp: Annotated[str | None, typer.Option(metavar="A,B", help="Kp [N·m/rad]; default of exoid track.")] = None,
-    kd: Annotated[str | None, typer.Option(metavar="A,B", help="Kd [N·m·s/rad]; default kp/10.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")] = 0,
-    workers: Annotated[int, typer.Option(min=1, help="Processes on this machine.")] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="tcp://HOST:PORT", help="Existing Dask cluster to use instead.")
-    ] = None,
-    parameters: Annotated[bool, typer.Option("--parameters", help="Print a line for each parameter, too.")] = False,
+    kp: Annotated[Text, Option(metavar="A,B", help="Kp [N·m/rad]; default of exoid track.")] = None,
+    kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; default kp/10.")] = None,
+    seed: Annotated[int, Option(min=0, help="Seed of all random numbers.")] = 0,
+    workers: Annotated[int, Option(min=1, help="Processes on this machine.")] = 1,
+    parameters: Annotated[bool, Option("--parameters", help="Print a line for each parameter, too.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.
@@ -95,15 +83,14 @@ def study(
     """
     if folder is not None:
         make_folder(folder)  # before the minute that planning takes
-    found, chosen = choice.find(leg, None), parse_terms(terms)
+    found, chosen = choice.find(leg, None), given_terms(terms)
+    chosen = DEFAULT_TERMS if chosen is None else chosen
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "there are no --laws")
     truth = studies.plausible_truth(model, scales.typical_torque)
-    runner = studies.run_serially if workers == 1 else studies.processes(workers)
-    runner = runner if scheduler is None else studies.dask_cluster(scheduler)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     planning = {"noise": std, "duration": duration, "rate": rate}
     task = None if laws is None else _tracking_task(laws, course or "gait", model, truth, (kp, kd), planning)
@@ -122,9 +109,9 @@ def study(
         course=task,
     )
     with progress_bar("identifying") as progress:
-        result = studies.run_study(design, folder, runner, progress)
+        result = studies.run_study(design, folder, None if workers == 1 else workers, progress)
     details = [str(combination) for combination in result.combinations] if parameters else []
-    typer.echo(json.dumps(result.to_json(), indent=1) if as_json else "\n\n".join([str(result), *details]))
+    print_result("\n\n".join([str(result), *details]), as_json=as_json, data=result.to_json())
 
 
 def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Protocol:
@@ -133,7 +120,7 @@ def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[st
         return studies.planned(_plan(leg, terms, planning))
     if name == "document":
         return studies.document(leg, planning["duration"])
-    raise ExoidError(f"--protocols {name}", remedy=f"use some of {', '.join(PROTOCOLS)}")
+    raise BadArgumentError(f"--protocols {name}", remedy="use some of planned, document")
 
 
 def _tracking_task(
@@ -151,7 +138,9 @@ def _tracking_task(
         try:
             gait = gait_for_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
-            raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
+            raise BadArgumentError(
+                error.what, where=error.where, remedy=f"{error.remedy}, or --course planned"
+            ) from None
         return TrackingTask.of(names, gait, PERIOD, known, kp, kd)
     plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
     return TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
@@ -166,5 +155,5 @@ def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Pla
 def _share(colour: str) -> float:
     """Find the correlated share of the variance by the name of the noise."""
     if colour not in COLOURS:
-        raise ExoidError(f"--colours {colour}", remedy=f"use some of {', '.join(COLOURS)}")
+        raise BadArgumentError(f"--colours {colour}", remedy=f"use some of {', '.join(COLOURS)}")
     return COLOURS[colour]

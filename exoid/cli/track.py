@@ -2,137 +2,101 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, Literal, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
-import numpy as np
-import typer
+from typer import Argument, Option
 
-from exoid import control
-from exoid._typing import FloatArray
-from exoid.control import ControlModel, LawReplay, Tracking
-from exoid.control.tracking import tracking_table
-from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.experiments.gait import joint_roles
-from exoid.leg import published
-from exoid.leg.catalog import load_leg
-from exoid.leg.leg import Leg
-from exoid.rig import Payload, Plant
-from exoid.tools.files import make_folder
-from exoid.tools.tables import DataTable, to_text
+import exoid
+from exoid.errors import BadArgumentError
 
-from .courses import SCALE, MotionOptions, gait, logged, roles_of
-from .dry_run import DryRun
-from .dry_run import dry_run as run_dry
-from .inputs import READ_AS_IT_IS, AsJson, LogOptions, Report
 from .messages import note
-from .numbers import joint_values
+from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
-from .outputs import check_outputs
+from .options import READ_AS_IT_IS, AsJson, Figures, LogOptions, Number, Report, Roles, Text, given
+from .outputs import check_outputs, print_result, save_figures, show_report
 from .progress import progress_bar
 from .refusals import is_readable, refuse
 
-__all__ = ["SCALE", "roles_of", "track"]
-
-DEPTH = 0.3
-"""Distance of a payload below its joint [m]."""
+if TYPE_CHECKING:
+    from exoid.lab.reproduce import ReplayReport
+    from exoid.leg.leg import Leg
+    from exoid.rig import Payload, Plant
 
 
 class DocumentOptions(NamedTuple):
     """Options of document 2's comparison."""
 
-    rotor: Annotated[float | None, typer.Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None
-    wrong: Annotated[bool, typer.Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False
+    rotor: Annotated[Number, Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None
+    wrong: Annotated[bool, Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False
 
 
 class GainOptions(NamedTuple):
     """Gains and rate of the controllers; None for the default of each."""
 
-    kp: Annotated[str | None, typer.Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None
-    kd: Annotated[str | None, typer.Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None
-    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
+    kp: Annotated[Text, Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None
+    kd: Annotated[Text, Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None
+    rate: Annotated[Number, Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
 
-    def of(self, labels: Sequence[str], default: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Parse the gains."""
-        kp, kd = default
-        if self.kp is not None:
-            kp = joint_values(self.kp, "--kp", labels, one_for_all=True)
-            kd = 0.1 * kp
-        if self.kd is not None:
-            kd = joint_values(self.kd, "--kd", labels, one_for_all=True)
-        return kp, kd
+
+class MotionOptions(NamedTuple):
+    """The motion to follow; None for the default of each."""
+
+    period: Annotated[
+        Number, Option(metavar="S", help="Period of the gait; default 10. With --reference: that of a periodic log.")
+    ] = None
+    scale: Annotated[Number, Option(help="Factor of the gait's amplitudes; default 0.8.")] = None
+    speed: Annotated[Text, Option(help="Norm of VerySlow, Slow, Free or Fast gait.")] = None
+    reference: Annotated[
+        Text, Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
+    ] = None
+    role: Roles = None
 
 
 class RigOptions(NamedTuple):
     """How the rig differs from the model."""
 
-    payload: Annotated[float | None, typer.Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
-    friction: Annotated[float | None, typer.Option(metavar="X", help="Factor of the rig's friction.")] = None
+    payload: Annotated[Number, Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
+    friction: Annotated[Number, Option(metavar="X", help="Factor of the rig's friction.")] = None
 
 
 class DryRunOptions(NamedTuple):
     """Options of a run without a rig."""
 
     dry_run: Annotated[
-        str | None,
-        typer.Option(
-            "--dry-run",
-            metavar="LOG",
-            help="No rig: print the torque that one controller would have commanded in a log.",
-        ),
+        Text, Option(metavar="LOG", help="No rig: print the torque that one controller would have commanded in a log.")
     ] = None
     law: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             metavar="NAME",
             help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
             "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
         ),
     ] = None
-    limit: Annotated[str | None, typer.Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
-    slew: Annotated[
-        str | None, typer.Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")
-    ] = None
+    limit: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
+    slew: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")] = (
+        None
+    )
     output: Annotated[
-        str | None,
-        typer.Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques."),
+        Text, Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques.")
     ] = None
-
-
-class Comparison(NamedTuple):
-    """Controllers side by side.
-
-    Attributes:
-        runs: Runs by name of the controller.
-        table: Table of all.
-        notes: Notes on the table.
-        text: What is printed.
-        data: The same as JSON types.
-    """
-
-    runs: Mapping[str, Tracking]
-    table: DataTable
-    notes: Sequence[str]
-    text: str
-    data: dict[str, Any]
 
 
 @expand_options(without={"reading": ("payload", "base_position", "wrench")})
 def track(
     what: Annotated[
-        str, typer.Argument(metavar="EST.JSON|cuhk|bleex", help="An estimate, document 2's comparison, or BLEEX.")
+        str, Argument(metavar="EST.JSON|cuhk|bleex", help="An estimate, document 2's comparison, or BLEEX.")
     ],
-    seed: Annotated[int, typer.Option(min=0, help="Seed of sensor noise; for cuhk of the whole experiment.")] = 0,
+    seed: Annotated[int, Option(min=0, help="Seed of sensor noise; for cuhk of the whole experiment.")] = 0,
     document: DocumentOptions = DocumentOptions(),  # noqa: B008 - a tuple does not change
     gains: GainOptions = GainOptions(),  # noqa: B008
     motion: MotionOptions = MotionOptions(),  # noqa: B008
     reading: LogOptions = READ_AS_IT_IS,
     rig: RigOptions = RigOptions(),  # noqa: B008
     dry: DryRunOptions = DryRunOptions(),  # noqa: B008
-    figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write figures into this folder.")] = None,
-    figure_format: Annotated[Literal["png", "pdf"], typer.Option(help="Format of the figures.")] = "png",
+    figures: Figures = None,
+    figure_format: Annotated[Literal["png", "pdf"], Option(help="Format of the figures.")] = "png",
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
@@ -144,72 +108,57 @@ def track(
 
     Example: exoid track est.json --rate 50
     """
-    from exoid.lab import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
-    from exoid.view.figure_files import write_figures  # noqa: PLC0415
-
-    if figures is not None:
-        make_folder(figures)
     if motion.reference is None and dry.dry_run is None:
-        refuse(reading.given(), "only the log of --reference or --dry-run is read")
-    check_outputs({"--report": report, "--output": dry.output}, [what, motion.reference, dry.dry_run])
+        refuse(given(reading), "only the log of --reference or --dry-run is read")
+    inputs = [what, motion.reference, dry.dry_run]
+    check_outputs({"--report": report, "--output": dry.output}, inputs, figures)
     if dry.dry_run is not None:
-        refuse({**_flags(motion, rig, document), "--report": report}, "--dry-run has no rig")
-        replay = run_dry(_source(what), DryRun(dry.dry_run, dry.law, *gains, dry.limit, dry.slew), reading)
-        _show_dry_run(replay, dry.output, figures, figure_format, as_json=as_json)
+        refuse({**given(motion, rig, document), "--report": report}, "--dry-run has no rig")
+        _dry_run(what, dry, gains, reading, figures, figure_format, as_json=as_json)
         return
-    refuse(_flags(dry), "there is no --dry-run")
-    of_document = what == "cuhk"
+    refuse(given(dry), "there is no --dry-run")
     with progress_bar(f"tracking {what}") as progress:
-        if of_document:
-            refuse(_flags(gains, motion, rig), "cuhk is document 2's comparison; name an estimate")
+        if what == "cuhk":
+            refuse(given(gains, motion, rig), "cuhk is document 2's comparison; name an estimate")
             found = _of_document(document, seed, progress)
         else:
-            refuse(_flags(document), "it is an option of cuhk")
+            refuse(given(document), "it is an option of cuhk")
             found = _of_leg(what, gains, motion, rig, reading, seed, progress)
+    show_report(found, figures, report, figure_format, as_json=as_json)
+
+
+def _dry_run(
+    what: str,
+    dry: DryRunOptions,
+    gains: GainOptions,
+    reading: LogOptions,
+    figures: str | None,
+    figure_format: str,
+    *,
+    as_json: bool,
+) -> None:
+    """Replay a controller on a log, write and print it."""
+    from exoid.lab.reproduce.tracking_report import law_replay_drawing  # noqa: PLC0415 - it needs matplotlib
+
+    from .dry_run import dry_run  # noqa: PLC0415 - help needs no controllers
+
+    replay = dry_run(_source(what), dry, gains, reading)
+    if dry.output is not None:
+        replay.to_csv(dry.output)
+        note(f"wrote {dry.output}")
     if figures is not None:
-        drawn = reproduce.tracking_figures(found.runs, of_document=of_document)
-        for path in write_figures(figures, drawn, figure_format):
-            note(f"wrote {path}")
-    if report is not None:
-        title = f"Controllers on {what}"
-        reproduce.tracking_page(title, found.table, found.notes, found.runs, of_document=of_document).save(report)
-        note(f"wrote {report}")
-    typer.echo(json.dumps(found.data, indent=1) if as_json else found.text)
+        save_figures(figures, {"dry_run": law_replay_drawing(replay).figure()}, figure_format)
+    print_result(replay, as_json=as_json)
 
 
-def _flags(*groups: DocumentOptions | GainOptions | MotionOptions | RigOptions | DryRunOptions) -> dict[str, object]:
-    """Value of each option by its name; None for those that were not given."""
-    options = {name: value for group in groups for name, value in group._asdict().items()}
-    return {f"--{name.replace('_', '-')}": None if value is False else value for name, value in options.items()}
-
-
-def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, form: str, *, as_json: bool) -> None:
-    """Write and print a dry run."""
-    from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - see above
-    from exoid.view.figure_files import write_figures  # noqa: PLC0415
-
-    if output is not None:
-        replay.to_csv(output)
-        note(f"wrote {output}")
-    if figures is not None:
-        for path in write_figures(figures, {"dry_run": law_replay_figure(replay)}, form):
-            note(f"wrote {path}")
-    typer.echo(json.dumps(replay.to_json(), indent=1) if as_json else str(replay))
-
-
-def _of_document(document: DocumentOptions, seed: int, progress: Callable[[float], None]) -> Comparison:
+def _of_document(document: DocumentOptions, seed: int, progress: Callable[[float], None]) -> ReplayReport:
     """Run document 2's comparison."""
     from exoid.lab import reproduce  # noqa: PLC0415 - see above
+    from exoid.lab.reproduce.tracking_report import cuhk_tracking_report  # noqa: PLC0415
 
     inertia = {} if document.rotor is None else {"rotor": document.rotor}
     replay = reproduce.reproduce_cuhk_tracking(seed, wrong=document.wrong, progress=progress, **inertia)
-    return Comparison(
-        replay.laws,
-        reproduce.cuhk_tracking_table(replay),
-        reproduce.cuhk_tracking_notes(replay),
-        reproduce.cuhk_tracking_text(replay),
-        reproduce.cuhk_tracking_json(replay),
-    )
+    return cuhk_tracking_report(replay)
 
 
 def _of_leg(
@@ -220,20 +169,24 @@ def _of_leg(
     reading: LogOptions,
     seed: int,
     progress: Callable[[float], None],
-) -> Comparison:
+) -> ReplayReport:
     """Run every controller on a leg."""
-    from exoid.lab import reproduce  # noqa: PLC0415 - see above
+    from exoid.control.tracking import tracking_table  # noqa: PLC0415
+    from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
+
+    from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
 
     source = _source(what)
-    model = ControlModel.of(source)
+    model = exoid.control.ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     if motion.reference is None:
-        reference, period, settle = gait(leg, motion)
+        reference, period, settle = gait(leg, motion.period, motion.scale, motion.speed, motion.role)
     else:
         refuse({"--scale": motion.scale, "--speed": motion.speed}, "the reference is that of a log")
         reference, period, settle = logged(leg, motion.reference, motion.period, reading)
-    kp, kd = gains.of(labels, control.default_gains(model, control.mean_pose(reference, period)))
-    runs = control.track(
+    usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period))
+    kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)
+    runs = exoid.control.track(
         source,
         kp,
         kd,
@@ -249,33 +202,34 @@ def _of_leg(
     )
     each = ", ".join(f"{name} {p:.3g} / {d:.3g}" for name, p, d in zip(labels, kp, kd, strict=True))
     title = f"{leg.description.name}: reference of {period:g} s; Kp [N·m/rad] / Kd [N·m·s/rad]: {each}"
-    table = tracking_table(title, runs.values())
-    drives = Estimate.load(what).actuators if is_readable(what) else None
-    commands = () if drives is None else (control.command_table(runs.values(), drives),)
-    return Comparison(runs, table, (), to_text(table, *commands), reproduce.laws_json(runs, kp, kd, seed))
+    tables = [tracking_table(title, runs.values())]
+    drives = source.actuators if isinstance(source, exoid.Estimate) else None
+    if drives is not None:
+        tables.append(exoid.control.command_table(runs.values(), drives))
+    return tracking_report(f"Controllers on {what}", runs, tables, laws_json(runs, kp, kd, seed))
+
+
+def _source(what: str) -> exoid.Estimate | Plant:
+    if what == "bleex":
+        leg = exoid.load_leg("bleex", inertias="identified")
+        return exoid.rig.Plant.build(leg, exoid.published.bleex_resistances("left"))
+    if not is_readable(what):
+        raise BadArgumentError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
+    return exoid.Estimate.load(what)
 
 
 def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]:
-    """Place the payload of the rig, below the knee where there is one."""
-    roles, labels = joint_roles(leg, roles_of(motion.role)), leg.joint_labels
+    """Place the payload of the rig 0.3 m straight below the knee, or the last joint, of the hanging leg."""
+    import numpy as np  # noqa: PLC0415 - help needs no arrays
+
+    from exoid.experiments.gait import joint_roles  # noqa: PLC0415
+
+    roles, labels = joint_roles(leg, parse_roles(motion.role)), leg.joint_labels
     if rig.payload is None:
         return []
-    joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
-    return [Payload(joint, rig.payload, _below(leg, joint))]
-
-
-def _source(what: str) -> Estimate | Plant:
-    if what == "bleex":
-        return Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
-    if not is_readable(what):
-        raise ExoidError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
-    return Estimate.load(what)
-
-
-def _below(leg: Leg, joint: str) -> tuple[float, float, float]:
-    """Place a payload straight below a joint of the hanging leg, in the joint's frame [m]."""
     if not leg.limbs:
-        raise ExoidError("--payload has no place", where=leg.description.name, remedy="it needs a planar leg")
+        raise BadArgumentError("--payload has no place", where=leg.description.name, remedy="it needs a planar leg")
+    joint = roles.index("knee") if "knee" in roles else len(labels) - 1
     rotations = np.vstack([limb.chain.rotations for limb in leg.limbs])
-    x, y, z = (-DEPTH * rotations[leg.joint_labels.index(joint)].T @ leg.plane.up).tolist()
-    return x, y, z
+    x, y, z = (-0.3 * rotations[joint].T @ leg.plane.up).tolist()
+    return [exoid.rig.Payload(labels[joint], rig.payload, (x, y, z))]

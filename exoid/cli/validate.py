@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
-import typer
+from typer import Exit, Option
 
-from exoid import estimate as estimates
+import exoid
 
-from .inputs import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, read_drives, read_logs
+from .inputs import read_drives, read_logs
 from .option_groups import expand_options
+from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Number
+from .outputs import print_result
 
 NOT_PREDICTED = 1
 """Exit status where the estimate does not predict the logs."""
@@ -21,10 +22,9 @@ def validate(
     estimate: EstimateName,
     logs: LogNames,
     cutoff: Annotated[
-        float | None,
-        typer.Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared."),
+        Number, Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared.")
     ] = None,
-    strict: Annotated[bool, typer.Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
+    strict: Annotated[bool, Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
     as_json: AsJson = False,
@@ -35,11 +35,9 @@ def validate(
 
     Example: exoid validate est.json bleex_swing:test
     """
-    loaded = estimates.Estimate.load(estimate)
-    reading.refuse_other(logs)
-    recordings = read_logs(logs, reading)
-    result = estimates.validate(loaded, recordings, cutoff=cutoff, actuators=read_drives(actuators, loaded.model.leg))
-    typer.echo(json.dumps(result.to_json(), indent=1) if as_json else str(result))
-    fails = ("does not predict", "predicts poorly") if strict else ("does not predict",)
-    if result.verdict in fails:
-        raise typer.Exit(NOT_PREDICTED)
+    loaded = exoid.Estimate.load(estimate)
+    drives = read_drives(actuators, loaded.model.leg)
+    result = exoid.validate(loaded, read_logs(logs, reading), cutoff=cutoff, actuators=drives)
+    print_result(result, as_json=as_json)
+    if result.verdict in ("does not predict", *(["predicts poorly"] if strict else [])):
+        raise Exit(NOT_PREDICTED)

@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-import json
-from typing import Annotated, Any
+from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
-from exoid.estimate import Estimate
-from exoid.tools.files import make_folder
+import exoid
 
-from .inputs import AsJson, Report
-from .messages import note
-from .outputs import check_outputs
+from .options import AsJson, Figures, Report
+from .outputs import check_outputs, show_report
 from .progress import progress_bar
 
 
 def wear(
-    what: Annotated[str, typer.Argument(metavar="bleex|cuhk|EST.JSON", help="A document's leg, or an estimate.")],
-    period: Annotated[float | None, typer.Option(metavar="S", help="Period of the stride; default 4.")] = None,
-    most: Annotated[float | None, typer.Option(metavar="X", help="Largest amplification; default 10.")] = None,
-    bandwidth: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Bandwidth of the controller's motion filter; default 50.")
-    ] = None,
-    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of the controller; default 1000.")] = None,
-    height: Annotated[float, typer.Option(metavar="M", help="Height of the wearer.")] = 1.75,
-    mass: Annotated[float, typer.Option(metavar="KG", help="Mass of the wearer.")] = 70.0,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of noise and draws.")] = 0,
-    figures: Annotated[str | None, typer.Option(metavar="DIR", help="Folder for the figure.")] = None,
+    what: Annotated[str, Argument(metavar="bleex|cuhk|EST.JSON", help="A document's leg, or an estimate.")],
+    period: Annotated[float, Option(metavar="S", help="Period of the stride.")] = 4.0,
+    most: Annotated[float, Option(metavar="X", help="Largest amplification.")] = 10.0,
+    bandwidth: Annotated[float, Option(metavar="HZ", help="Bandwidth of the controller's motion filter.")] = 50.0,
+    rate: Annotated[float, Option(metavar="HZ", help="Rate of the controller.")] = 1000.0,
+    height: Annotated[float, Option(metavar="M", help="Height of the wearer.")] = 1.75,
+    mass: Annotated[float, Option(metavar="KG", help="Mass of the wearer.")] = 70.0,
+    seed: Annotated[int, Option(min=0, help="Seed of noise and draws.")] = 0,
+    figures: Figures = None,
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
@@ -39,20 +34,19 @@ def wear(
     Example: exoid wear est.json --period 2.5
     """
     from exoid.lab import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
-    from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
-    if figures is not None:
-        make_folder(figures)  # before the minute that the study takes
-    check_outputs({"--report": report}, [what])
-    source = what if what in ("bleex", "cuhk") else Estimate.load(what)
-    given = {"period": period, "most": most, "bandwidth": bandwidth, "rate": rate}
-    options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    check_outputs({"--report": report}, [what], figures)
+    source = what if what in ("bleex", "cuhk") else exoid.Estimate.load(what)
     with progress_bar("walking") as progress:
-        study = reproduce.wear(source, height=height, mass=mass, seed=seed, progress=progress, **options)
-    if figures is not None:
-        for path in write_figures(figures, reproduce.wear_figures(study)):
-            note(f"wrote {path}")
-    if report is not None:
-        reproduce.wear_page(study).save(report)
-        note(f"wrote {report}")
-    typer.echo(json.dumps(reproduce.wear_json(study), indent=1) if as_json else reproduce.wear_text(study))
+        study = reproduce.wear(
+            source,
+            period=period,
+            most=most,
+            bandwidth=bandwidth,
+            rate=rate,
+            height=height,
+            mass=mass,
+            seed=seed,
+            progress=progress,
+        )
+    show_report(reproduce.wear_report(study), figures, report, as_json=as_json)

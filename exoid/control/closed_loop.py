@@ -26,7 +26,7 @@ from exoid.rig import (
 from exoid.rig import simulate as simulate_rig
 
 from .law import State
-from .stateful import AnyLaw, Memory, stateful
+from .stateful import AnyLaw, Memory, name_of, stateful
 from .tracking import Tracking, tracking_of
 
 LONGEST_STEP = 5e-4
@@ -167,7 +167,7 @@ def simulate_many(
         wearer=wearer,
         progress=progress,
     )
-    labels = names or (type(law).__name__,) * plant.count
+    labels = names or (name_of(law),) * plant.count
     return tuple(tracking_of(run, k, label, law.rate, settle) for k, label in enumerate(labels))
 
 

@@ -21,7 +21,7 @@ from exoid.tools.tables import DataTable, to_text
 
 from .law import State
 from .limited import Limited
-from .stateful import AnyLaw, stateful
+from .stateful import AnyLaw, name_of, stateful
 
 AT_LIMIT = 1.0 - 1e-9
 """Share of a limit from which on a torque is at it."""
@@ -206,7 +206,7 @@ def replay_law(
     unknown = np.full_like(q, np.nan)
     recorded = unknown if recording.tau is None else _sampled(recording.tau, elapsed, times)
     limit, slew = (_limits(law, which, recording.n_joints) for which in ("limit", "slew"))
-    label = type(law).__name__ if name is None else name
+    label = name_of(law) if name is None else name
     commanded = _commanded(law, q, v, times, aims, where)
     return LawReplay(
         label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew

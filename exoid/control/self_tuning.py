@@ -20,12 +20,13 @@ from exoid.online.state import State as OnlineState
 from exoid.rig import Target
 
 from .known_leg import as_estimate
-from .law import RATE, State, acceleration, gains, refuse_rate
+from .law import RATE, State, acceleration, refuse_rate
+from .laws import pd
 from .model import ControlModel, ModelSource
 from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
-from .pd import PD
 from .slotine_li import SlotineLiModel
+from .tracking_law import TrackingLaw
 
 LOOSE = 100.0
 """Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
@@ -63,7 +64,7 @@ class SelfTuning:
     for parameters of the leg.
     """
 
-    feedback: PD  # PD feedback
+    feedback: TrackingLaw  # PD feedback
     model: SlotineLiModel  # linear model, initial values and P₀ of the adapted parameters
     cone: ParameterCone  # set of the parameters
     source: Estimate  # initial estimate, with the parameters of the recursive one; other terms keep their coefficients
@@ -249,7 +250,7 @@ def self_tuning(
         false_alarms=false_alarms,
     )
     return SelfTuning(
-        feedback=PD(gains(kp, "kp"), gains(kd, "kd"), rate),
+        feedback=pd(kp, kd, rate=rate),
         model=replace(model, values=begin, covariance=own),
         cone=cone.above(floor),
         source=estimate,

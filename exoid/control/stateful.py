@@ -110,6 +110,11 @@ def stateful(law: AnyLaw) -> StatefulLaw:
     return Memoryless(law)
 
 
+def name_of(law: AnyLaw) -> str:
+    """Name of a controller in tables: its own, or that of its class."""
+    return str(getattr(law, "name", type(law).__name__))
+
+
 def torque_without_memory(law: AnyLaw, state: State, target: Target) -> FloatArray:
     """Compute the torque of a controller that must not have memory."""
     if not callable(getattr(law, "torque", None)):

@@ -26,7 +26,7 @@ def fail(*_, **__):
 
 
 def test_an_unexpected_error_is_one_line_and_the_traceback_an_option(exoid_, monkeypatch):
-    monkeypatch.setattr("exoid.cli.legs.load_leg", fail)
+    monkeypatch.setattr(exoid, "load_leg", fail)
     run = exoid_("view", "bleex", "--html", "leg.html")
     assert (run.code, run.out) == (1, "")
     assert run.err.startswith("exoid: LookupError: one two. To fix it: run again with --traceback")

@@ -1,4 +1,4 @@
-"""Folders of logs, and a cluster that reads them, on the command line."""
+"""Folders of logs on the command line."""
 
 from __future__ import annotations
 
@@ -54,18 +54,3 @@ def test_an_empty_folder_is_one_line(exoid_, tmp_path):
     code, out, err = exoid_("identify", "bleex", "empty")
     assert (code, out) == (2, "")
     assert "no logs in the folder" in err
-
-
-@pytest.mark.slow
-def test_a_cluster_reads_the_logs(exoid_, folder, monkeypatch):
-    distributed = pytest.importorskip("distributed")
-    _, here, _ = exoid_("identify", "bleex", folder, "--json")
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
-    with distributed.LocalCluster(**options) as cluster:
-        code, far, _ = exoid_("identify", "bleex", folder, "--scheduler", cluster.scheduler_address, "--json")
-    assert code == 0
-    assert json.loads(far)["values"] == pytest.approx(json.loads(here)["values"], rel=1e-9, abs=1e-12)
-    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
-    code, out, err = exoid_("identify", "bleex", folder, "--scheduler", "tcp://127.0.0.1:9")
-    assert (code, out) == (2, "")
-    assert "no Dask scheduler answers" in err

@@ -9,8 +9,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from exoid.cli.inputs import LogOptions
 from exoid.cli.option_groups import expand_options
+from exoid.cli.options import LogOptions, given
 from exoid.cli.verbs import VERBS, load_verb
 
 
@@ -70,16 +70,16 @@ def test_two_options_of_one_name_are_an_error_of_the_program():
 
 
 def test_options_that_were_given_are_named_as_on_the_command_line():
-    given = LogOptions(base_position="0,0,0", degrees=True).given()
-    assert {name for name, value in given.items() if value is not None} == {"--base-position", "--degrees"}
-    assert set(given) == {f"--{name.replace('_', '-')}" for name in LogOptions._fields}
+    found = given(LogOptions(base_position="0,0,0", degrees=True))
+    assert {name for name, value in found.items() if value is not None} == {"--base-position", "--degrees"}
+    assert set(found) == {f"--{name.replace('_', '-')}" for name in LogOptions._fields}
 
 
 @pytest.mark.parametrize("name", ["identify", "check", "validate", "interaction", "select", "plan", "view", "track"])
 def test_every_verb_that_reads_logs_has_the_same_options_for_them(name):
     options = {option for each in load_verb(name).params for option in each.opts}
     own = {"--payload", "--base-position", "--wrench"} if name == "track" else set()  # there, the payload of the rig
-    assert set(LogOptions().given()) - own <= options
+    assert set(given(LogOptions())) - own <= options
     assert name in VERBS
 
 

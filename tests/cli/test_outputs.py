@@ -122,7 +122,7 @@ def test_rights_are_checked_before_the_work(run, words, monkeypatch):
     def work(*_, **__):
         raise AssertionError("the work began")
 
-    for name in ("exoid.cli.inputs.Recording.from_file", "exoid.cli.legs.Leg.from_urdf"):
+    for name in ("exoid.Recording.from_file", "exoid.Leg.from_urdf"):
         monkeypatch.setattr(name, work)
     assert "cannot" in run(*words)
     assert not list(Path().glob("plan*"))

@@ -88,7 +88,7 @@ def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch
         (("cuhk", "--foot", "1,2,3"), "X,Z in metres"),
         (("cuhk", "--terms", "magic"), "no term 'magic'"),
         (("cuhk", "--assess", "nothing.csv"), "nothing.csv"),
-        (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "no effect with --assess"),
+        (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "-o has no effect"),
         (("cuhk", "-o", "plan.txt", *QUICK), "name the file .csv"),
         (("cuhk", "-o", "nowhere/plan.csv", *QUICK), "there is no folder nowhere"),
         (("cuhk", "--stance", "both", *QUICK), "has no sole"),

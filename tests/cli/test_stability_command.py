@@ -105,7 +105,7 @@ def test_friction_that_is_negative_by_chance_is_taken_as_zero_and_said_to_be(mon
     ("arguments", "words"),
     [
         (("absent",), ("no leg or estimate 'absent'",)),
-        (("cuhk", "--kp", "3"), ("--kp 3", "left_hip, left_knee")),
+        (("cuhk", "--kp", "3,4,5"), ("--kp 3,4,5", "left_hip, left_knee")),
         (("cuhk", "--target", "3,x"), ("--target 3,x",)),
         (("cuhk", "--kd", "3,-1"), ("kd", "≥ 0")),
         (("cuhk", "--rate", "0"), ("0 Hz",)),

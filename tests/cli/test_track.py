@@ -106,7 +106,7 @@ def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     noisy = q + 1e-4 * np.random.default_rng(0).normal(size=q.shape)
     exoid.Recording(time + 7.0, noisy, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "log.csv")
     followed, real = [], control.track
-    monkeypatch.setattr("exoid.cli.track.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
+    monkeypatch.setattr("exoid.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
     code, out, _ = track(saved, "--reference", "log.csv", "--json")
     assert code == 0
     ((_, _, _, reference, duration), options) = followed[0]
@@ -158,7 +158,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
     def replay(seed, *, wrong, progress, rotor=0.8):
         assert not wrong
         progress(1.0)
-        return reproduce.TrackingReplay(None, runs, {}, rotor, seed)
+        return reproduce.cuhk_tracking.TrackingReplay(None, runs, {}, rotor, seed)
 
     monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
     code, out, err = track("cuhk", "--json", "--seed", 3, "--rotor", 0.5)

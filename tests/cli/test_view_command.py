@@ -130,7 +130,7 @@ def test_the_address_is_printed_and_a_browser_opened(view, monkeypatch, as_json)
         (("leg.urdf", "--inertias", "cad"), ("--inertias has no effect",)),
         (("bleex", "--pose", "left_knee"), ("--pose left_knee", "JOINT=DEGREES")),
         (("bleex", "--pose", "elbow=3"), ("no joint elbow",)),
-        (("bleex", "--reference", "bleex_swing:test"), ("--reference without --log",)),
+        (("bleex", "--reference", "bleex_swing:test"), ("--reference has no effect", "--log")),
         (("bleex", "--port", "7000"), ("--port has no effect",)),
         (("bleex", "--log", "absent.csv"), ("absent.csv",)),
         (("cuhk", "--log", "bleex_swing:test", "--side", "right"), ("none of the logged joints",)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments import Bench, StaticProtocol, bleex, run_static
 from exoid.experiments.dynamic import run_motion
 from exoid.leg.catalog import load_leg
@@ -60,7 +60,7 @@ class Extent:
     def __post_init__(self) -> None:
         """Check the numbers."""
         if not (SETTLE < self.duration < np.inf and self.poses >= 1):
-            raise ExoidError(f"{self}", remedy=f"measure longer than {SETTLE:g} s and at least one pose")
+            raise BadArgumentError(f"{self}", remedy=f"measure longer than {SETTLE:g} s and at least one pose")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
@@ -61,22 +61,15 @@ DOCUMENT_DEG = {"pd": (15.0, 12.0), "pd_gravity_friction": (10.0, 5.0)}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackingReplay:
-    """Control laws on the CUHK-EXO with payload.
+    """Control laws on the CUHK-EXO with payload."""
 
-    Attributes:
-        estimate: Model of the laws, identified from noisy data of the same rig.
-        laws: Runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr.
-        wrong: Runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
-            document's Table III as printed; empty unless requested.
-        rotor: Reflected inertia of each rotor [kg·m²].
-        seed: Seed of motion and noise.
-    """
-
-    estimate: Estimate
-    laws: Mapping[str, Tracking]
+    estimate: Estimate  # model of the laws, identified from noisy data of the same rig
+    laws: Mapping[str, Tracking]  # runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr
+    # runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
+    # document's Table III as printed; empty unless requested
     wrong: Mapping[str, Tracking]
-    rotor: float
-    seed: int
+    rotor: float  # reflected inertia of each rotor [kg·m²]
+    seed: int  # seed of motion and noise
 
     def __repr__(self) -> str:
         """Write the peak error of each law."""
@@ -129,7 +122,7 @@ def reproduce_cuhk_tracking(
 def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
     """Build the CUHK-EXO with the payload of a wearer, friction and rotors."""
     if not 0.0 <= rotor < np.inf:
-        raise ExoidError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
+        raise BadArgumentError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
     values = {**cuhk_parameters(), **cuhk_resistances()}
     return Plant.build(load_leg("cuhk"), {**values, "Ia_hip": rotor, "Ia_knee": rotor})
 

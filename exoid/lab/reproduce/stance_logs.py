@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments.ground import Stance, bleex_machine, single_support, squats_and_shifts, swing, walking
 from exoid.rig.ground import GroundPlant, GroundRun, GroundSensors
 from exoid.signals import BaseMotion, Recording
@@ -61,7 +61,9 @@ class StanceExtent:
         """Check the durations."""
         for name in ("stance", "swing", "unseen", "walking"):
             if not getattr(self, name) >= SHORTEST:
-                raise ExoidError(f"a log of {getattr(self, name):g} s", remedy=f"take at least {SHORTEST:g} s ({name})")
+                raise BadArgumentError(
+                    f"a log of {getattr(self, name):g} s", remedy=f"take at least {SHORTEST:g} s ({name})"
+                )
 
 
 SHORTEST = 3.0

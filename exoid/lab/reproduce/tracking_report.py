@@ -1,8 +1,9 @@
-"""Comparisons of control laws as tables, as JSON and as figures."""
+"""Report of a comparison of control laws: tables, figures, and what document 2 says of its own."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -10,13 +11,14 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.control import LawReplay, Tracking
 from exoid.control.tracking import tracking_table
-from exoid.tools.tables import DataTable, to_text
-from exoid.view import paper, plot_law_replay, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.tools.json_values import json_value
+from exoid.tools.tables import DataTable
+from exoid.view import plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.colours import LAW_COLOURS
-from exoid.view.style import COLUMN
+from exoid.view.tracking import plot_law_replay
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
-from .report import as_list
+from .report import Drawing, ReplayReport
 
 LABELS = {
     "pd_30hz": "PD, 30 Hz",
@@ -30,121 +32,102 @@ LABELS = {
 }
 """Labels of the laws in figures."""
 
-WIDTH = 1.1 * COLUMN
-"""Width of a figure [inches]: its text is readable on a phone."""
-
-CLOSE = 3.0
-"""Peak error below which laws are also drawn in a separate figure [deg]."""
+WIDTH = 1.1
+"""Width of a figure in columns: its text is readable on a phone."""
 
 
-def cuhk_tracking_text(replay: TrackingReplay) -> str:
-    """Print a comparison of all laws with each other and with document 2.
+def tracking_report(
+    title: str,
+    runs: Mapping[str, Tracking],
+    tables: Sequence[DataTable],
+    data: dict[str, Any],
+    notes: Sequence[str] = (),
+    *,
+    of_document: bool = False,
+) -> ReplayReport:
+    """Report runs by the names of `exoid.control.standard_laws`, and "pd_30hz"."""
+    best = min(runs.values(), key=lambda run: float(run.peak_deg.max()))
+    peaks = ", ".join(f"{peak:.2f}°" for peak in best.peak_deg)
+    first = f"The smallest tracking error is that of {best.law}: at most {peaks}."
+    return ReplayReport(title, "", [[first, *notes]], tables, data, _drawings(runs, of_document=of_document))
 
-    Args:
-        replay: Replay of document 2's comparison.
 
-    Returns:
-        Text of several lines.
-    """
-    findings = [*cuhk_tracking_notes(replay), *([_table_iii(replay)] if replay.wrong else [])]
-    tables = [cuhk_tracking_table(replay), *([wrong_table(replay)] if replay.wrong else [])]
-    return to_text(*as_list(findings), "", *tables)
-
-
-def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:
-    """Make a table of all laws.
-
-    Args:
-        replay: Replay of document 2's comparison.
-
-    Returns:
-        Table with one line a law and joint.
-    """
-    title = (
+def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
+    """Report all laws beside each other and beside document 2."""
+    caption = (
         f"CUHK-EXO with payload, rotors of {replay.rotor:g} kg·m², gait of 10 s, gains {GAINS['kp']} N·m/rad and "
         f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
     )
-    return tracking_table(title, replay.laws.values())
-
-
-def wrong_table(replay: TrackingReplay) -> DataTable:
-    """Make a table of the laws with a wrong model of the leg."""
-    return tracking_table("The same with a wrong model of the leg", replay.wrong.values())
+    tables, notes = [tracking_table(caption, replay.laws.values())], _document_notes(replay.laws)
+    data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
+    if replay.wrong:
+        tables.append(tracking_table("The same with a wrong model of the leg", replay.wrong.values()))
+        printed, pd = replay.wrong[f"pd_gravity_friction {PRINTED}"], replay.laws["pd"]
+        notes.append(
+            f"Compensating with Table III as printed errs by {_pair(printed.peak_deg, '.0f')}°, PD alone by "
+            f"{_pair(pd.peak_deg, '.0f')}°. {LOADED}: on the shank of the rig."
+        )
+        data["wrong"] = {name: run.to_json() for name, run in replay.wrong.items()}
+    return tracking_report("Controllers on cuhk", replay.laws, tables, data, notes, of_document=True)
 
 
 def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
-    """Convert a comparison of laws to JSON types.
-
-    Args:
-        runs: Runs by name of the law.
-        kp: Gains of the joints [N·m/rad].
-        kd: Gains of the joints [N·m·s/rad].
-        seed: Seed of the sensor noise.
-
-    Returns:
-        Tracking errors and torques of each law by name, with gains and seed.
-    """
+    """Convert a comparison of laws to JSON types: metrics by name of the law, gains and seed."""
     laws = {name: run.to_json() for name, run in runs.items()}
-    return {"laws": laws, "gains": {"kp": [float(k) for k in kp], "kd": [float(k) for k in kd]}, "seed": seed}
+    return {"laws": laws, "gains": {"kp": json_value(kp), "kd": json_value(kd)}, "seed": seed}
 
 
-def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
-    """Convert a replay of document 2's comparison to JSON types.
+def law_replay_drawing(replay: LawReplay) -> Drawing:
+    """Draw the torque that a law would have commanded during a log."""
+    count = len(replay.joint_names)
 
-    Args:
-        replay: Replay of document 2's comparison.
+    def draw(figure: Figure) -> None:
+        plot_law_replay(list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]), replay)
 
-    Returns:
-        Tracking errors and torques of each law by name; those of wrong models under "wrong", if requested.
-    """
-    data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
-    if replay.wrong:
-        data["wrong"] = {name: run.to_json() for name, run in replay.wrong.items()}
-    return data
+    return Drawing(f"Torque of {replay.law} during a log", draw, 0.55 * (count + 0.3), WIDTH)
 
 
-def tracking_figures(runs: Mapping[str, Tracking], *, of_document: bool = False) -> dict[str, Figure]:
-    """Draw errors and torques of PD and of PD with compensation, and of all laws at the same rate and gains.
-
-    The first two figures compare PD, at 30 Hz if it is among the runs, with PD and compensation, as figures 8 and 9
-    of document 2 do.
-
-    Args:
-        runs: Runs by the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
-        of_document: Whether the runs replay document 2, so that its numbers of the figures are in the names.
-
-    Returns:
-        Figures by name.
-    """
+def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, Drawing]:
+    """PD and PD with compensation as in figures 8 and 9 of document 2, and all laws at the same rate and gains."""
+    joints = [name.removeprefix("left_").removeprefix("right_") for name in next(iter(runs.values())).joint_names]
     slow = "pd_30hz" if "pd_30hz" in runs else "pd"
     pair = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
     errors, torques = ("doc2_fig8_errors", "doc2_fig9_torques") if of_document else ("pd_errors", "pd_torques")
+    numbers = ("Fig. 8: tracking", "Fig. 9: torques") if of_document else ("Tracking", "Torques")
     every = {LABELS.get(name, name): run for name, run in runs.items() if name != "pd_30hz"}
     colours = dict(zip(every, LAW_COLOURS, strict=False))
-    close = {label: run for label, run in every.items() if run.peak_deg.max() < CLOSE}
-    with paper():
-        figures = {
-            errors: _figure(plot_tracking_errors, pair),
-            torques: _figure(plot_law_torques, pair),
-            "laws_errors": _figure(plot_tracking_errors, every),
-            "laws_torques": _figure(plot_law_torques, every),
-            "laws_peak_errors": _peaks(every),
-        }
-        if 0 < len(close) < len(every):
-            figures["laws_errors_close"] = _figure(plot_tracking_errors, close, [colours[label] for label in close])
-    return figures
+    close = {label: run for label, run in every.items() if run.peak_deg.max() < 3.0}
+
+    def each_joint(caption: str, plot: Callable[..., object], shown: Mapping[str, Tracking]) -> Drawing:
+        """Draw one axes a joint."""
+        own = [colours[label] for label in shown] if shown is close else LAW_COLOURS
+
+        def draw(figure: Figure) -> None:
+            axes = figure.subplots(len(joints), 1, sharex=True, squeeze=False)[:, 0]
+            plot(axes, shown, names=joints, colours=own)
+
+        return Drawing(caption, draw, 0.55 * (len(joints) + 0.3), WIDTH)
+
+    def draw_peaks(figure: Figure) -> None:
+        plot_peak_errors(figure.add_subplot(), every, names=joints)
+
+    with_errors = partial(each_joint, plot=plot_tracking_errors)
+    with_torques = partial(each_joint, plot=plot_law_torques)
+    drawings = {
+        errors: with_errors(f"{numbers[0]} errors under PD and with compensation", shown=pair),
+        torques: with_torques(f"{numbers[1]} under PD and with compensation", shown=pair),
+        "laws_errors": with_errors("Tracking errors of every law at the same rate and gains", shown=every),
+        "laws_torques": with_torques("Torques of every law", shown=every),
+        "laws_peak_errors": Drawing("Largest tracking error of every law", draw_peaks, 0.8, WIDTH),
+    }
+    if 0 < len(close) < len(every):
+        caption = "Tracking errors of the most accurate laws, on a finer scale"
+        drawings["laws_errors_close"] = with_errors(caption, shown=close)
+    return drawings
 
 
-def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
-    """Compare the results with those that document 2 reports.
-
-    Args:
-        replay: Replay of document 2's comparison.
-
-    Returns:
-        Sentences.
-    """
-    laws = replay.laws
+def _document_notes(laws: Mapping[str, Tracking]) -> list[str]:
+    """Compare the results with those that document 2 reports."""
     slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
     printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
     by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
@@ -157,44 +140,5 @@ def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
     ]
 
 
-def _table_iii(replay: TrackingReplay) -> str:
-    printed, pd = replay.wrong[f"pd_gravity_friction {PRINTED}"], replay.laws["pd"]
-    return (
-        f"Compensating with Table III as printed errs by {_pair(printed.peak_deg, '.0f')}°, PD alone by "
-        f"{_pair(pd.peak_deg, '.0f')}°. {LOADED}: on the shank of the rig."
-    )
-
-
 def _pair(values: FloatArray, form: str) -> str:
     return " / ".join(format(x, form) for x in values)
-
-
-def _figure(
-    plot: Any,  # noqa: ANN401 - a function of the view
-    runs: Mapping[str, Tracking],
-    colours: Sequence[str] = LAW_COLOURS,
-) -> Figure:
-    labels = _labels(runs)
-    figure = Figure(figsize=(WIDTH, 0.55 * COLUMN * (len(labels) + 0.3)))
-    plot(figure.subplots(len(labels), 1, sharex=True, squeeze=False)[:, 0], runs, names=labels, colours=colours)
-    return figure
-
-
-def law_replay_figure(replay: LawReplay) -> Figure:
-    """Draw the torque that a law would have commanded during a log."""
-    count = len(replay.joint_names)
-    with paper():
-        figure = Figure(figsize=(WIDTH, 0.55 * COLUMN * (count + 0.3)))
-        plot_law_replay(list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]), replay)
-    return figure
-
-
-def _peaks(runs: Mapping[str, Tracking]) -> Figure:
-    figure = Figure(figsize=(WIDTH, 0.8 * COLUMN))
-    plot_peak_errors(figure.add_subplot(), runs, names=_labels(runs))
-    return figure
-
-
-def _labels(runs: Mapping[str, Tracking]) -> list[str]:
-    names = next(iter(runs.values())).joint_names
-    return [name.removeprefix("left_").removeprefix("right_") for name in names]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from exoid.control import ControlModel
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.lab.stability.worn.draws import draw_truths
 from exoid.leg.catalog import load_leg
@@ -47,7 +47,7 @@ def worn_models(source: str | Estimate | WornModels, seed: int, progress: Callab
         leg = load_leg("cuhk")
         cad = leg.with_parameters([design[name] for name in leg.parameter_names])
         return WornModels(cad, estimate, _plant(estimate.model.leg, truth_with_rotor()))
-    raise ExoidError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
+    raise BadArgumentError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
 
 
 def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:

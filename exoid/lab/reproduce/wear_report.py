@@ -1,4 +1,4 @@
-"""What a wearer feels, as tables, as JSON, as figures and as a page."""
+"""Report of what a wearer feels: what limits the amplification, and the felt torque of each model."""
 
 from __future__ import annotations
 
@@ -7,58 +7,78 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from exoid.lab.stability import Amplification
-from exoid.tools.tables import DataTable, to_text
-from exoid.view import paper
+from exoid.tools.json_values import attributes, named
+from exoid.tools.tables import DataTable
 from exoid.view.colours import CAD, IDENTIFIED, MEASURED, RESIDUAL
-from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
-from .report import as_list
+from .report import Drawing, ReplayReport
 from .wear_study import MARGIN, WearStudy
 
-LABELS = {"off": "off", "cad": "CAD", "identified": "identified", "truth": "truth"}
-"""Names of the models in tables and figures."""
+MODELS = {
+    "off": ("off", RESIDUAL),
+    "cad": ("CAD", CAD),
+    "identified": ("identified", IDENTIFIED),
+    "truth": ("truth", MEASURED),
+}
+"""Label and colour of each model."""
 
-COLOURS = {"off": RESIDUAL, "cad": CAD, "identified": IDENTIFIED, "truth": MEASURED}
-"""Colours of the models."""
 
-
-def wear_text(study: WearStudy) -> str:
-    """Print what limits the amplification, and what is felt.
+def wear_report(study: WearStudy) -> ReplayReport:
+    """Report the study: notes, a table of the felt torque, and the felt torque over a stride.
 
     Args:
         study: The study.
 
     Returns:
-        Text of several lines.
+        The report.
     """
-    return to_text(*as_list(wear_notes(study)), "", wear_table(study))
+    height = (0.4 + 1.3 * len(study.joint_names)) / COLUMN
+    caption = "Torque of the wearer on the leg over one stride"
+    drawing = Drawing(caption, lambda figure: _draw_torque(figure, study), height, width=2.0, full=True)
+    return ReplayReport(
+        title=f"What the wearer of {study.name} feels (seed {study.seed})",
+        about="",
+        findings=[_findings(study)],
+        tables=[_table(study)],
+        data={
+            "felt_rms": {name: each.rms_of_all for name, each in study.felt.items()},
+            "felt_rms_by_joint": {name: named(study.joint_names, each.rms) for name, each in study.felt.items()},
+            "floor_rms": study.floor_of_all,
+            "amplification": {name: each.amplification for name, each in study.felt.items() if name != "off"},
+            "largest_amplification": {name: min(each.largest, each.most) for name, each in study.largest.items()},
+            "largest_tried": study.largest["identified"].most,
+            **attributes(study, "limited_by", "period", "seed"),
+        },
+        drawings={"felt_torque": drawing},
+    )
 
 
-def wear_table(study: WearStudy) -> DataTable:
-    """Make a table of the felt torque, one line a model."""
+def _table(study: WearStudy) -> DataTable:
+    """Felt torque, one line a model."""
     rows = []
     for name, felt in study.felt.items():
-        largest = study.largest.get(name)
+        largest, stable = study.largest.get(name), ""
+        if largest is not None:
+            stable = f"{largest.largest:.3g}" if np.isfinite(largest.largest) else f"above {largest.most:g}"
         amplification = "" if felt.amplification is None else f"{felt.amplification:.3g}"
-        cells = (f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))
-        rows.append((LABELS[name], "" if largest is None else _largest(largest), amplification, *cells))
+        rows.append((MODELS[name][0], stable, amplification, *(f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))))
     headers = ("controller knows", "largest α", "α used", *study.joint_names, "all")
     title = f"RMS torque between wearer and {study.name} [N·m], stride of {study.period:g} s; largest stable α"
     return DataTable(title, headers, rows)
 
 
-def wear_notes(study: WearStudy) -> list[str]:
+def _findings(study: WearStudy) -> list[str]:
     """Say what the table means."""
     felt = {name: each.rms_of_all for name, each in study.felt.items()}
+    used = max(each.amplification for each in study.felt.values() if each.amplification is not None)
     notes = [
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "
         f"{felt['identified'] / felt['truth']:.2f} times what is felt with the true model.",
         f"1/α of inertia and friction alone are {study.floor_of_all:.3g} N·m, without lag, noise and model error: "
         f"{100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
-        f"α is {MARGIN:g} of the largest stable one, at most {max(_used(study)):.3g}; 95 % of the distribution of the "
-        "identified model are stable.",
+        f"α is {MARGIN:g} of the largest stable one, at most {used:.3g}; 95 % of the distribution of the identified "
+        "model are stable.",
     ]
     identified = study.largest["identified"]
     if study.limited_by is not None and np.isfinite(identified.largest):
@@ -68,78 +88,19 @@ def wear_notes(study: WearStudy) -> list[str]:
     return notes
 
 
-def wear_json(study: WearStudy) -> dict[str, Any]:
-    """Convert the study to JSON types.
-
-    Args:
-        study: The study.
-
-    Returns:
-        Felt torque [N·m], amplifications (at most those tried), and the parameter that limits them.
-    """
-    return {
-        "felt_rms": {name: each.rms_of_all for name, each in study.felt.items()},
-        "felt_rms_by_joint": {
-            name: dict(zip(study.joint_names, each.rms.tolist(), strict=True)) for name, each in study.felt.items()
-        },
-        "floor_rms": study.floor_of_all,
-        "amplification": {name: each.amplification for name, each in study.felt.items() if name != "off"},
-        "largest_amplification": {name: min(each.largest, each.most) for name, each in study.largest.items()},
-        "largest_tried": study.largest["identified"].most,
-        "limited_by": study.limited_by,
-        "period": study.period,
-        "seed": study.seed,
-    }
-
-
-def wear_figures(study: WearStudy) -> dict[str, Figure]:
-    """Draw the felt torque of each model over the last stride, one axes a joint.
-
-    Args:
-        study: The study.
-
-    Returns:
-        Figure by file name.
-    """
-    with paper():
-        n = len(study.joint_names)
-        figure = Figure(figsize=(2.0 * COLUMN, 0.4 + 1.3 * n))
-        axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
-        for name, felt in study.felt.items():
-            run, exact = felt.run, name == "truth"
-            assert run.interaction is not None
-            last = run.time >= run.time[-1] - study.period
-            style: dict[str, Any] = {"color": COLOURS[name], "lw": 2.0 if exact else 1.0, "zorder": 1 if exact else 2}
-            label = LABELS[name] if felt.amplification is None else f"{LABELS[name]}, α = {felt.amplification:.3g}"
-            for ax, torque in zip(axes, run.interaction[last].T, strict=True):
-                ax.plot(run.time[last] - run.time[last][0], torque, label=label, **style)
-        for ax, joint in zip(axes, study.joint_names, strict=True):
-            ax.set_ylabel(f"{joint} [N·m]")
-        legend_above(axes[0], 4)
-        axes[-1].set_xlabel("time in the stride [s]")
-    return {"felt_torque": figure}
-
-
-def wear_page(study: WearStudy) -> Page:
-    """Make the page of the study: notes, table and figure.
-
-    Args:
-        study: The study.
-
-    Returns:
-        The page.
-    """
-    caption = "Torque of the wearer on the leg over one stride"
-    pictures = [Picture.of(figure, caption, caption, full=True) for figure in wear_figures(study).values()]
-    first, *others = wear_notes(study)
-    sections = [Section("Findings", [Text(others)]), Section("Felt torque", [*pictures, wear_table(study)])]
-    return Page(f"What the wearer of {study.name} feels (seed {study.seed})", [first], sections)
-
-
-def _largest(found: Amplification) -> str:
-    """Write the largest stable amplification."""
-    return f"{found.largest:.3g}" if np.isfinite(found.largest) else f"above {found.most:g}"
-
-
-def _used(study: WearStudy) -> list[float]:
-    return [each.amplification for each in study.felt.values() if each.amplification is not None]
+def _draw_torque(figure: Figure, study: WearStudy) -> None:
+    """Draw the felt torque of each model over the last stride, one axes a joint."""
+    axes = figure.subplots(len(study.joint_names), 1, sharex=True, squeeze=False)[:, 0]
+    for name, felt in study.felt.items():
+        run, exact, (label, colour) = felt.run, name == "truth", MODELS[name]
+        assert run.interaction is not None
+        last = run.time >= run.time[-1] - study.period
+        style: dict[str, Any] = {"color": colour, "lw": 2.0 if exact else 1.0, "zorder": 1 if exact else 2}
+        if felt.amplification is not None:
+            label = f"{label}, α = {felt.amplification:.3g}"
+        for ax, torque in zip(axes, run.interaction[last].T, strict=True):
+            ax.plot(run.time[last] - run.time[last][0], torque, label=label, **style)
+    for ax, joint in zip(axes, study.joint_names, strict=True):
+        ax.set_ylabel(f"{joint} [N·m]")
+    legend_above(axes[0], 4)
+    axes[-1].set_xlabel("time in the stride [s]")

@@ -42,7 +42,7 @@ def test_a_point_that_is_off_is_found_by_its_size(joint, axis) -> None:
 
 def test_a_table_of_another_shape_is_found() -> None:
     angles = np.linspace(-0.3, 1.6, 12)
-    right = CYLINDERS.drives["left_hip"].geometry.arm(angles)
+    right = CYLINDERS.drives["left_hip"].moment_arm.arm(angles)
     drives = {**CYLINDERS.drives, "left_hip": LinearActuator(MomentArmTable(angles, right))}
     assert not exoid.check(LEG, FORCES, actuators=drives)
     drives["left_hip"] = LinearActuator(MomentArmTable(angles, right * (1.0 + 0.15 * (angles - 0.6))))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exoid import reproduce
+from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
 from exoid.view.figure_files import write_figures
 
 
@@ -13,12 +14,13 @@ from exoid.view.figure_files import write_figures
 def bleex(tmp_path_factory):
     """The default replay of document 1, as the command line runs it."""
     replay = reproduce.reproduce_bleex()[0]
+    report = reproduce.bleex_report(replay)
     return {
-        "json": reproduce.bleex_json(replay),
-        "text": reproduce.bleex_text(replay),
+        "json": report.data,
+        "text": str(report),
         "repr": [repr(thing) for thing in (replay, replay.left, replay.right, replay.left.data)],
-        "page": reproduce.bleex_page(replay).html(),
-        "figures": write_figures(tmp_path_factory.mktemp("bleex"), reproduce.bleex_figures(replay.left)),
+        "page": report.page().html(),
+        "figures": write_figures(tmp_path_factory.mktemp("bleex"), report.figures()),
         "band": {side: getattr(replay, side).data.upright.band.mean(axis=0) for side in ("left", "right")},
     }
 
@@ -27,12 +29,13 @@ def bleex(tmp_path_factory):
 def cuhk(tmp_path_factory):
     """The default replay of document 2, as the command line runs it."""
     replay = reproduce.reproduce_cuhk()[0]
+    report = reproduce.cuhk_report(replay)
     return {
-        "json": reproduce.cuhk_json(replay),
-        "text": reproduce.cuhk_text(replay),
+        "json": report.data,
+        "text": str(report),
         "repr": [repr(replay)],
-        "page": reproduce.cuhk_page(replay).html(),
-        "figures": write_figures(tmp_path_factory.mktemp("cuhk"), reproduce.cuhk_figures(replay)),
+        "page": report.page().html(),
+        "figures": write_figures(tmp_path_factory.mktemp("cuhk"), report.figures()),
         "range": np.ptp(replay.measured, axis=0),
     }
 
@@ -41,8 +44,9 @@ def cuhk(tmp_path_factory):
 def tracking(request):
     """Document 2's comparison of controllers with every law, with rotors and without."""
     replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)
+    report = cuhk_tracking_report(replay)
     return {
-        "json": reproduce.cuhk_tracking_json(replay),
-        "text": reproduce.cuhk_tracking_text(replay),
+        "json": report.data,
+        "text": str(report),
         "repr": [repr(replay)],
     }

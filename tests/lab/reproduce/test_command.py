@@ -26,7 +26,7 @@ def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     assert json.loads(out)["seed"] == 3
     assert err.count("wrote") == 5
     assert len(list((tmp_path / "new/folder").iterdir())) == 5
-    again = reproduce.bleex_json(reproduce.reproduce_bleex(3)[0])
+    again = reproduce.bleex_report(reproduce.reproduce_bleex(3)[0]).data
     assert json.dumps(again, indent=1) + "\n" == out
 
 

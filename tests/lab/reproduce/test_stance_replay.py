@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exoid import ExoidError, reproduce
-from exoid.lab.reproduce.stance import relative_error, swinging_leg, true_values
+from exoid.lab.reproduce.stance import load_leg, relative_error, swinging_leg, true_values
 from exoid.lab.reproduce.stance_logs import run_stance
 from exoid.lab.reproduce.stance_report import stance_parameters, stance_summary
 
@@ -71,7 +71,8 @@ def test_a_fixed_torso_is_called_wrong(replay):
 
 @pytest.mark.slow
 def test_text_json_and_page_say_the_same(replay):
-    text, data = reproduce.stance_text(replay), reproduce.stance_json(replay)
+    report = reproduce.stance_report(replay)
+    text, data = str(report), report.data
     assert json.loads(json.dumps(data)) == data
     assert data["seed"] == 0
     assert set(data["estimates"]) == {"swing", "plates", "no plates"}
@@ -81,8 +82,8 @@ def test_text_json_and_page_say_the_same(replay):
     assert "refused" in row
     for table in (stance_parameters(replay), stance_summary(replay)):
         assert table.caption in text
-    assert "Ground force" in reproduce.stance_page(replay).html()
-    assert list(reproduce.stance_figures(replay)) == ["stance_ground_force"]
+    assert "Ground force" in report.page().html()
+    assert list(report.figures()) == ["stance_ground_force"]
     assert repr(replay) == "StanceReplay(seed 0: swing, plates, no plates)"
 
 
@@ -103,7 +104,7 @@ def test_the_largest_relative_error_is_of_the_legs():
 @pytest.mark.slow
 def test_the_mask_of_a_swinging_leg_is_off_the_ground(runs):
     log = runs.log("walking")
-    leg = reproduce.stance.load_leg("bleex", side="right")
+    leg = load_leg("bleex", side="right")
     one = swinging_leg(log, leg, "right")
     assert one.joint_names == leg.joint_names
     assert np.array_equal(one.q, log.q[:, 3:])

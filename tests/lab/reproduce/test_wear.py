@@ -24,7 +24,7 @@ def bleex():
 
 @pytest.mark.slow
 def test_the_identified_model_is_felt_like_the_truth_and_far_less_than_cad(bleex):
-    felt = reproduce.wear_json(bleex)["felt_rms"]
+    felt = reproduce.wear_report(bleex).data["felt_rms"]
     assert felt["identified"] <= 0.2 * felt["cad"]
     assert felt["identified"] <= 1.3 * felt["truth"]
     assert felt["cad"] < felt["off"]
@@ -40,7 +40,7 @@ def test_the_true_leg_lets_less_than_a_fifth_of_its_torque_be_felt(bleex):
 
 @pytest.mark.slow
 def test_cad_limits_the_amplification_more_than_the_estimate(bleex):
-    found = reproduce.wear_json(bleex)
+    found = reproduce.wear_report(bleex).data
     assert found["largest_amplification"]["cad"] < 10.0 < found["largest_amplification"]["identified"]
     assert found["amplification"]["cad"] == pytest.approx(0.9 * found["largest_amplification"]["cad"])
     assert found["limited_by"] in bleex.largest["identified"].variance_shares
@@ -48,13 +48,13 @@ def test_cad_limits_the_amplification_more_than_the_estimate(bleex):
 
 @pytest.mark.slow
 def test_table_figure_and_page_show_the_same(bleex):
-    text = reproduce.wear_text(bleex)
+    report = reproduce.wear_report(bleex)
     for felt in bleex.felt.values():
-        assert f"{felt.rms_of_all:.3g}" in text
-    (figure,) = reproduce.wear_figures(bleex).values()
+        assert f"{felt.rms_of_all:.3g}" in str(report)
+    (figure,) = report.figures().values()
     assert [ax.get_ylabel() for ax in figure.axes] == [f"{name} [N·m]" for name in bleex.joint_names]
     assert [line.get_label().split(",")[0] for line in figure.axes[0].lines] == ["off", "CAD", "identified", "truth"]
-    assert "felt" in reproduce.wear_page(bleex).html()
+    assert "felt" in report.page().html()
 
 
 @pytest.mark.slow

@@ -17,8 +17,8 @@ from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitiv
 from exoid.control.linearise import linearise
 from exoid.experiments import Hold
 from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation, predict
-from exoid.lab.stability import spectral_radius
-from exoid.lab.stability.worn import better_experiments, largest_amplification, stability_probability
+from exoid.lab.stability import better_experiments, largest_amplification, stability_probability
+from exoid.lab.stability.gain_margin import spectral_radius
 from exoid.lab.stability.worn.better_experiments import covariance_after
 from exoid.lab.stability.worn.draws import draw_truths
 from exoid.lab.stability.worn.law_table import LawTable

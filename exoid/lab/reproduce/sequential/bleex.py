@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import Coulomb, Stiffness, TorqueModel
@@ -41,7 +41,9 @@ def stiffness_coefficients(
     # set. Gravity parameters of other steps are not used.
     numbers = np.asarray(sets)
     if numbers.shape != (len(poses),):
-        raise ExoidError(f"sets has shape {numbers.shape} for {len(poses)} poses", remedy="pass one number a pose")
+        raise BadArgumentError(
+            f"sets has shape {numbers.shape} for {len(poses)} poses", remedy="pass one number a pose"
+        )
     label = model.leg.joint_labels[joint]
     names = (f"b2_{label}", f"b1_{label}")
     rows = rows_at_rest(model, poses, joint)
@@ -100,13 +102,13 @@ def kinetic_friction(
 
 def _refuse_other_than_pairs(model: TorqueModel, poses: Poses) -> None:
     if len(poses) % 2 or not len(poses):
-        raise ExoidError(f"{len(poses)} poses are not pairs", remedy="pass two consecutive poses for each pair")
+        raise BadArgumentError(f"{len(poses)} poses are not pairs", remedy="pass two consecutive poses for each pair")
     q = poses.q[:, [poses.joint_names.index(name) for name in model.leg.joint_names if name in poses.joint_names]]
     apart = q[1::2].sum(axis=1) - q[0::2].sum(axis=1)
     wrong = (np.abs(np.abs(apart) - np.pi) > PAIR_TOLERANCE) | (np.abs(q[1::2, -1] - q[0::2, -1]) > PAIR_TOLERANCE)
     if wrong.any():
         pair = int(wrong.argmax())
-        raise ExoidError(
+        raise BadArgumentError(
             f"in pair {pair} θ123 differs by {np.rad2deg(apart[pair]):.1f}° and the ankle by "
             f"{np.rad2deg(q[2 * pair + 1, -1] - q[2 * pair, -1]):.1f}°: gravity does not cancel",
             remedy="choose poses with θ12 180° apart and the same ankle angle",

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.tools.tables import DataTable, to_text, with_error
 
 from .rows import JointRows
@@ -64,14 +64,6 @@ class SequentialEstimate:
         """
         return dict(zip(self.names, self.values.tolist(), strict=True))
 
-    def std_as_dict(self) -> dict[str, float]:
-        """Return the standard deviations by name.
-
-        Returns:
-            Standard deviations in SI units.
-        """
-        return dict(zip(self.names, self.std.tolist(), strict=True))
-
     def fit(self, rows: JointRows, names: Sequence[str], nuisance: FloatArray | None = None) -> SequentialEstimate:
         """Identify parameters from the torque of one joint, with known parameters fixed and all others zero.
 
@@ -88,13 +80,15 @@ class SequentialEstimate:
         """
         again = [name for name in names if name in self.names]
         if again:
-            raise ExoidError(f"{', '.join(again)} is known already", remedy="start from an earlier estimate")
+            raise BadArgumentError(f"{', '.join(again)} is known already", remedy="start from an earlier estimate")
         W_new = np.column_stack([rows.columns[name] for name in names])
         W = W_new if nuisance is None else np.column_stack([W_new, nuisance])
         dof = len(rows.tau) * rows.independent_fraction - W.shape[1]
         if dof <= 0.0:
-            raise ExoidError(
-                f"too few measurements for {', '.join(names)}: {len(rows.tau)}", remedy="measure more poses or longer"
+            raise NotIdentifiableError(
+                f"too few measurements for {', '.join(names)}: {len(rows.tau)}",
+                parameters=tuple(names),
+                remedy="measure more poses or longer",
             )
         inverse = _pseudo_inverse(W, names)
         rest = rows.tau - rows.explained(self.as_dict())
@@ -125,8 +119,9 @@ def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
     scale[scale == 0.0] = 1.0
     U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
     if sigma[-1] <= DEPENDENT * sigma[0]:
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"the measurements do not determine {', '.join(names)} one by one",
+            parameters=tuple(names),
             remedy="choose poses or motions in which their effects differ",
         )
     return np.asarray((Vt.T / sigma) @ U.T / scale[:, None])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
@@ -56,7 +56,7 @@ def rows_in_motion(
 ) -> JointRows:
     """Make the rows of a joint in several recordings, in sequence."""
     if not recordings:
-        raise ExoidError("no recordings", remedy="pass at least one")
+        raise BadArgumentError("no recordings", remedy="pass at least one")
     each = [make_rows(model, recording, preparation) for recording in recordings]
     return _of_joint(
         model,
@@ -70,7 +70,7 @@ def rows_in_motion(
 def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence[Term]) -> TorqueModel:
     """Make the torque model of a document's procedure."""
     if leg.chain is None or leg.chain.n != len(joints):
-        raise ExoidError(
+        raise NotSupportedError(
             f"document {document}'s procedure needs a planar leg of {', '.join(joints[:-1])} and {joints[-1]}",
             where=leg.description.name,
             remedy="use exoid.identify, which works for any leg",

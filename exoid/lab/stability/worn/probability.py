@@ -25,21 +25,13 @@ DRAWS = 200
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StabilityProbability:
-    """Probability that a worn leg is stable under one controller; prints itself.
+    """Probability that a worn leg is stable under one controller; prints itself."""
 
-    Attributes:
-        leg: Name of the leg.
-        radius: Largest spectral radius over the poses of each draw, (B,); stable up to 1.
-        rejected: Share of draws that no rigid bodies have.
-        rate: Sampling rate of the controller [Hz].
-        delay: Delay of the readings in sampling periods.
-    """
-
-    leg: str
-    radius: FloatArray
-    rejected: float
-    rate: float
-    delay: int
+    leg: str  # name of the leg
+    radius: FloatArray  # largest spectral radius over the poses of each draw, (B,); stable up to 1
+    rejected: float  # share of draws that no rigid bodies have
+    rate: float  # sampling rate of the controller [Hz]
+    delay: int  # delay of the readings in sampling periods
 
     @property
     def stable(self) -> int:
@@ -58,11 +50,7 @@ class StabilityProbability:
         return float(found.low), float(found.high)
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the result to JSON types.
-
-        Returns:
-            Values by name.
-        """
+        """Convert the result to JSON types."""
         return attributes(self, "leg", "probability", "interval", "rejected", "rate", "delay") | {
             "draws": len(self.radius)
         }

@@ -1,0 +1,56 @@
+"""Motions that ``exoid track`` and ``exoid export --law`` follow: a gait, or a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+import exoid
+from exoid.errors import BadArgumentError
+
+from .inputs import read_log
+from .numbers import parse_roles
+from .options import LogOptions
+
+if TYPE_CHECKING:
+    from exoid.leg.leg import Leg
+    from exoid.rig import Reference
+
+SCALE = 0.8
+"""Factor of the gait's amplitudes on legs other than document 2's: within the limits of both built-in ones."""
+
+
+class Motion(NamedTuple):
+    """Reference, its period or duration [s], and the time that the metrics leave out [s]; None for one period."""
+
+    reference: Reference
+    period: float
+    settle: float | None = None
+
+
+def gait(leg: Leg, period: float | None, scale: float | None, speed: str | None, roles: Sequence[str] | None) -> Motion:
+    """Make a gait for a leg, of a healthy person or of the norm of a speed."""
+    period = 10.0 if period is None else period
+    if not 0.0 < period < np.inf:
+        raise BadArgumentError(f"--period {period:g}", remedy="give seconds")
+    scale, experiments = SCALE if scale is None else scale, exoid.experiments
+    norm = experiments.healthy_gait(scale, period) if speed is None else experiments.norm_gait(speed, scale, period)
+    return Motion(experiments.gait_for_leg(leg, norm, parse_roles(roles)), period)
+
+
+def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Motion:
+    """Follow a log; one of a periodic motion, again and again."""
+    log = read_log(name, reading, leg.joint_names)
+    if period is None:
+        followed = exoid.experiments.follow_log(log)
+        return Motion(followed, followed.duration, min(1.0, 0.25 * followed.duration))
+    time = log.time - log.time[0]
+    periodic = exoid.experiments.fit_harmonics(time, log.q, period, 6)
+    deviation = log.q - np.array([periodic.at(float(t)).q[:, 0] for t in time])
+    worst = float(np.rad2deg(np.sqrt(np.mean(deviation**2, axis=0)).max()))
+    if worst > 1.0:  # the log is then no motion of this period, or has sharp corners
+        what = f"6 harmonics of a period of {period:g} s deviate from the log by {worst:.1f}° (RMS)"
+        raise BadArgumentError(what, where=name, remedy="leave out --period to follow the log itself")
+    return Motion(periodic, period)
