@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.rig import Target
 
 from .law import RATE, State, acceleration, gains, refuse_rate
@@ -121,7 +121,7 @@ class Adaptive:
     def _project(self, values: FloatArray, before: FloatArray) -> FloatArray:
         """Project the parameters of each leg on the cone, (B, P)."""
         if not np.isfinite(values).all():
-            raise ExoidError(
+            raise UnreadableInputError(
                 "a reading, a target or a held torque is not finite",
                 remedy="stop the leg, and begin again with good readings",
             )

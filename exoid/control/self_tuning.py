@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.online.advance import Recursion, advance
 from exoid.online.rows import Block
@@ -27,12 +27,6 @@ from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel
 from .tracking_law import TrackingLaw
-
-LOOSE = 100.0
-"""Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
-
-TORQUE_STD = 1.0
-"""Standard deviation of the torque's error that a source without residuals is given at first [N·m]."""
 
 
 class SelfTuningMemory(NamedTuple):
@@ -77,7 +71,7 @@ class SelfTuning:
     def __post_init__(self) -> None:
         """Check the settings."""
         if not all(0.0 < x < np.inf for x in (self.time_constant, self.slew, self.bound)):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"time constant {self.time_constant:g} s, slew {self.slew:g}, bound {self.bound:g}",
                 remedy="give positive, finite numbers",
             )
@@ -123,7 +117,9 @@ class SelfTuning:
         held = memory.requested if state.last is None else state.last.reshape(n, -1)
         now = np.array([state.q.reshape(n, -1), state.v.reshape(n, -1), held])
         if not np.isfinite(now[:2]).all():
-            raise ExoidError("a reading is not finite", remedy="stop the leg, and begin again with good readings")
+            raise UnreadableInputError(
+                "a reading is not finite", remedy="stop the leg, and begin again with good readings"
+            )
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
             moved = 0.5 * (before[2] + held) - self.model.fixed(before[0], before[1], np.zeros_like(held))
@@ -185,7 +181,7 @@ class SelfTuning:
     @cached_property
     def _start(self) -> OnlineState:
         """State of the recursive estimator before the first sample."""
-        loose = replace(self.source, covariance=LOOSE * self.covariance)
+        loose = replace(self.source, covariance=100.0 * self.covariance)  # so that the prior counts once
         return started(self.recursion.settings, self.recursion.begin(), loose)
 
 
@@ -231,11 +227,13 @@ def self_tuning(
         ('X1', 'Y1', 'J1', 'X2', 'Y2', 'J2')
     """
     refuse_rate(rate)
-    estimate = as_estimate(source, TORQUE_STD)
+    estimate = as_estimate(source, 1.0)  # N·m, the torque's error at first where a source has no residuals
     model = replace(SlotineLiModel.of(estimate, change or ExpectedChange()), model=ControlModel.of(source))
     cone = ParameterCone.of(model.model.leg, model.positive)
     covariance = estimate.covariance.copy()
     places = places_of(model.names, estimate.names)
+    held = places[np.diagonal(model.covariance) == 0.0]  # what does not vary is correlated with nothing
+    covariance[held], covariance[:, held] = 0.0, 0.0
     covariance[np.ix_(places, places)] = model.covariance
     covariance = regular(covariance, estimate.values)
     own = covariance[np.ix_(places, places)]
