@@ -37,7 +37,6 @@ from worn_rig import (
     alone,
     at,
     at_samples,
-    behind,
     cad_torque,
     gait,
     log,
@@ -60,32 +59,26 @@ CUFFS = (
 
 WHO = ("leg", "wearer", "joint")
 OWN = ("RMS [N·m]", "error [N·m]", "NRMSE", "largest", "noise alone", "unfiltered", "CAD", "in band [%]", "worn [%]")
-AUTO = ("cut-off [Hz]", "error [N·m]", "NRMSE", "largest", "estimate's filter", "unfiltered", "in band [%]", "worn [%]")
 """Columns: NRMSE against the truth behind the same filter, its largest of all seeds, the part that the noise of the
-torque sensor alone has, NRMSE against the truth behind the estimate's filter and against the truth unfiltered."""
+torque sensor alone has, and NRMSE against the truth unfiltered."""
 
 Array = NDArray[np.float64]
 
 
-def torques(name: str, seeds: list[int]) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """Error and coverage of the torque of active and passive wearers, one row a kind and joint.
-
-    Behind the filter of the estimate, and with ``cutoff="auto"``.
-    """
+def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
+    """Error and coverage of the torque of active and passive wearers, one row a kind and joint."""
     one = machine(name)
     trained = alone(one, seeds)
     estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in range(len(seeds))]
     limb = Wearer.build(one.plant.leg)
     runs = {"active": active(one, seeds), "passive": passive(one, seeds, limb, 30.0, motion=gait(one, seeds))}
-    own, auto = [], []
+    rows = []
     for kind, run in runs.items():
-        of_own = [_own(one, estimate, run, k) for k, estimate in enumerate(estimates)]
-        of_auto = [_auto(one, estimate, run, k) for k, estimate in enumerate(estimates)]
-        for rows, each in ((own, of_own), (auto, of_auto)):
-            for j, joint in enumerate(one.plant.leg.joint_labels):
-                figures = {key: np.array([found[key][j] for found in each]) for key in each[0]}
-                rows.append((name, kind, joint, *_cells(figures)))
-    return own, auto
+        each = [_own(one, estimate, run, k) for k, estimate in enumerate(estimates)]
+        for j, joint in enumerate(one.plant.leg.joint_labels):
+            figures = {key: np.array([found[key][j] for found in each]) for key in each[0]}
+            rows.append((name, kind, joint, *_cells(figures)))
+    return rows
 
 
 def _own(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, Array]:
@@ -103,23 +96,6 @@ def _own(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, 
         "unfiltered": nrmse(found.torque, at_samples(recording, whole, found.time)),
         "CAD": nrmse(cad_torque(one, estimate, recording, found.time), truth),
         "in band [%]": 100.0 * (np.abs(found.torque - truth) <= found.band).mean(axis=0),
-        "worn [%]": np.full(len(one.noise), 100.0 * found.worn),
-    }
-
-
-def _auto(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, Array]:
-    """The same with ``cutoff="auto"``: against the truth behind that filter, behind that of the estimate, and bare."""
-    recording, whole = log(run, k), run.interaction[..., k]
-    found = exoid.interaction(estimate, recording, cutoff="auto")
-    alike = behind(estimate, recording, found.cutoffs, whole, found.time)
-    return {
-        "cut-off [Hz]": found.cutoffs,
-        "error [N·m]": np.sqrt(((found.torque - alike) ** 2).mean(axis=0)),
-        "NRMSE": nrmse(found.torque, alike),
-        "largest": nrmse(found.torque, alike),
-        "estimate's filter": nrmse(found.torque, at(estimate, recording, whole, found.time)),
-        "unfiltered": nrmse(found.torque, at_samples(recording, whole, found.time)),
-        "in band [%]": 100.0 * (np.abs(found.torque - alike) <= found.band).mean(axis=0),
         "worn [%]": np.full(len(one.noise), 100.0 * found.worn),
     }
 
@@ -201,9 +177,8 @@ def unworn(seeds: int) -> list[tuple[str, ...]]:
         walk = alone(one, numbers, 30.0, motion=gait(one, numbers), draw=5)
         estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in numbers]
         for kind, run in (("rig, other harmonics", again), ("rig, gait", walk)):
-            for cutoff in (None, "auto"):
-                found = [exoid.interaction(e, log(run, k), cutoff=cutoff) for k, e in enumerate(estimates)]
-                rows.append(_alarms(f"{name}, {kind}{', cutoff auto' if cutoff else ''}", found))
+            found = [exoid.interaction(e, log(run, k)) for k, e in enumerate(estimates)]
+            rows.append(_alarms(f"{name}, {kind}", found))
         leg = one.cad
         for form in FORMS:
             models = [exoid.identify(leg, log_of_form(leg, form, 0.1, seed)) for seed in range(min(seeds, 5))]
@@ -244,11 +219,8 @@ def main() -> None:
         headers = ("leg", "kind", "parameter", "truth", "error [%]", "bias [%]", "std [%]", "in 95 % interval [%]")
         rows = [row for name in LEGS for row in limbs(name, seeds)]
     else:
-        tables = [torques(name, seeds) for name in LEGS]
         print("Both torques behind the filter of the estimate")
-        print(to_text(make_table((*WHO, *OWN), [row for own, _ in tables for row in own])))
-        print('cutoff="auto"')
-        headers, rows = (*WHO, *AUTO), [row for _, auto in tables for row in auto]
+        headers, rows = (*WHO, *OWN), [row for name in LEGS for row in torques(name, seeds)]
     print(to_text(make_table(headers, rows)))
 
 

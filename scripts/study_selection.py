@@ -23,10 +23,10 @@ import exoid
 from exoid import Armature, Leg, Recording
 from exoid._typing import FloatArray
 from exoid.identification.selection import Selection, select_terms
-from exoid.identification.selection.by_joint import JointFriction
+from exoid.identification.selection.held_out import fast_fold
 from exoid.identification.selection.normal_equations import residuals
-from exoid.identification.selection.patterns import Column, Pattern, describe, terms_of, zeros_of
-from exoid.identification.selection.per_joint import Found, Search, fast_fold, search_joint_by_joint
+from exoid.identification.selection.patterns import Column, JointFriction, Pattern, terms_of, zeros_of
+from exoid.identification.selection.per_joint import Found, Search, search_joint_by_joint
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -182,7 +182,6 @@ def study_simulation(name: str, sim: Simulation) -> None:
     selection = select_terms(sim.leg, train)
     spent = time.process_time() - begin
     estimate = selection.estimate
-    assert estimate is not None
     found = selection.validate(estimate, test).nrmse
     model = sim.model
     truth = exoid.identify(sim.leg, train, model.terms, preparation=ZeroPhase(8.0), known=sim.zero or None)
@@ -192,7 +191,10 @@ def study_simulation(name: str, sim: Simulation) -> None:
     rows = zip(selection.joints, sim.columns, sim.coefficients, found, best, ratio, strict=True)
     for joint, true, numbers, mine, its, over in rows:
         sizes = ", ".join(f"{x:.2g}" for x in numbers)
-        print(f"  {joint.joint:18s} true {describe(true):38s} [{sizes}]  selected {joint.text:42s}", end="")
+        print(
+            f"  {joint.joint:18s} true {JointFriction.of('', true).text:38s} [{sizes}]  selected {joint.text:42s}",
+            end="",
+        )
         print(f" NRMSE {mine:.4f} / {its:.4f} = {over:.2f}", *(f"missing {what}" for what in missing(joint, true)))
     load = np.abs(sim.leg.inverse_dynamics(*motion(sim.leg, 1))).max(axis=0)
     speed = np.abs(motion(sim.leg, 1)[1]).max(axis=0)
@@ -205,7 +207,6 @@ def study_dfki() -> None:
     data = exoid.datasets.dfki_double_pendulum()
     begin = time.process_time()
     selection = select_terms(data.leg, data.train)
-    assert selection.estimate is not None
     print(f"DFKI: {time.process_time() - begin:.1f} s of processor time, {selection.candidate.name}")
     print("  ", "; ".join(f"{joint.joint}: {joint.text}" for joint in selection.joints))
     found = selection.validate(selection.estimate, data.test)
@@ -217,7 +218,7 @@ def study_dfki() -> None:
     speed = np.linalg.norm(whole.tables.design.v, axis=1)
     limit, time_ = float(np.quantile(speed, 0.6)), whole.tables.design.time
     slow = search_joint_by_joint(replace(everything, keep=lambda _, t: np.isin(t, time_[speed <= limit])))
-    print("   slow part:", "; ".join(describe(columns) for columns in slow.choice.columns))
+    print("   slow part:", "; ".join(JointFriction.of("", columns).text for columns in slow.choice.columns))
     fast = fast_fold(speed, 0.6).tested
     print("   fast part, fitted to slow / to all:", *(_on(everything, found, fast).round(4) for found in (slow, whole)))
 
@@ -241,7 +242,6 @@ def study_sticking() -> None:
         selection = select_terms(leg, train)
         print(f"\n{name}, joints that stick:", "; ".join(joint.text for joint in selection.joints))
         for kind, estimate in (("selected", selection.estimate), ("default", exoid.identify(leg, train, check=False))):
-            assert estimate is not None
             true = sharp.truth(estimate, case)
             worst = 100.0 * np.abs((estimate.values - true) / sharp.scale((*estimate.names,), true)).max()
             print(

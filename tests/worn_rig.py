@@ -14,7 +14,7 @@ from exoid.experiments import gait_for_leg
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.references import Harmonics
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
-from exoid.signals import without_torque_delay, zero_phase
+from exoid.signals import without_torque_delay
 from exoid.torques import Term
 
 Array = NDArray[np.float64]
@@ -179,15 +179,6 @@ def at(estimate: Estimate, recording: Recording, torque: Array, time: Array) -> 
 def at_samples(recording: Recording, torque: Array, time: Array) -> Array:
     """Pick a torque at some samples."""
     return torque[np.searchsorted(recording.time, time - 0.5 / recording.sample_rate)]
-
-
-def behind(estimate: Estimate, recording: Recording, cutoffs: Array, torque: Array, time: Array) -> Array:
-    """Pass the torque of each joint through a low-pass of its own, at some samples."""
-    rate = recording.sample_rate
-    whole = np.column_stack(
-        [zero_phase(x, rate, c, estimate.preparation.order) for c, x in zip(cutoffs, torque.T, strict=True)]
-    )
-    return at_samples(recording, whole, time)
 
 
 def nrmse(found: Array, truth: Array) -> Array:

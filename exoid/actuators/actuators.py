@@ -12,7 +12,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
 from exoid.leg.leg import Leg
-from exoid.signals import Cluster, Poses, Recording, Recordings, central_difference, smooth_motion
+from exoid.signals import Poses, Recording, Recordings, central_difference, smooth_motion
 from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling
@@ -96,7 +96,7 @@ class Actuators:
         return cls(leg.joint_names, leg.joint_labels, MappingProxyType(ordered), MappingProxyType(couplings))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the mappings as dicts, for the workers of a cluster."""
+        """Pickle the mappings as dicts, for the workers of other processes."""
         return _rebuilt, (self.joint_names, self.joint_labels, dict(self.drives), dict(self.couplings))
 
     def __repr__(self) -> str:
@@ -150,8 +150,8 @@ class Actuators:
             joints += [recording.joint_names[place] for place in np.array(places)[new]]
         return replace(recording, tau=tau, computed=tuple(dict.fromkeys(joints)))
 
-    def torques(self, data: Sequence[Recording | Poses] | Cluster) -> Sequence[Recording | Poses] | Cluster:
-        """Compute the torques of many recordings; those on disk or on a cluster stay there.
+    def torques(self, data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
+        """Compute the torques of many recordings; those on disk stay there.
 
         Args:
             data: Recordings, and poses, which have torques already.
@@ -162,7 +162,7 @@ class Actuators:
         Raises:
             ExoidError: See :meth:`torque`.
         """
-        if isinstance(data, Recordings | Cluster):
+        if isinstance(data, Recordings):
             return data.changed(self.torque)
         return [self.torque(item) if isinstance(item, Recording) else item for item in data]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from typer import Option
 
@@ -14,9 +14,6 @@ from .option_groups import expand_options
 from .options import AsJson, EstimateName, Number, Roles, Text, given
 from .outputs import check_outputs, print_result
 from .refusals import refuse
-
-if TYPE_CHECKING:
-    from exoid.online.in_c import RecursiveSource
 
 
 class Target(NamedTuple):
@@ -42,19 +39,6 @@ class Target(NamedTuple):
         Text,
         Option(metavar="NAME", help="Write this control law for the leg into the file of --c, and a header beside it."),
     ] = None
-    recursive: Annotated[
-        bool,
-        Option(
-            "--recursive",
-            help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
-        ),
-    ] = False
-    forgetting: Annotated[
-        Literal["directional", "exponential", "none"] | None,
-        Option(
-            help="--recursive: how rows are forgotten; default directional. Changes are detected unless it is none."
-        ),
-    ] = None
 
     @property
     def files(self) -> dict[str, str | Path | None]:
@@ -64,7 +48,7 @@ class Target(NamedTuple):
 
         sidecar = sidecar_of(Path(self.output)) if self.output is not None and Path(self.output).name else None
         header = None
-        if self.c is not None and (self.law is not None or self.recursive):
+        if self.c is not None and self.law is not None:
             header = Path(self.c).with_name(f"{identifier(self.c)}.h")
         return {
             "--output": self.output,
@@ -101,7 +85,7 @@ class LawOptions(NamedTuple):
         Number,
         Option(
             metavar="HZ",
-            help="--law: sampling rate; default 100, or 500 for sensitivity_amplification and --recursive.",
+            help="--law: sampling rate; default 100, or 500 for sensitivity_amplification.",
         ),
     ] = None
     period: Annotated[Number, Option(metavar="S", help="--law: period of the gait, for gains; default 10.")] = None
@@ -126,7 +110,7 @@ class LawOptions(NamedTuple):
         Number,
         Option(
             metavar="HZ",
-            help="--law sensitivity_amplification (default 20), observers (8); cut-off of --recursive (8).",
+            help="--law sensitivity_amplification (default 20)and observers (8).",
         ),
     ] = None
 
@@ -146,7 +130,6 @@ def export(
     momentum_observer or kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2
     around that C.
 
-    With --recursive, the C is a recursive estimator of the parameters of this estimate, which begins with nothing.
 
     Example: exoid export est.json -o leg.urdf
     """
@@ -161,8 +144,6 @@ def export(
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 
         print_result(export_law(found, target, options), as_json=as_json)
-    elif target.recursive:
-        print_result(_recursive(found, target, options), as_json=as_json)
     elif target.c is not None:
         print_result(found.to_c(target.c, precision=target.precision or "double"), as_json=as_json)
     elif target.mjcf is not None:
@@ -171,27 +152,11 @@ def export(
         print_result(found.to_urdf(str(target.output), **links._asdict()), as_json=as_json)
 
 
-def _recursive(found: exoid.Estimate, target: Target, options: LawOptions) -> RecursiveSource:
-    """Write a recursive estimator of the parameters of an estimate as C."""
-    from exoid.online.in_c import write_recursive  # noqa: PLC0415 - only this needs the estimator
-
-    online = exoid.online.RecursiveEstimator(
-        found.leg,
-        found.model.terms,
-        rate=500.0 if options.rate is None else options.rate,
-        cutoff=8.0 if options.bandwidth is None else options.bandwidth,
-        forgetting=target.forgetting or "directional",
-    )
-    return write_recursive(str(target.c), online)
-
-
 def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptions) -> None:
     """Refuse options that have no effect on what is written."""
-    output, c, mjcf, ros2, precision, law, recursive, forgetting = target
+    output, c, mjcf, ros2, precision, law = target
     in_c = c is not None or ros2 is not None
-    of_recursive = ("--rate", "--bandwidth") if recursive else ()
-    of_law = [name for name, value in given(options).items() if value is not None and name not in of_recursive]
-    refuse({"--forgetting": None if recursive else forgetting}, "there is no --recursive")
+    of_law = [name for name, value in given(options).items() if value is not None]
     refuse({"--precision": None if in_c else precision}, "nothing is written as C; give --c LEG.C")
     rules = (
         (
@@ -203,16 +168,6 @@ def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptio
             in_c and links != LinkOptions(),
             "--mass-factor and --pull have no effect on C",
             "leave them out, or write a URDF with -o LEG.URDF",
-        ),
-        (
-            recursive and (c is None or law is not None),
-            "--recursive writes C of its own",
-            "give --c ONLINE.C, without --law",
-        ),
-        (
-            recursive and precision == "float",
-            "a recursive estimator in float",
-            "leave out --precision: it needs double",
         ),
         (law is None and bool(of_law), f"{', '.join(of_law)}: only a control law has it", "name the law with --law"),
         (law is not None and not in_c, "--law has no effect on a URDF", "give --c LAW.C"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from typer import Option
 
@@ -13,7 +13,7 @@ from .inputs import read_drives, read_logs
 from .messages import note
 from .numbers import parse_numbers
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Report, Text
+from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Number, Report, Text
 from .outputs import check_outputs, print_result
 from .progress import status
 
@@ -30,7 +30,7 @@ def interaction(
         Text, Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period.")
     ] = None,
     cutoff: Annotated[
-        Text, Option(metavar="HZ", help='Cut-off of both torques; "auto" chooses that of each joint.')
+        Number, Option(metavar="HZ", help="Cut-off of both torques; default that of the estimate.")
     ] = None,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
@@ -48,7 +48,7 @@ def interaction(
     loaded = exoid.Estimate.load(estimate)
     recordings, drives = read_logs(logs, reading), read_drives(actuators, loaded.model.leg)
     times = parse_numbers(strides, "--strides")
-    result = exoid.interaction(loaded, recordings, strides=times, cutoff=_cutoff(cutoff), actuators=drives)
+    result = exoid.interaction(loaded, recordings, strides=times, cutoff=cutoff, actuators=drives)
     if output is not None:
         result.to_csv(output)
         note(f"wrote {output}")
@@ -59,13 +59,3 @@ def interaction(
             interaction_report(loaded, result, recordings).save(report)
         note(f"wrote {report}")
     print_result(result, as_json=as_json)
-
-
-def _cutoff(text: str | None) -> float | Literal["auto"] | None:
-    """Read a cut-off from the command line."""
-    if text is None or text == "auto":
-        return text if text is None else "auto"
-    try:
-        return float(text)
-    except ValueError:
-        raise BadArgumentError(f"--cutoff {text}", remedy="give a frequency in Hz, or auto") from None

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 
@@ -41,17 +41,10 @@ class ExpectedChange:
     def __post_init__(self) -> None:
         """Check the numbers."""
         if not (0.0 <= self.payload < np.inf and 0.0 <= self.friction < np.inf):
-            raise ExoidError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
+            raise BadArgumentError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
 
     def of_bodies(self, leg: Leg) -> FloatArray:
-        """Compute the covariance of the leg's parameters that payloads cause.
-
-        Args:
-            leg: The leg.
-
-        Returns:
-            Covariance E[δ δᵀ] of changes δ by a point mass on each link, independently, (p, p).
-        """
+        """Covariance E[δ δᵀ] of changes δ of the leg's parameters by a point mass on each link, (p, p)."""
         changes = []
         for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
             centre = P[:3, 3] / P[3, 3]
@@ -64,7 +57,7 @@ class ExpectedChange:
 
 
 def point_masses(leg: Leg, link: int, places: FloatArray) -> FloatArray:
-    """Compute the parameters of unit masses on a link."""
+    """Parameters of unit masses at some places of a link, (p, k)."""
     own = leg.reduction.collect[:, 10 * link : 10 * link + 10]
     bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
     return np.asarray(own @ np.transpose(bodies))

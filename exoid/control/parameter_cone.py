@@ -48,70 +48,33 @@ INSIDE = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class ParameterCone:
-    """Set β = floor + A w, w ≥ 0; made by :meth:`of`.
+    """Set β = floor + A w, w ≥ 0, of the parameters of a leg; made by :meth:`of`."""
 
-    Attributes:
-        generators: Columns of A, (P, k).
-        floor: Point ε β₀ from which the set begins, (P,).
-    """
-
-    generators: FloatArray
-    floor: FloatArray
+    generators: FloatArray  # columns of A, (P, k)
+    floor: FloatArray  # point ε β₀ from which the set begins, (P,)
 
     @classmethod
     def of(cls, leg: Leg, positive: NDArray[np.bool_]) -> ParameterCone:
-        """Make the set of a leg, with its floor at zero.
-
-        Args:
-            leg: The leg; the reach of its links is that of their mass or of the next joint.
-            positive: Whether each parameter behind those of the leg is not negative, (P − p,).
-
-        Returns:
-            The set.
-        """
+        """Make the set of a leg, its floor at zero, with parameters behind the leg's of which some are positive."""
         bodies = np.hstack([point_masses(leg, link, places) for link, places in enumerate(_places(leg))])
-        bodies = bodies / np.linalg.norm(bodies, axis=0)
+        sizes = np.linalg.norm(bodies, axis=0)
+        moving = sizes > 1e-9 * sizes.max()  # a mass on the vertical axis of the first joint moves no parameter
+        bodies = bodies[:, moving] / sizes[moving]
         rest = np.eye(len(positive))
         rest = np.hstack([rest, -rest[:, ~positive]])
         return cls(np.asarray(scipy.linalg.block_diag(bodies, rest)), np.zeros(len(bodies) + len(positive)))
 
     def above(self, floor: FloatArray) -> ParameterCone:
-        """Move the set.
-
-        Args:
-            floor: Point from which the set begins, (P,).
-
-        Returns:
-            The moved set.
-        """
+        """Move the set to another floor."""
         return ParameterCone(self.generators, floor)
 
     def nearest(self, values: FloatArray, whiten: FloatArray) -> FloatArray:
-        """Project a point on the set.
-
-        Args:
-            values: The point β, (P,).
-            whiten: Matrix L of the metric, C⁻¹ = Lᵀ L, (P, P).
-
-        Returns:
-            The nearest point of the set, (P,); ``values`` itself if it is inside.
-        """
-        found = self.floor + self.generators @ self.masses(values, whiten)
-        return values if np.linalg.norm(whiten @ (values - found)) <= INSIDE else np.asarray(found)
-
-    def masses(self, values: FloatArray, whiten: FloatArray) -> FloatArray:
-        """Find the masses w ≥ 0 of the nearest point of the set.
-
-        Args:
-            values: The point β, (P,).
-            whiten: Matrix L of the metric, C⁻¹ = Lᵀ L, (P, P).
-
-        Returns:
-            Masses of the columns of A, (k,).
-        """
+        """Project a point on the set in the metric LᵀL, L = ``whiten``; a point inside stays exactly as it is."""
         columns = whiten @ self.generators
         scale = np.linalg.norm(columns, axis=0)
-        return np.asarray(_non_negative(columns / scale, whiten @ (values - self.floor)) / scale)
+        masses = _non_negative(columns / scale, whiten @ (values - self.floor)) / scale
+        found = self.floor + self.generators @ masses
+        return values if np.linalg.norm(whiten @ (values - found)) <= INSIDE else np.asarray(found)
 
 
 def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:

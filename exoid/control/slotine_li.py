@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 
 from .friction import WIDTH
@@ -51,10 +51,16 @@ class SlotineLiModel:
         for k, (symbol, _) in enumerate(kinds, start=count):
             covariance[k, k] = (change.friction * values[k]) ** 2 if symbol in ("c0", "d") else 0.0
         if isinstance(source, Estimate):
-            places = [source.names.index(name) if name in source.names else -1 for name in names]
-            known = np.flatnonzero(np.array(places) >= 0)
-            own = np.array(places)[known]
+            # The variance of a parameter that is not determined says nothing of the leg: as a gain it would be huge.
+            classes = dict(zip(source.names, source.identifiability, strict=True))
+            known = np.flatnonzero([classes.get(name, "not") != "not" for name in names])
+            own = [source.names.index(names[k]) for k in known]
             covariance[np.ix_(known, known)] += source.covariance[np.ix_(own, own)]
+        if not np.isfinite(covariance).all() or not (np.diagonal(covariance) > 0.0).any():
+            raise BadArgumentError(
+                "no parameter may change, or its covariance is not finite",
+                remedy="give an estimate with a covariance, or an ExpectedChange above zero",
+            )
         return cls(model, names, values, covariance, kinds)
 
     @property
@@ -68,14 +74,17 @@ class SlotineLiModel:
         return np.array([symbol in ("c0", "d", "Ia") for symbol, _ in self.kinds], dtype=np.bool_)
 
     def regressor(self, q: FloatArray, v: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
-        """Compute Y; see the class."""
+        """Compute Y of B legs from (n, B), (B, n, P); see the class."""
         still, count = np.zeros_like(v), len(self.model.leg.parameter_names)
         Y = np.zeros((q.shape[1], self.n, len(self.names)))
         angles, rates = np.hstack([q, q, q]).T, np.hstack([0.5 * (v + v_r), 0.5 * (v - v_r), still]).T
         W = self.model.leg.regressor(angles, rates, np.hstack([a_r, still, still]).T).reshape(3, *Y.shape[:2], count)
         Y[..., :count] = W[0] - W[1] + W[2]
         for k, (symbol, joint) in enumerate(self.kinds, start=count):
-            Y[:, joint, k] = _column(symbol, q[joint], v_r[joint], a_r[joint])
+            if symbol.startswith("b"):
+                Y[:, joint, k] = q[joint] ** int(symbol[1:])
+            else:
+                Y[:, joint, k] = {"c0": np.tanh(v_r[joint] / WIDTH), "d": v_r[joint], "Ia": a_r[joint]}[symbol]
         return Y
 
     def fixed(self, q: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
@@ -86,21 +95,3 @@ class SlotineLiModel:
             for other in self.model.others:
                 torque[list(other.joints)] += other.torque(q, v_r, a_r, load)
         return torque
-
-
-def _column(symbol: str, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Torque of a unit coefficient, (B,)."""
-    if symbol == "c0":
-        return np.asarray(np.tanh(v / WIDTH))
-    if symbol == "Ia":
-        return a
-    return v if symbol == "d" else np.asarray(q ** int(symbol[1:]))
-
-
-def refuse_unknown_covariance(covariance: FloatArray) -> None:
-    """Refuse a covariance without any variance."""
-    if not np.isfinite(covariance).all() or not (np.diagonal(covariance) > 0.0).any():
-        raise ExoidError(
-            "no parameter may change, or its covariance is not finite",
-            remedy="give an estimate with a covariance, or an ExpectedChange above zero",
-        )

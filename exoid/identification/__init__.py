@@ -3,11 +3,10 @@
 from .check import check
 from .estimators import ESTIMATORS, register_estimator
 from .identify import identify
-from .selection import Candidate, Selection, select_terms
+from .selection import Selection, select_terms
 
 __all__ = [
     "ESTIMATORS",
-    "Candidate",
     "Selection",
     "check",
     "identify",

@@ -10,7 +10,7 @@ from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .checkup import check_group
@@ -76,8 +76,6 @@ def check(
         unknown = driven.unknown
     model = TorqueModel.at_start(leg, used, tuple(knowledge.known))
     data = groups[0].data
-    if isinstance(data, Cluster):
-        raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
     signals = signal_findings(model, data)
     try:
         summaries = summarize_groups(

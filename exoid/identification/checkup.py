@@ -9,12 +9,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.estimate.model_error import ModelError
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, without_torque_delay
+from exoid.signals import Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .findings import Checkup, FittedLeg, check_fit, torque_delays
@@ -22,23 +21,10 @@ from .fitting import Fitted, Task
 from .friction_form import friction_form_error, friction_rows
 from .group_rows import Group
 
-NOT_CHECKED = Finding(
-    "not-checked",
-    "",
-    0.0,
-    "1",
-    "info",
-    "recordings on a cluster were not searched for faults",
-    "run exoid check on some of them before they are sent",
-)
-"""Stands for the checks of recordings on a cluster."""
-
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
     """Check the logs of one group, and the fit to them."""
     data = fitted.problem.groups[group].data
-    if isinstance(data, Cluster):
-        return Checkup((NOT_CHECKED,))
     return check_fit(_fitted_leg(fitted, group, covariance)._replace(actuators=actuators), data)
 
 
@@ -51,7 +37,7 @@ def model_error(
 ) -> ModelError | None:
     """Estimate how far friction of another form may move the torques that one group's estimate predicts."""
     data = fitted.problem.groups[group].data
-    if checkup.ranges is None or isinstance(data, Cluster):
+    if checkup.ranges is None:
         return None
     speed = checkup.ranges.speed
     leg = _fitted_leg(fitted, group, np.zeros((len(fitted.models[group].names),) * 2))
@@ -72,8 +58,6 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
     """Estimate by how much torques are late, and shift them."""
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
-        if isinstance(group.data, Cluster):
-            raise ExoidError("delays of recordings on a cluster cannot be corrected", remedy="leave delay out")
         nothing = np.zeros((len(fitted.models[k].names),) * 2)
         delays = torque_delays(_fitted_leg(fitted, k, nothing), group.data)
         groups.append(_shifted(group, delays.values) if delays.values.any() else group)
@@ -85,7 +69,6 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
 
 def _shifted(group: Group, delays: FloatArray) -> Group:
     """Shift the torques of a group."""
-    assert not isinstance(group.data, Cluster)
     model = TorqueModel.at_start(group.leg, ())
     by_joint = {k: float(delay) for k, delay in enumerate(delays) if delay}
     chosen = (for_leg(model, one) for one in group.data)

@@ -16,7 +16,7 @@ from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
 from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Cluster, Recording, Recordings
+from exoid.signals import Recording, Recordings
 
 from .drive_model import about
 from .estimators import fit_by
@@ -200,7 +200,7 @@ class _Step(NamedTuple):
 
 def _recomputed(data: Data, actuators: Actuators) -> Data:
     """Compute torques with other constants; recordings on disk stay there."""
-    if isinstance(data, Cluster | Recordings):
+    if isinstance(data, Recordings):
         return data.changed(partial(recompute, actuators))
     return [recompute(actuators, each) if isinstance(each, Recording) else each for each in data]
 

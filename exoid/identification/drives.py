@@ -9,7 +9,7 @@ from exoid.actuators import Actuators, Coupling, Drive, Motor, motor_terms
 from exoid.actuators.constants import at_start, unknown_constants
 from exoid.errors import ExoidError
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Cluster, Recording, Recordings
+from exoid.signals import Recording, Recordings
 from exoid.torques import DEFAULT_TERMS, Armature, Term
 
 from .estimators import Estimator, name_of
@@ -51,7 +51,6 @@ class DrivenGroups(NamedTuple):
         which = ", ".join(dict.fromkeys(constants))
         wrong = {
             "groups of recordings are fitted": len(self.groups) > 1 or self.groups[0].name != "",
-            "recordings are on a cluster": any(isinstance(group.data, Cluster) for group in self.groups),
             f"{name_of(estimator)} fits the torque of every sample": getattr(estimator, "fits_samples", False),
             "terms are nonlinear or depend on the load": any(term.nonlinear or term.loaded for term in terms),
             "delays are to be corrected": delay is not None,
@@ -82,8 +81,6 @@ class DrivenGroups(NamedTuple):
         """Joints of the first leg whose torque was computed of their drives in some recording."""
         group, actuators = self.groups[0], self.actuators[0]
         every = {*actuators.drives, *(joint for each in actuators.couplings.values() for joint in each.joints)}
-        if isinstance(group.data, Cluster):
-            return every
         some = [group.data[0]] if isinstance(group.data, Recordings) else group.data  # of files, one is read
         names = {name for one in some if isinstance(one, Recording) for name in one.computed}
         labels = zip(group.leg.joint_names, group.leg.joint_labels, strict=True)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from operator import attrgetter
 from os import PathLike
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -20,7 +21,7 @@ from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
 from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class
 from exoid.regression.rows_file import RowsFile
-from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
+from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 
 KEPT_BYTES = 2**26
@@ -34,16 +35,37 @@ T = TypeVar("T")
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 """Which rows to use: recording index, times [s] → mask."""
 
-Data = Sequence[Recording | Poses] | Cluster
-"""Recordings and poses, in memory, on disk, or on a cluster."""
+Data = Sequence[Recording | Poses]
+"""Recordings and poses, in memory or on disk."""
 
 Measured = Recording | Poses | Iterable[Recording | Poses]
 """One recording or several."""
 
 
 def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T]:
-    """Do work on each recording, one after the other, or on the workers that hold them."""
-    return data.map(work) if isinstance(data, Cluster) else [work(each) for each in data]
+    """Do work on each recording: one after the other, or on the workers of joblib's backend (``parallel_config``)."""
+    if not on_workers():
+        return [work(each) for each in data]
+    return _distribute(_on_first, work, (data[k : k + 1] for k in range(len(data))))
+
+
+def on_workers() -> bool:
+    """Tell whether joblib's backend, as ``joblib.parallel_config`` sets it, has several workers."""
+    return int(effective_n_jobs(None)) > 1
+
+
+def _distribute(function: Callable[..., T], work: Callable[..., T], each: Iterable[object]) -> list[T]:
+    """Call a function of the work and of one thing after the other on the workers of joblib's backend."""
+    return [pickle.loads(one) for one in Parallel()(delayed(_pickled)(function, work, thing) for thing in each)]
+
+
+def _pickled(function: Callable[..., T], *arguments: object) -> bytes:
+    return pickle.dumps(function(*arguments))  # Dask would turn named tuples into plain ones
+
+
+def _on_first(work: Callable[[Recording | Poses], T], data: Data) -> T:
+    """Read a recording where the work is done."""
+    return work(data[0])
 
 
 @contextmanager
@@ -65,7 +87,7 @@ class Group(NamedTuple):
     unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings
 
     @classmethod
-    def alone(cls, leg: Leg, recordings: Measured | Cluster) -> Group:
+    def alone(cls, leg: Leg, recordings: Measured) -> Group:
         """Make the only group, which needs no name."""
         return cls("", leg, check_recordings(recordings))
 
@@ -76,10 +98,8 @@ class Group(NamedTuple):
         return self.preparation
 
 
-def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cluster) -> Data:
-    """Check that there is at least one recording, and nothing else; those on disk or on a cluster stay there."""
-    if isinstance(given, Cluster):
-        return given
+def check_recordings(given: Measured) -> Data:
+    """Check that there is at least one recording, and nothing else; those on disk stay there."""
     if isinstance(given, Recordings) and len(given):
         return given
     several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
@@ -102,7 +122,7 @@ class GroupRows:
     # the kinematics of one recording, and of rows that are kept where there are few.
 
     model: TorqueModel  # torque model
-    data: Data  # recordings and poses, in memory, on disk, or on a cluster
+    data: Data  # recordings and poses, in memory or on disk
     preparation: Preparation  # filter and differentiation
     # function that selects rows, given the index of the recording and their times [s], (N,); None for all
     keep: Keep | None = None
@@ -117,22 +137,10 @@ class GroupRows:
         """Names of the parameters."""
         return self.model.names
 
-    @property
-    def local_data(self) -> Sequence[Recording | Poses]:
-        """Recordings and poses."""
-        if isinstance(self.data, Cluster):
-            raise ExoidError(
-                "recordings stay on the workers of the cluster, and this estimator wants them here",
-                remedy="use wls or ols, or pass Recordings on disk",
-            )
-        return self.data
-
     @cached_property
     def each(self) -> list[list[RFactor]]:
         """One R factor a joint for each recording."""
-        if isinstance(self.data, Cluster):
-            return self._worker_rows.map(attrgetter("r_factors"))
-        return [_r_factors(self._blocks_of(index, decimated=False)) for index in range(len(self.data))]
+        return list(self._on_each(_r_factors, decimated=False))
 
     @cached_property
     def by_kind(self) -> list[list[RFactor]]:
@@ -159,29 +167,26 @@ class GroupRows:
         return joint + (len(self.by_kind[0]) if at_rest and len(self.by_kind) > 1 else 0)
 
     def at_rest(self, index: int) -> bool:
-        """Say whether one of the recordings is poses, without reading it; those on a cluster are not."""
-        if isinstance(self.data, Cluster):
-            return False
+        """Say whether one of the recordings is poses, without reading it."""
         return self.data.at_rest(index) if isinstance(self.data, Recordings) else isinstance(self.data[index], Poses)
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows, recording by recording, each in order of time."""
-        for index in range(len(self.local_data)):
+        for index in range(len(self.data)):
             yield from self._blocks_of(index, decimated=decimated)
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, wherever they are, and bring back what it finds."""
-        if isinstance(self.data, Cluster):
-            yield from self._worker_rows.map(partial(_on_blocks, work))
-            return
-        for index in range(len(self.data)):
-            yield work(self._blocks_of(index, decimated=True))
+        yield from self._on_each(work, decimated=True)
 
-    @cached_property
-    def _worker_rows(self) -> Cluster:
-        """Rows of each recording of a cluster, where they are."""
-        assert isinstance(self.data, Cluster)
-        return self.data.keep(partial(_make_worker_rows, self.model, self.preparation))
+    def _on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool) -> Iterator[T]:
+        """Let work go over the rows of each recording: here, or on workers, which send back no rows and keep none."""
+        indices = range(len(self.data))
+        if self.keep is not None or not on_workers():
+            yield from (work(self._blocks_of(index, decimated=decimated)) for index in indices)
+            return
+        alone = (GroupRows(self.model, self.data[k : k + 1], self.preparation) for k in indices)
+        yield from _distribute(partial(_on_rows, decimated=decimated), work, alone)
 
     def _blocks_of(self, index: int, *, decimated: bool) -> Iterator[RowBlock]:
         """Go over the rows of one recording."""
@@ -238,29 +243,15 @@ class GroupRows:
         """Prepare a recording, and remember the last one."""
         if index not in self._prepared:
             self._prepared.clear()
-            prepared = prepare(self.model, self.local_data[index], self.preparation)
+            prepared = prepare(self.model, self.data[index], self.preparation)
             if self.keep is not None:
                 prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
             self._prepared[index] = prepared
         return self._prepared[index]
 
 
-class WorkerRows(NamedTuple):
-    """What is made of one recording on a worker, and stays there."""
-
-    r_factors: list[RFactor]  # one a joint
-    blocks: tuple[RowBlock, ...]  # thinned rows
-
-
-def _make_worker_rows(model: TorqueModel, preparation: Preparation, data: Recording) -> WorkerRows:
-    """Make the rows of one recording."""
-    alone = GroupRows(model, [data], preparation)
-    # not alone.each: before Python 3.12 a cached property waits for that of any other object, which waits for this one
-    return WorkerRows(_r_factors(alone.blocks()), tuple(alone.blocks(decimated=True)))
-
-
-def _on_blocks(work: Callable[[Iterable[RowBlock]], T], rows: WorkerRows) -> T:
-    return work(rows.blocks)
+def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: GroupRows, *, decimated: bool) -> T:
+    return work(rows.blocks(decimated=decimated))
 
 
 def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:

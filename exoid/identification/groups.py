@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg.leg import Leg
-from exoid.signals import Cluster, Poses, Recording, Recordings
+from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
 from exoid.torques import Term, TorqueModel
 from exoid.torques.nonlinear import nonlinear_settings
@@ -21,15 +21,12 @@ SAME = 1e-9
 
 def make_groups(
     legs: Leg | Mapping[str, Leg],
-    recordings: Measured | Mapping[str, Measured] | Cluster,
+    recordings: Measured | Mapping[str, Measured],
     own: str | Sequence[str] | None,
 ) -> tuple[Group, ...]:
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):
         raise ExoidError("legs have names, recordings have none", remedy='name both: {"left": leg}, {"left": log}')
-    given = recordings.values() if isinstance(recordings, Mapping) else (recordings,)
-    if any(isinstance(data, Cluster) for data in given):
-        raise ExoidError("recordings on a cluster are for one leg alone", remedy="pass exoid.signals.Recordings")
     named = recordings if isinstance(recordings, Mapping) else _by_source(check_recordings(recordings))
     if not named:
         raise ExoidError("no recordings", remedy='pass groups such as {"left": [...], "right": [...]}')
@@ -50,7 +47,6 @@ def make_groups(
 def _by_source(recordings: Data) -> dict[str, Sequence[Recording | Poses]]:
     """Make a group of each recording, named after its file."""
     named: dict[str, Sequence[Recording | Poses]] = {}
-    assert not isinstance(recordings, Cluster)
     for index in range(len(recordings)):
         name = _file_name(recordings, index) or str(index + 1)
         if name in named:

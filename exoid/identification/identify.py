@@ -12,7 +12,7 @@ from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
-from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .checkup import without_delays
@@ -45,7 +45,7 @@ NOISES = ("correlated", "white")
 @overload
 def identify(
     leg: Leg,
-    recordings: Recording | Poses | Iterable[Recording | Poses] | Cluster,
+    recordings: Recording | Poses | Iterable[Recording | Poses],
     terms: Sequence[Term] | None = None,
     estimator: str | Estimator = "wls",
     *,
@@ -104,7 +104,7 @@ def identify(
 
 def identify(
     leg: Leg | Mapping[str, Leg],
-    recordings: Measured | Mapping[str, Measured] | Cluster,
+    recordings: Measured | Mapping[str, Measured],
     terms: Sequence[Term] | None = None,
     estimator: str | Estimator = "wls",
     *,
@@ -126,7 +126,7 @@ def identify(
 
     Args:
         leg: The leg, of which only the geometry enters; or one for each group by its name, all of one design.
-        recordings: Recordings or poses with torques, in memory, on disk or on a cluster; or by the name of their group.
+        recordings: Recordings or poses with torques, in memory or on disk; or by the name of their group.
         terms: Terms beside rigid-body dynamics; None for Coulomb and viscous friction, armature and offset.
         estimator: "wls" (weighted by residuals), "huber" (robust), "gls" (whitened), "ml" (with noise in the angles),
             "ols", or an estimator, such as :class:`exoid.identification.estimators.OutputError` or your function.
@@ -305,7 +305,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
 
 def _groups(
     leg: Leg | Mapping[str, Leg],
-    recordings: Measured | Mapping[str, Measured] | Cluster,
+    recordings: Measured | Mapping[str, Measured],
     own: str | Sequence[str] | None,
 ) -> tuple[Group, ...]:
     """Bring legs and recordings together: one group, unless one of the arguments speaks of several."""

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
 from exoid.torques.contacts import Split, split
@@ -70,14 +70,12 @@ class FittedOnGround(NamedTuple):
 def channel_findings(task: Task) -> tuple[Finding, ...]:
     """Check the channels and times of the logs, which needs no fit."""
     (group,), (model,) = _alone(task)
-    assert not isinstance(group.data, Cluster)
     return signal_findings(model, group.data)
 
 
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench."""
     (group,), (model,) = _alone(task)
-    assert not isinstance(group.data, Cluster)
     found: dict[tuple[str, ...], list[Recording]] = {}
     findings: list[Finding] = []
     for one in group.data:
@@ -105,8 +103,6 @@ def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
     if any(term.nonlinear or term.loaded for term in task.terms):
         raise ExoidError("terms beside a ground are linear in their parameters", remedy="give settings as numbers")
     (group,), (model,) = task.groups, task.models
-    if isinstance(group.data, Cluster):
-        raise ExoidError("recordings on a cluster have no contacts", remedy="pass exoid.signals.Recordings")
     rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
     if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
         raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
@@ -272,7 +268,6 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
     """Recordings of a group with their masks."""
-    assert not isinstance(group.data, Cluster)
     return [(one, one.mask) for one in group.data if isinstance(one, Recording) and one.mask is not None]
 
 

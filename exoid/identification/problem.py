@@ -108,7 +108,7 @@ class Problem:
     @property
     def local_data(self) -> Sequence[Recording | Poses]:
         """Recordings and poses of the only group."""
-        return self.single.local_data
+        return self.single.data
 
     @property
     def preparation(self) -> Preparation:

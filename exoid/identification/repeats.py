@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, Recording, Recordings
+from exoid.signals import Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
 from .findings import overlaps
@@ -40,7 +40,7 @@ def counted_once(
     for group in groups:
         data, of_group = group.data, list(summaries[group.name])
         found: list[Finding] = []
-        if len(of_group) > 1 and not isinstance(data, Cluster):
+        if len(of_group) > 1:
             data, of_group, found = _without_copies(data, of_group)
             if not isinstance(data, Recordings):
                 data, of_group, overlapping = _without_overlaps(models[group.name], data, of_group)
@@ -111,7 +111,6 @@ def _content(summary: RecordingSummary) -> tuple[object, ...]:
 
 def _chosen(data: Data, places: Sequence[int]) -> Sequence[Recording | Poses]:
     """Take some recordings; those on disk are not read."""
-    assert not isinstance(data, Cluster)
     if isinstance(data, Recordings):
         return replace(data, items=tuple(data.items[k] for k in places))
     return [data[k] for k in places]

@@ -171,7 +171,7 @@ class Result:
         rms = [rms_residual(of_row, values) for of_row in zip(*rows.by_kind, strict=True)]
         seconds = sum(
             float(np.count_nonzero(one.mask)) / one.sample_rate
-            for one in rows.local_data
+            for one in rows.data
             if isinstance(one, Recording) and one.mask is not None
         )
         name = problem.layout.groups[group]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
 from exoid.regression.row_data import Rows
-from exoid.signals import Cluster, Recording
+from exoid.signals import Recording
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
 
 from .fitting import Fitted, Task
@@ -108,7 +108,6 @@ def tilted(task: Task, compliance: Mapping[str, float]) -> Task:
 def _tilted(task: Task, index: int, compliance: Mapping[str, float]) -> Group:
     """Let the feet of one group tilt."""
     group, leg = task.groups[index], task.models[index].leg
-    assert not isinstance(group.data, Cluster)
     data = [
         replace(one, base=standing_base(leg, one, one.base.link, compliance.get(one.base.link, 0.0)))
         if isinstance(one, Recording) and isinstance(one.base, StandingBase)
@@ -120,7 +119,6 @@ def _tilted(task: Task, index: int, compliance: Mapping[str, float]) -> Group:
 
 def _bases(group: Group) -> list[StandingBase]:
     """Motions of the base that feet say."""
-    assert not isinstance(group.data, Cluster)
     bases = [one.base for one in group.data if isinstance(one, Recording)]
     return [base for base in bases if isinstance(base, StandingBase)]
 

@@ -75,7 +75,7 @@ T = TypeVar("T")
 
 def over_recordings(problem: RowSource, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
     """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
-    # The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
+    # The rows may be elsewhere, on a disk or on other workers: what the work finds should be small.
     yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
 
 

@@ -3,7 +3,6 @@
 from . import datasets
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import BasePose, turn_upright
-from .cluster import Cluster
 from .column import Column
 from .contact_checks import refuse_contradictions
 from .contacts import contacts_from_switch, contacts_from_wrench, settled
@@ -17,7 +16,7 @@ from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
-from .readers import register_format
+from .readers import ReadOptions, register_format
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
@@ -32,7 +31,6 @@ __all__ = [
     "Approaches",
     "BaseMotion",
     "BasePose",
-    "Cluster",
     "Column",
     "FiniteDifference",
     "GroundForces",
@@ -43,6 +41,7 @@ __all__ = [
     "PelvisPose",
     "Poses",
     "Preparation",
+    "ReadOptions",
     "Recording",
     "Recordings",
     "Smoothed",

@@ -1,4 +1,4 @@
-"""Folders of logs, and a cluster that reads them, on the command line."""
+"""Folders of logs on the command line."""
 
 from __future__ import annotations
 

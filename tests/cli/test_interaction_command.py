@@ -63,16 +63,6 @@ def test_the_csv_holds_the_torque_and_its_band(interaction, tmp_path):
     assert np.array_equal(table["band_left_knee"], found.band[:, 1])
 
 
-def test_the_cutoff_of_each_joint_may_be_chosen(interaction):
-    joints = json.loads(interaction("worn.csv", "--cutoff", "auto", "--json")[1])["joints"]
-    assert all(0.7 < each["cutoff"] < 8.0 for each in joints.values())  # the wearer pushes at 0.7 Hz
-    given = json.loads(interaction("worn.csv", "--cutoff", "5", "--json")[1])["joints"]
-    assert {each["cutoff"] for each in given.values()} == {5.0}
-    code, _, err = interaction("worn.csv", "--cutoff", "best")
-    assert code == 2
-    assert "give a frequency in Hz, or auto" in err
-
-
 def test_strides_give_the_phase(interaction):
     _, out, _ = interaction("worn.csv", "--strides", "2,4,6,8", "--json")
     gait = json.loads(out)["gait"]

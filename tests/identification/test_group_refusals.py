@@ -11,7 +11,6 @@ from sessions import TERMS, Session
 import exoid
 from exoid import ExoidError, identify
 from exoid.identification.estimators import JointML
-from exoid.signals import Cluster
 from exoid.torques import LoadFriction, NonlinearParameter, Stribeck
 
 
@@ -64,13 +63,6 @@ def test_the_same_recording_twice(leg, two):
     again = dataclasses.replace(two["a"])
     with pytest.raises(ExoidError, match="the same recording is in a and in c"):
         identify(leg, {**two, "c": [again]}, TERMS)
-
-
-def test_recordings_on_a_cluster(leg, two):
-    elsewhere = Cluster(None, ())
-    for groups in (elsewhere, {"a": two["a"], "b": elsewhere}):
-        with pytest.raises(ExoidError, match="on a cluster are for one leg alone"):
-            identify(leg, groups, TERMS, own="offset")
 
 
 def test_two_files_of_one_name(leg, two, tmp_path):

@@ -1,11 +1,8 @@
-"""Recordings on disk, and on a Dask cluster, give the estimate of the same recordings in memory."""
+"""Recordings on disk, and on workers of joblib's backends, give the estimate of the same recordings in memory."""
 
 from __future__ import annotations
 
-import os
-import pickle
-import signal
-
+import joblib
 import numpy as np
 import pytest
 from log_writers import write_parquet
@@ -14,7 +11,7 @@ from unchecked import identify
 
 import exoid
 from exoid import ExoidError, Recording, Recordings
-from exoid.signals import Cluster, FiniteDifference, Poses
+from exoid.signals import FiniteDifference, Poses
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
 
@@ -42,14 +39,6 @@ def folder(tmp_path_factory):
 def in_memory(folder):
     names = [f"part.{k}.csv" for k in range(8, 12)] + ["part.12.parquet"]
     return [Recording.from_file(folder / name) for name in names]
-
-
-@pytest.fixture(scope="module")
-def client():
-    distributed = pytest.importorskip("distributed")
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
-    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as connected:
-        yield connected
 
 
 def assert_same(found, expected, *, inputs=True):
@@ -126,110 +115,29 @@ def test_a_damaged_log_is_named(folder, tmp_path):
         identify(SWING.leg, Recordings.from_folder(tmp_path))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("estimator", ["wls", "ols"])
-def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder, in_memory, estimator):
-    found = exoid.identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
-    assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
-    assert [(finding.kind, finding.severity) for finding in found.findings] == [("not-checked", "info")]
-
-
-def test_workers_that_are_threads_of_this_process_do_not_wait_for_it(folder, in_memory):
+def dask_of_threads():
     distributed = pytest.importorskip("distributed")
     # an address of its own: Dask asks the network for one, which may be missing
     options = {"n_workers": 2, "processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": ":0"}
-    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as threads:
-        found = identify(SWING.leg, Cluster.of_files(threads, Recordings.from_folder(folder)), TERMS)
+    return distributed.Client(distributed.LocalCluster(**options))
+
+
+def test_workers_of_dask_give_the_estimate_of_memory(folder, in_memory):
+    with dask_of_threads(), joblib.parallel_config("dask"):
+        found = identify(SWING.leg, Recordings.from_folder(folder), TERMS)
+        with pytest.raises(ExoidError, match="no such file"):
+            identify(SWING.leg, Recordings.from_files(["nowhere.csv"]))
     assert_same(found, identify(SWING.leg, in_memory, TERMS))
 
 
 @pytest.mark.slow
-def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memory):
-    dask_bag, dask_array = pytest.importorskip("dask.bag"), pytest.importorskip("dask.array")
-    expected = identify(SWING.leg, in_memory)
-    bag = dask_bag.from_sequence(in_memory, npartitions=2)
-    assert_same(identify(SWING.leg, Cluster.of_bag(client, bag)), expected)
-    names = SWING.leg.joint_names
-    quantities = [x for x in ("q", "v", "a", "tau") if getattr(in_memory[0], x) is not None]
-    columns = ("time", *(f"{x}_{name}" for x in quantities for name in names))
-    tables = [np.column_stack([each.time, *(getattr(each, x) for x in quantities)]) for each in in_memory]
-    array = dask_array.concatenate([dask_array.from_array(table, chunks=(-1, 3)) for table in tables])
-    assert_same(identify(SWING.leg, Cluster.of_array(client, array, columns)), expected, inputs=False)
-    with pytest.raises(ExoidError, match="columns, 2 names"):
-        Cluster.of_array(client, array, ("time", "q_hip"))
-
-
-@pytest.mark.slow
-def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
-    """It is killed when R factors are back; rows that it had kept for the noise model are made again elsewhere."""
-    distributed = pytest.importorskip("distributed")
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
-    passes = []
-    done = Cluster.map
-    with distributed.LocalCluster(**options) as machine, distributed.Client(machine) as connected:
-
-        def killing(self, work):
-            found = done(self, work)
-            passes.append(work)
-            if len(passes) == 2:
-                os.kill(next(iter(machine.workers.values())).pid, signal.SIGKILL)
-            return found
-
-        monkeypatch.setattr(Cluster, "map", killing)
-        found = identify(SWING.leg, Cluster.of_files(connected, Recordings.from_folder(folder)), TERMS)
-    assert len(passes) > 4
-    assert_same(found, identify(SWING.leg, in_memory, TERMS))
-
-
-@pytest.mark.slow
-def test_free_settings_are_found_on_a_cluster_too(client, in_memory):
+def test_processes_give_the_estimate_of_memory_also_for_settings_that_are_searched(folder, in_memory):
     terms = (exoid.Viscous(), exoid.torques.Stribeck(velocity=exoid.torques.NonlinearParameter(0.1, 0.01, 1.0)))
-    bag = pytest.importorskip("dask.bag").from_sequence(in_memory[:2], npartitions=2)
-    found, expected = identify(SWING.leg, Cluster.of_bag(client, bag), terms), identify(SWING.leg, in_memory[:2], terms)
+    with joblib.parallel_config(n_jobs=2):
+        found = identify(SWING.leg, Recordings.from_folder(folder)[:2], terms)
+    expected = identify(SWING.leg, in_memory[:2], terms)
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(found.nonlinear.values, expected.nonlinear.values, rtol=1e-6)
-
-
-@pytest.mark.slow
-def test_rows_never_leave_the_workers(client, in_memory, monkeypatch):
-    """What comes back is a few kilobytes for each recording and pass, whatever the number of samples."""
-    sizes = []
-    gather = type(client).gather
-
-    def weighed(self, futures, **options):
-        found = gather(self, futures, **options)
-        sizes.extend(len(pickle.dumps(one)) for one in found)
-        return found
-
-    monkeypatch.setattr(type(client), "gather", weighed)
-    dask_bag = pytest.importorskip("dask.bag")
-    identify(SWING.leg, Cluster.of_bag(client, dask_bag.from_sequence(in_memory, npartitions=2)))
-    rows = 8 * len(in_memory[0]) * 3 * 15
-    assert len(sizes) > 20
-    assert max(sizes) < 50_000 < rows
-
-
-@pytest.mark.slow
-def test_estimators_that_want_recordings_here_say_so(client, folder):
-    cluster = Cluster.of_files(client, Recordings.from_folder(folder))
-    for estimator in ("huber", "gls", "ml"):
-        with pytest.raises(ExoidError, match="stay on the workers"):
-            identify(SWING.leg, cluster, estimator=estimator)
-
-
-@pytest.mark.slow
-def test_errors_on_a_worker_come_back_as_they_are(client, folder):
-    with pytest.raises(ExoidError, match="too few"):
-        identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), cutoff=0.05)
-    with pytest.raises(ExoidError, match="no such file"):
-        identify(SWING.leg, Cluster.of_files(client, Recordings.from_files(["nowhere.csv"])))
-
-
-def test_nobody_at_the_address_is_one_line(folder, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
-    with pytest.raises(ExoidError, match="no Dask scheduler answers"):
-        Cluster.of_files("tcp://127.0.0.1:9", Recordings.from_folder(folder))
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Terms are selected by how well they predict what they were not fitted to, and nothing else is looked at."""
+"""Friction is selected joint by joint; what is selected is determined, dissipates, and predicts what was not fitted."""
 
 import dataclasses
 import json
@@ -6,47 +6,48 @@ import json
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from unchecked import identify
 
 import exoid
-from exoid import Coulomb, ExoidError, Recording, Viscous
+from exoid import Armature, Coulomb, ExoidError, Recording, Viscous
 from exoid.cli import app
-from exoid.identification import Candidate, select_terms
-from exoid.identification.selection import (
-    estimator_candidates,
-    filter_candidates,
-    friction_candidates,
-)
-from exoid.identification.selection.cross_validation import GAP, blocked_folds, evaluation, fast_blocks
-from exoid.signals import MovingAverage, Poses, Smoothed, ZeroPhase
-from exoid.torques import LoadFriction, Presliding
-
-CHOSEN = "presliding+load+split"
-"""For the DFKI recording."""
-
-NAMES = ("coulomb", "presliding", "presliding+load")
+from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.identification import select_terms
+from exoid.identification.selection.design import base_model, form_design
+from exoid.identification.selection.held_out import blocked_folds, fast_blocks, fast_fold, fold_of
+from exoid.identification.selection.normal_equations import NormalEquations, residuals
+from exoid.identification.selection.patterns import Column, patterns, terms_of
+from exoid.identification.selection.per_joint import Search, search_joint_by_joint
+from exoid.leg.exported import read_exported, sidecar_of
+from exoid.regression.rows import form_rows, prepare
+from exoid.signals import Poses, ZeroPhase
+from exoid.torques import JointMotion, LoadFriction, Presliding, TorqueModel
 
 
-def some(*names):
-    return [candidate for candidate in friction_candidates() if candidate.name in names]
-
-
-def recording_of(leg, friction, seconds=16.0, rate=200.0, noise=0.05):
-    """Harmonic motion with sharp reversals of both joints, and a friction written by the test."""
-    rng = np.random.default_rng(4)
+def recorded(leg, friction, seed=1, noise=0.02, offset=0.0, seconds=16.0, rate=200.0):
+    """Harmonics of a tenth of a hertz at both joints, with a friction that the test writes."""
+    rng = np.random.default_rng(seed)
     time = np.arange(int(seconds * rate)) / rate
-    omega = 2.0 * np.pi * np.array([0.2, 0.35, 0.55, 0.9])
-    size, phase = 0.25 / np.array([1.0, 1.5, 2.0, 3.0]), rng.uniform(0, 2 * np.pi, (2, 4))
-    angle = time[:, None, None] * omega + phase
-    q, v, a = (size * np.sin(angle)).sum(-1), (size * omega * np.cos(angle)).sum(-1), None
+    omega = 2.0 * np.pi * 0.1 * np.arange(1, 8)
+    size = rng.uniform(0.3, 1.0, (2, 7)) * 0.25 / np.arange(1, 8) ** 0.7
+    angle = time[:, None, None] * omega + rng.uniform(0.0, 2.0 * np.pi, (2, 7))
+    q, v = (size * np.sin(angle)).sum(-1), (size * omega * np.cos(angle)).sum(-1)
     a = -(size * omega**2 * np.sin(angle)).sum(-1)
     rigid = leg.inverse_dynamics(q, v, a)
-    tau = rigid + friction(q, v, rigid) + noise * rng.standard_normal(q.shape)
+    tau = rigid + friction(q, v, rigid) + offset
+    tau = tau + noise * np.random.default_rng(seed + 50).standard_normal(q.shape)
     return Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
 
 
-def bent(q, v):
-    return np.column_stack([Presliding(4e-3).states(q[:, j], v[:, j]) for j in range(2)])
+def different(q, v, rigid):
+    """Hip: presliding and load. Knee: smooth Coulomb and viscous friction."""
+    z = Presliding(4e-3).states(q[:, 0], v[:, 0])
+    hip = (2.0 + 0.15 * np.abs(rigid[:, 0])) * z + 0.6 * v[:, 0]
+    return np.column_stack([hip, 0.7 * np.tanh(v[:, 1] / 0.02) + 0.4 * v[:, 1]])
+
+
+def plain(q, v, rigid):
+    """Coulomb and viscous friction."""
+    return 0.8 * np.tanh(v / 0.02) + 0.3 * v
 
 
 @pytest.fixture(scope="module")
@@ -55,147 +56,232 @@ def leg():
 
 
 @pytest.fixture(scope="module")
-def plain(leg):
-    return recording_of(leg, lambda q, v, rigid: 0.5 * np.tanh(v / 0.02) + 0.2 * v)
+def selection(leg):
+    shares = []
+    found = select_terms(leg, recorded(leg, different), progress=shares.append)
+    return found, shares
+
+
+def test_each_joint_gets_the_friction_that_it_has(selection):
+    hip, knee = selection[0].joints
+    print(selection[0])
+    assert set(hip.coefficients) == {"c0", "mu", "d"}
+    assert hip.presliding == pytest.approx(4e-3, rel=0.06)
+    assert set(knee.coefficients) == {"c0", "d"}
+    assert knee.presliding == knee.stribeck_velocity == 0.0
+
+
+def test_the_fit_that_confirmed_the_choice_finds_the_coefficients(selection):
+    estimate = selection[0].estimate
+    truth = {"c0_hip": 2.0, "mu_hip": 0.15, "d_hip": 0.6, "c0_knee": 0.7, "d_knee": 0.4}
+    for name, value in truth.items():
+        assert estimate.value(name) == pytest.approx(value, rel=0.06), name
+    assert "not" not in estimate.identifiability
+
+
+def test_the_choice_predicts_another_motion_as_well_as_the_true_terms(leg, selection):
+    test = recorded(leg, different, seed=2)
+    found = selection[0].validate(selection[0].estimate, test).nrmse
+    hip, knee = ("left_hip",), ("left_knee",)
+    terms = (
+        Coulomb(presliding=4e-3, joints=hip),
+        LoadFriction(presliding=4e-3, joints=hip),
+        Coulomb(joints=knee),
+        Viscous(),
+        Armature(),
+    )
+    truth = exoid.identify(leg, recorded(leg, different), terms, preparation=ZeroPhase(8.0))
+    assert (found <= 1.15 * exoid.validate(truth, test).nrmse).all()
+
+
+def test_progress_rises_to_one(selection):
+    shares = selection[1]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert len(shares) >= 6
+
+
+def test_a_selection_prints_itself_turns_into_json_and_identifies_again(leg, selection):
+    found = selection[0]
+    assert "dissipates at every speed" in str(found)
+    assert "c0, mu, d, presliding" in str(found)
+    assert "5 blocked folds" in str(found)
+    assert repr(found) == f"Selection({found.candidate.name!r} of 6)"
+    data = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert [joint["joint"] for joint in data["joints"]] == list(leg.joint_names)
+    assert data["joints"][0]["presliding"] == found.joints[0].presliding
+    assert data["chosen"] in [one["name"] for one in data["candidates"]]
+    again = found.identify(recorded(leg, different))
+    np.testing.assert_array_equal(again.values, found.estimate.values)
+
+
+@pytest.mark.slow
+def test_friction_that_falls_with_speed_is_not_given_a_negative_coefficient(leg):
+    """Least squares with Coulomb and viscous friction finds a negative viscous coefficient, which drives at speed."""
+
+    def falling(q, v, rigid):
+        return np.tanh(v / 0.02) * (1.0 + 0.8 * np.exp(-((v / 0.25) ** 2)))
+
+    recording = recorded(leg, falling)
+    assert exoid.identify(leg, recording).value("d_hip") < 0.0
+    found = select_terms(leg, recording, folds=3, tune=False)
+    print(found)
+    friction = [name for name in found.estimate.names if name.split("_")[0] in {"c0", "d", "mu", "cs"}]
+    assert {"cs_hip", "cs_knee"} <= set(friction)
+    assert all(found.estimate.value(name) >= 0.0 for name in friction)
+
+
+def test_an_offset_is_kept_where_there_is_one_and_a_coefficient_that_is_banned_is_not_chosen(leg):
+    recording = recorded(leg, plain, offset=np.array([0.0, 0.3]))
+    found = search_joint_by_joint(Search(leg, [recording], ZeroPhase(8.0), 3))
+    hip, knee = ({column.symbol for column in columns} for columns in found.choice.columns)
+    assert "offset" not in hip
+    assert knee == {"c0", "d", "offset"}
+    offset = [column.symbol for column in found.choice.columns[1]].index("offset")
+    assert found.choice.friction[1][offset] == pytest.approx(0.3, abs=0.03)
+    again = found.without(1, "d")
+    assert "d" not in {column.symbol for column in again.choice.columns[1]}
+    assert again.banned == (frozenset(), {"d"})
+
+
+def test_friction_is_selected_from_ten_samples_a_second(leg):
+    """Behind a lower cut-off, which such a log can carry."""
+    slow = recorded(leg, plain, seconds=60.0, rate=10.0)
+    found = select_terms(leg, slow, folds=3, tune=False)
+    assert found.cutoff == 2.0
+    assert all({"c0", "d"} <= set(joint.coefficients) for joint in found.joints)
+    assert found.identify(slow).value("c0_hip") == pytest.approx(0.8, abs=0.05)
+
+
+def test_every_pattern_dissipates_at_every_speed_and_load():
+    """By the terms themselves, with any positive coefficients, while the joint slides."""
+    v = np.concatenate([-np.geomspace(1e-3, 50.0, 40), np.geomspace(1e-3, 50.0, 40)])
+    v, load = (x.ravel() for x in np.meshgrid(v, np.linspace(-300.0, 300.0, 31)))
+    rng = np.random.default_rng(3)
+    for pattern in patterns():
+        power = np.zeros_like(v)
+        for column in pattern.columns(1e-3, 0.1):
+            if column.symbol == "offset":
+                continue
+            out = np.zeros((len(column.term.symbols), len(v)))
+            sliding = np.sign(v) if column.length else None
+            column.term.fill(JointMotion(v, v, v, load, sliding), out)
+            power += rng.uniform(0.01, 10.0) * out[column.term.symbols.index(column.symbol)] * v
+        assert (power >= -1e-12).all(), pattern
+
+
+def test_every_row_is_tested_once_and_never_by_a_fit_that_saw_it(leg):
+    recording = recorded(leg, plain)
+    design = form_design(base_model(leg), [recording], [ZeroPhase(8.0)], ((), ()))
+    folds = [fold_of(blocks, design) for blocks in blocked_folds([recording], 5)]
+    np.testing.assert_array_equal(np.sum([fold.tested for fold in folds], axis=0), 1)
+    for fold in folds:
+        fitted, tested = design.time[fold.fitted], design.time[fold.tested]
+        assert np.abs(np.subtract.outer(fitted[::7], tested[::7])).min() >= 0.1 - 1e-9
+    fast = fold_of(fast_blocks([recording]), design).tested
+    speed = np.sqrt((design.v**2).mean(axis=1))
+    assert 0.25 < fast.mean() < 0.35
+    assert speed[fast].mean() > 1.2 * speed[~fast].mean()
+
+
+@pytest.mark.slow
+def test_what_is_selected_is_saved_and_written_to_a_urdf_joint_by_joint(selection, tmp_path):
+    """With zero where a joint has none, whatever the URDF said before."""
+    estimate = selection[0].estimate
+    estimate.save(tmp_path / "est.json")
+    again = exoid.Estimate.load(tmp_path / "est.json")
+    dry = {term.joints: term for term in again.model.terms if isinstance(term, Coulomb)}
+    hip, knee = selection[0].joints
+    assert dry["left_hip",].presliding == hip.presliding
+    assert dry["left_knee",].smoothing == knee.smoothing
+    exported = read_exported(estimate.to_urdf(tmp_path / "leg.urdf").urdf)
+    for name in ("c0_hip", "mu_hip", "d_hip", "c0_knee", "d_knee"):
+        assert exported.resistances[name] == pytest.approx(estimate.value(name)), name
+    sidecar = json.loads(sidecar_of(tmp_path / "leg.urdf").read_text(encoding="utf-8"))
+    terms = {(term["term"], *(term["joints"] or ())): term for term in sidecar["terms"]}
+    assert terms["coulomb", "left_hip"]["presliding"] == hip.presliding
+    assert terms["coulomb", "left_knee"]["smoothing"] == knee.smoothing
 
 
 @pytest.fixture(scope="module")
-def selection(leg):
-    recording = recording_of(leg, lambda q, v, rigid: (0.5 + 0.1 * np.abs(rigid)) * bent(q, v) + 0.1 * v)
-    return select_terms(leg, recording, some(*NAMES), folds=3, tune=False)
+def design(leg):
+    library = [(Column("c0"), Column("d"), Column("mu", 4e-3)), (Column("c0"), Column("offset"))]
+    return form_design(base_model(leg), [recorded(leg, different)], [ZeroPhase(8.0)], library, leg.parameters)
 
 
-def test_plain_friction_is_enough_where_friction_is_plain(leg, plain):
-    """Rich models predict as well; the one with the fewest numbers is chosen."""
-    chosen = select_terms(leg, plain, some(*NAMES), folds=3, tune=False)
-    print(chosen)
-    assert chosen.candidate.name == "coulomb"
-    assert [score.numbers for score in chosen.scores] == [13, 15, 17]
+def test_columns_are_those_of_the_torque_model(leg, design):
+    """The same terms by the rows of an ordinary fit."""
+    c0, d, mu = terms_of((Column("c0"), Column("d"), Column("mu", 4e-3)), "left_hip")
+    assert c0.reversal_speed > 0.0  # a fit leaves out reversals; the comparison does not
+    terms = (dataclasses.replace(c0, reversal_speed=0.0), d, mu, Armature())
+    model = TorqueModel(leg, terms, leg.parameters)
+    prepared = prepare(model, recorded(leg, different), ZeroPhase(8.0))
+    rows = form_rows(model, prepared, prepared.rows)
+    for k, name in enumerate(("c0_hip", "d_hip", "mu_hip")):
+        np.testing.assert_allclose(design.friction[0][:, k], rows.W[:, 0, model.names.index(name)], atol=1e-8)
+    np.testing.assert_allclose(design.tau.T, rows.tau, atol=1e-8)
+    np.testing.assert_allclose(design.time, rows.time)
 
 
-def test_friction_that_bends_and_depends_on_load_is_found(selection):
-    print(selection)
-    assert selection.candidate.name == "presliding+load"
-    means = {score.candidate.name: score.mean for score in selection.scores}
-    assert means["presliding+load"] < 0.5 * means["coulomb"]
-    assert repr(selection) == "Selection('presliding+load' of 3)"
+def test_projection_gives_the_solution_of_all_parameters_at_once(design):
+    weights = np.random.default_rng(0).uniform(0.5, 2.0, design.tau.shape)
+    equations = NormalEquations.of(design, weights)
+    active = [np.array([0, 1, 2]), np.array([0, 1])]
+    base, friction = equations.solve(active)
+    tables = []
+    for joint, w in enumerate(weights):
+        own = [F if j == joint else np.zeros_like(F) for j, F in enumerate(design.friction)]
+        tables.append(np.sqrt(w)[:, None] * np.hstack([design.base[joint], *own]))
+    torque = np.concatenate([np.sqrt(w) * t for w, t in zip(weights, design.tau, strict=True)])
+    every, *_ = np.linalg.lstsq(np.vstack(tables), torque)
+    np.testing.assert_allclose(np.concatenate([base, *friction]), every, rtol=1e-5, atol=1e-7)
+    projected = equations.project(0, active)
+    one, variance, _ = projected.solve(np.array([[0, 1, 2]]))
+    np.testing.assert_allclose(one[0], friction[0], rtol=1e-5)
+    inverse = np.linalg.inv(np.vstack(tables).T @ np.vstack(tables))
+    count = design.base.shape[2]
+    np.testing.assert_allclose(variance[0], np.diag(inverse)[count : count + 3], rtol=1e-4)
+    left = residuals(design, active, base, friction)
+    without, lowered = projected.residuals(design, 0, active)
+    np.testing.assert_allclose(without - np.tensordot(one[0], lowered, 1), left, rtol=1e-5, atol=1e-7)
 
 
-def test_a_selection_prints_itself_and_turns_into_json(selection):
-    text = str(selection)
-    assert "* presliding+load" in text
-    assert "3 blocked folds" in text
-    data = json.loads(json.dumps(selection.to_json(), allow_nan=False))
-    assert data["chosen"] == "presliding+load"
-    assert [each["name"] for each in data["candidates"]] == list(NAMES)
-    assert {term["term"] for term in data["terms"]} >= {"coulomb", "load-friction", "viscous"}
-    assert len(data["candidates"][0]["folds"]) == 3
-
-
-def test_every_row_is_tested_once_and_never_by_a_fit_that_saw_it(plain):
-    time = plain.time
-    folds = blocked_folds([plain], 5)
-    tested = np.array([fold.tested(0, time) for fold in folds])
-    np.testing.assert_array_equal(tested.sum(axis=0), 1)
-    for fold, rows in zip(folds, tested, strict=True):
-        fitted = fold.fitted(0, time)
-        assert np.abs(np.subtract.outer(time[fitted][::7], time[rows][::7])).min() >= GAP - 1e-9
-        assert 0.7 < fitted.mean() < 0.8
-
-
-def test_the_fastest_seconds_are_those_of_the_highest_speed(plain):
-    split = fast_blocks([plain])
-    rows = split.tested(0, plain.time)
-    assert 0.25 < rows.mean() < 0.35
-    speed = np.sqrt((plain.v**2).mean(axis=1))
-    assert speed[rows].mean() > 1.3 * speed[~rows].mean()
-
-
-def test_the_choice_depends_on_nothing_but_the_recordings_given(leg, plain):
-    """The same rows give the same figures; another recording's torque does not enter."""
-    first, second = (select_terms(leg, plain, some("coulomb"), folds=3, tune=False) for _ in range(2))
-    np.testing.assert_array_equal(first.scores[0].folds, second.scores[0].folds)
-
-
-def test_held_out_error_is_not_training_error(leg, plain):
-    """With as many parameters as noise can feed, the fit improves and the prediction does not."""
-    few = plain.slice(0, 800)
-    terms = (Coulomb(asymmetric=True), Viscous(asymmetric=True), exoid.Stiffness(degree=6, joints=("knee",)))
-    candidates = [Candidate("plain", (Coulomb(), Viscous())), Candidate("rich", terms)]
-    noisy = dataclasses.replace(few, tau=few.tau + np.random.default_rng(0).standard_normal(few.tau.shape))
-    scores = select_terms(leg, noisy, candidates, folds=3, tune=False).scores
-    fits = [identify(leg, noisy, c.terms).residual_rms.mean() for c in candidates]
-    assert fits[1] < fits[0]
-    assert scores[1].mean > scores[0].mean
-
-
-def test_a_candidate_that_cannot_be_fitted_is_named_and_not_chosen(leg, plain):
-    candidates = [
-        Candidate("dead", (Coulomb(dead_band=50.0),)),
-        Candidate("plain", (Coulomb(), Viscous())),
-    ]
-    chosen = select_terms(leg, plain, candidates, folds=3, tune=False)
-    assert chosen.candidate.name == "plain"
-    assert "dead: no sample of left_hip, left_knee is faster" in str(chosen)
-    assert chosen.to_json()["candidates"][0]["nrmse"] == [None, None]
-    with pytest.raises(ExoidError, match="no candidate can be fitted: no sample"):
-        select_terms(leg, plain, candidates[:1], folds=3, tune=False)
-
-
-def test_a_friction_model_that_does_not_transfer_to_faster_motion_is_warned_of(leg):
-    """Friction that levels off: fitted where it is slow, viscous friction errs where it is fast."""
-    recording = recording_of(leg, lambda q, v, rigid: 3.0 * np.tanh(v / 0.5), noise=0.02)
-    levelling = Candidate("levelling", (Coulomb(smoothing=0.5), Viscous()))
-    straight = Candidate("straight", (Coulomb(smoothing=5.0, joints=()), Viscous()))
-    chosen = select_terms(leg, recording, [straight, levelling], folds=3, tune=False)
-    assert chosen.candidate.name == "levelling"
-    assert chosen.warnings == ()
-    wrong = dataclasses.replace(chosen, chosen=0)
-    assert "'straight' transfers badly to faster motion" in wrong.warnings[0]
-
-
-@pytest.mark.parametrize(("count", "folds", "candidates"), [(1, 2, None), (0, 5, None), (1, 5, [])])
-def test_nothing_to_compare_is_refused(leg, plain, count, folds, candidates):
-    with pytest.raises(ExoidError, match="at least 3 folds"):
-        select_terms(leg, [plain] * count, candidates, folds=folds, tune=False)
-
-
-def test_recordings_that_cannot_be_compared_are_refused(leg, plain):
-    still = dataclasses.replace(plain, q=plain.q * [0.0, 1.0], v=None, a=None)
-    with pytest.raises(ExoidError, match="left_hip stands still"):
-        select_terms(leg, still, some("coulomb"), tune=False)
-    with pytest.raises(ExoidError, match="no candidate can be fitted"):
-        select_terms(leg, plain.slice(0, 90), some("coulomb"), tune=False)
-    with pytest.raises(ExoidError, match="poses cannot be cut"):
-        select_terms(leg, [Poses(plain.q[:5], plain.tau[:5], plain.joint_names)], some("coulomb"), tune=False)
-
-
-def test_where_seconds_are_too_few_to_extrapolate_it_is_said(selection):
-    nothing = [score._replace(extrapolation=np.full(2, np.nan)) for score in selection.scores]
-    short = dataclasses.replace(selection, scores=tuple(nothing))
+def test_a_choice_that_does_not_transfer_to_faster_motion_is_warned_of(selection):
+    found = selection[0]
+    assert found.warnings == ()
+    bad = dataclasses.replace(found.candidate, extrapolation=2.0 * found.candidate.extrapolation)
+    several = (*found.candidates[: found.chosen], bad, *found.candidates[found.chosen + 1 :])
+    assert "transfers badly to faster motion" in dataclasses.replace(found, candidates=several).warnings[0]
+    nothing = tuple(dataclasses.replace(one, extrapolation=np.full(2, np.nan)) for one in found.candidates)
+    short = dataclasses.replace(found, candidates=nothing)
     assert "do not suffice to predict the faster ones" in short.warnings[0]
     assert "nan" not in str(short)
     assert short.to_json()["candidates"][0]["fast"] == [None, None]
 
 
-def test_torques_are_compared_behind_one_filter_whatever_the_fit_used():
-    assert evaluation(ZeroPhase(4.8), 8.0, 200.0) == ZeroPhase(8.0, 9.6)
-    assert evaluation(ZeroPhase(12.0), 8.0, 50.0) == ZeroPhase(8.0, 20.0)
-    assert evaluation(ZeroPhase(12.0, 20.0, 2), 8.0, 200.0) == ZeroPhase(8.0, 20.0, 2)
-    assert evaluation(Smoothed(16.0), 8.0, 200.0) == ZeroPhase(8.0, 16.0)
-    assert evaluation(MovingAverage(), 8.0, 200.0) == MovingAverage()
+def poses(recording):
+    return Poses(recording.q[:5], recording.tau[:5], recording.joint_names)
 
 
-def test_the_default_candidates_go_from_plain_to_rich():
-    names = [candidate.name for candidate in friction_candidates(6.0)]
-    assert names[0] == "coulomb"
-    assert len(set(names)) == len(names)
-    chosen = friction_candidates(6.0)[-1]
-    assert any(isinstance(term, LoadFriction) and term.split for term in chosen.terms)
-    lower, higher, none = (candidate.preparation for candidate in filter_candidates(chosen, 6.0))
-    assert lower.cutoff == pytest.approx(3.6)
-    assert (higher, none) == (ZeroPhase(9.0), Smoothed(12.0))
-    assert [c.estimator for c in estimator_candidates(chosen)] == ["huber"]
+REFUSED = {
+    "too few folds": (lambda log: log, {"folds": 2}, BadArgumentError),
+    "no recordings": (lambda log: [], {}, BadArgumentError),
+    "poses": (lambda log: [poses(log)], {}, BadArgumentError),
+    "a joint at rest": (lambda log: dataclasses.replace(log, q=log.q * [0.0, 1.0], v=None, a=None), {}, ExoidError),
+    "too short": (lambda log: log.slice(0, 90), {}, ExoidError),
+    "no torque of the knee": (
+        lambda log: dataclasses.replace(log, tau=log.tau * [1.0, np.nan]),
+        {},
+        NotIdentifiableError,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_recordings_that_cannot_be_compared_are_refused(leg, case):
+    change, options, kind = REFUSED[case]
+    with pytest.raises(kind):
+        select_terms(leg, change(recorded(leg, plain)), tune=False, **options)
 
 
 @pytest.fixture(scope="module")
@@ -203,27 +289,9 @@ def dfki():
     return exoid.datasets.dfki_double_pendulum()
 
 
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
-    """A rich model for both joints alike, and its figures: 0.0419 and 0.1024; without it 0.0664 and 0.1473."""
-    (chosen,) = (c for c in friction_candidates() if c.name == CHOSEN)
-    est = identify(dfki.leg, dfki.train, chosen.terms, "huber")
-    shoulder, elbow = exoid.validate(est, dfki.test).nrmse
-    assert shoulder <= 0.045
-    assert elbow <= 0.11
-    assert all(0.0003 < bend < 0.003 for bend in est.nonlinear.values)
-    assert dict(zip(est.nonlinear.names, est.nonlinear.identifiability, strict=True)) == {
-        "delta_shoulder": "weakly",  # ± 26 % by the jackknife
-        "delta_elbow": "weakly",  # ± 19 %
-    }
-    plain = exoid.validate(identify(dfki.leg, dfki.train), dfki.test).nrmse
-    assert shoulder < 0.7 * plain[0]
-    assert elbow < 0.75 * plain[1]
-
-
 @pytest.mark.slow
 @pytest.mark.real_data("dfki_double_pendulum")
-def test_the_command_chooses_inside_the_training_part(tmp_path):
+def test_the_command_chooses_inside_the_training_part(dfki, tmp_path):
     """The documented choice and its figures."""
     name, path = "dfki_double_pendulum", str(tmp_path / "est.json")
     command = ["select", name, f"{name}:train", "--test", f"{name}:test", "-o", path, "--json"]
@@ -237,8 +305,25 @@ def test_the_command_chooses_inside_the_training_part(tmp_path):
     assert elbow <= 0.097
     estimate = exoid.Estimate.load(path)
     assert estimate.estimator == data["estimator"]
-    np.testing.assert_allclose(data["test"]["nrmse"], exoid.validate(estimate, _test_part()).nrmse, rtol=0.05)
+    np.testing.assert_allclose(data["test"]["nrmse"], exoid.validate(estimate, dfki.test).nrmse, rtol=0.05)
 
 
-def _test_part():
-    return exoid.datasets.dfki_double_pendulum().test
+@pytest.mark.slow
+@pytest.mark.real_data("dfki_double_pendulum")
+def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki):
+    """Fitted to the slow rows, the fast ones are predicted nearly as well as by a fit of all: 1.10 and 1.07 times."""
+    everything = Search(dfki.leg, [dfki.train], ZeroPhase(8.0), 5)
+    whole = search_joint_by_joint(everything)
+    speed, time = np.linalg.norm(whole.tables.design.v, axis=1), whole.tables.design.time
+    slow_times = time[speed <= np.quantile(speed, 0.6)]
+    slow = search_joint_by_joint(dataclasses.replace(everything, keep=lambda _, t: np.isin(t, slow_times)))
+    fast = fast_fold(speed, 0.6).tested
+    errors = []
+    for found in (slow, whole):
+        choice = found.choice
+        rows = everything.design(choice.columns, choice.base[: len(dfki.leg.parameter_names)])
+        active = [np.arange(len(columns)) for columns in choice.columns]
+        left = residuals(rows, active, choice.base, choice.friction)[:, fast]
+        errors.append(np.sqrt(np.mean(left**2, axis=1)))
+    print(errors[0] / errors[1])
+    assert (errors[0] <= 1.25 * errors[1]).all()

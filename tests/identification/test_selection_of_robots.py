@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.identification.selection import select_terms
+from exoid.identification import select_terms
 from exoid.signals import ZeroPhase
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))

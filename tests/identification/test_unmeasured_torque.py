@@ -18,8 +18,6 @@ from exoid import Coulomb, ExoidError, Recording, Viscous
 from exoid.estimate import predict_motion
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
-from exoid.identification.selection import Candidate, select_terms
-from exoid.signals.cluster import _recorded
 from exoid.torques import TorqueModel
 from exoid.view.report.fit import error_table, predict_recording
 from exoid.view.report.identification import summary
@@ -242,18 +240,6 @@ def test_groups_share_what_one_of_them_measured():
         identify(swing_.leg, groups, TERMS, own=("c0",))
 
 
-def test_selection_scores_the_joints_that_were_measured():
-    swing_, log = swing()
-    candidates = [Candidate("friction", TERMS), Candidate("viscous", (Viscous(),))]
-    selection = select_terms(swing_.leg, without(log, "left_ankle"), candidates, tune=False)
-    assert selection.candidate.name == "friction"
-    score = selection.scores[0]
-    assert np.isnan(score.nrmse).tolist() == [False, False, True]
-    assert 0.0 < score.nrmse[:2].min() < score.mean < score.nrmse[:2].max()
-    assert 0.0 < score.fast < 0.1
-    assert "c0_ankle" not in selection.identify(without(log, "left_ankle")).names
-
-
 def test_a_report_says_which_torque_was_not_measured():
     swing_, log = swing()
     partial = without(log, "left_ankle")
@@ -263,16 +249,6 @@ def test_a_report_says_which_torque_was_not_measured():
     assert tuple(row[2:]) == ("–",) * 4
     assert any("left_ankle not measured" in line for line in summary(found, predictions))
     assert not any("does not predict every joint" in line for line in summary(found, predictions))
-
-
-def test_chunks_of_an_array_on_a_cluster_may_lack_the_torque_of_a_joint():
-    _, log = swing()
-    table = np.column_stack([log.time, log.q, log.tau[:, :2], log.tau[:, 2]])
-    labels = log.joint_names
-    columns = ("time", *(f"q_{n}" for n in labels), *(f"tau_{n}" for n in labels[:2]), f"i_{labels[2]}")
-    recorded = _recorded(table, columns)
-    assert recorded.measured.tolist() == [True, True, False]
-    np.testing.assert_array_equal(recorded.current[:, 2], log.tau[:, 2])
 
 
 def test_delays_of_the_other_torques_are_taken_out():

@@ -12,7 +12,6 @@ from walking import Walk
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Recording, Wrench
 from exoid.signals import Column, WrenchFrame
-from exoid.signals.cluster import _recorded
 
 N = 40
 TIME = np.arange(N) / 50.0
@@ -157,17 +156,6 @@ def test_headers_units_and_signs_of_wrenches_are_mapped(tmp_path):
         Recording.from_csv(path, columns={**columns, "wrench_left_foot_fz": "Fz [kN]"})
     with pytest.raises(ExoidError, match="'A' is not a unit of moment on a link"):
         Recording.from_csv(path, columns={**columns, "wrench_left_foot_mx": Column("Mx", unit="A")})
-
-
-def test_a_chunk_of_an_array_on_a_cluster_has_wrenches_contacts_and_pose():
-    quaternion = np.tile([0.0, 0.0, 0.0, 1.0], (N, 1))
-    still = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 9.81], (N, 1))
-    names = ["time", "q_knee", *(f"wrench_left_foot_{part}" for part in PARTS), "contact_left_foot"]
-    names += [*exoid.signals.BASE_COLUMNS, "base_x", "base_y", "base_z", *(f"base_q{axis}" for axis in "xyzw")]
-    part = np.column_stack([TIME, TIME, FORCE, MOMENT, STANCE, still, 0.0 * FORCE, quaternion])
-    read = _recorded(part, tuple(names))
-    same(read, recording({"left_foot": Wrench(FORCE, MOMENT)}, {"left_foot": STANCE}))
-    assert np.array_equal(read.base.pose.quaternion, quaternion)
 
 
 # --- Mistakes ---------------------------------------------------------------------------------------------------------

@@ -14,8 +14,8 @@ from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.codegen import c_source
 from exoid.control import ControlModel
 from exoid.control.linearise import linearise
+from exoid.identification import select_terms
 from exoid.identification.estimators.closed_loop import as_plant
-from exoid.identification.selection import Candidate, select_terms
 from exoid.lab.stability import check_properties
 from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
@@ -238,20 +238,12 @@ def test_a_term_may_act_on_fewer_joints_than_it_sees():
 
 
 @pytest.mark.slow
-def test_the_selection_prefers_the_candidate_with_the_spring_that_is_there():
-    plain = Candidate("plain", (Coulomb(), Viscous()))
-    spring = Candidate("spring", (Coulomb(), Viscous(), SPRING))
-    chosen = select_terms(LEG, swing_with_spring(), (plain, spring), tune=False)
-    assert chosen.candidate.name == "spring"
-
-
-@pytest.mark.slow
 def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
     found = select_terms(LEG, swing_with_spring(), folds=3, tune=False, beside=(SPRING,))
     estimate = found.identify(swing_with_spring())
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert all("c0" in one.coefficients for one in found.joints)
-    assert (found.scores[found.chosen].nrmse < 0.03).all()
+    assert (found.candidate.nrmse < 0.03).all()
 
 
 def test_a_term_with_an_open_setting_cannot_stand_beside_the_friction_that_is_chosen():

@@ -1,4 +1,4 @@
-"""Linear filter of each joint, sample by sample or over a whole log with the same result."""
+"""Linear filter of each joint, over any number of consecutive samples."""
 
 from __future__ import annotations
 
@@ -20,50 +20,40 @@ class JointFilters:
     b: FloatArray  # numerators, powers of z⁻¹ rising, (m + 1, n)
     a: FloatArray  # denominators, the first coefficient 1, (m + 1, n)
 
+    @classmethod
+    def alike(cls, b: FloatArray, a: FloatArray, n: int) -> JointFilters:
+        """Give every joint the same filter."""
+        return cls(np.tile(b[:, None], n), np.tile(a[:, None], n))
+
     @property
     def order(self) -> int:
         """Order m."""
         return len(self.b) - 1
 
     def settled(self, x: FloatArray) -> FloatArray:
-        """Make the memory after an input that was constant for ever."""
+        """Make the memory after an input (..., n) that was constant for ever, (m, ..., n)."""
         y = self.b.sum(axis=0) / self.a.sum(axis=0) * x
         memory = np.zeros((self.order + 1, *x.shape))
         for k in range(self.order, 0, -1):
             memory[k - 1] = memory[k] + self.b[k] * x - self.a[k] * y
         return memory[:-1]
 
-    def step(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter one sample."""
-        y = self.b[0] * x + memory[0]
-        after = np.empty_like(memory)
-        for k in range(self.order):
-            after[k] = self.b[k + 1] * x - self.a[k + 1] * y
-            if k + 1 < self.order:
-                after[k] += memory[k + 1]
-        return y, after
-
     def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter consecutive samples."""
+        """Filter consecutive samples (N, ..., n); also the memory after them."""
         y, after = np.empty_like(x), np.empty_like(memory)
         for j, (b, a) in enumerate(zip(self.b.T, self.a.T, strict=True)):
             y[..., j], after[..., j] = scipy.signal.lfilter(b, a, x[..., j], axis=0, zi=memory[..., j])
         return y, after
 
     def response(self, frequency: float, rate: float) -> FloatArray:
-        """Compute the frequency response of each joint."""
+        """Frequency response of each joint, (n,), complex."""
         delays = np.exp(-2j * np.pi * frequency / rate * np.arange(self.order + 1))
         return np.asarray((delays @ self.b) / (delays @ self.a))
 
     def impulse_response(self, x: FloatArray) -> FloatArray:
-        """Filter a short input until the output is over."""
+        """Filter a short input (k,) until the output is over."""
         radius = max(float(np.abs(np.roots(a)).max(initial=0.0)) for a in self.a.T)
-        rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))
+        rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))  # to e⁻³⁰
         inputs = np.zeros((min(len(x) + rings, LONGEST), self.b.shape[1]))
         inputs[: len(x)] = x[:, None]
         return self.run(np.zeros((self.order, self.b.shape[1])), inputs)[0]
-
-
-def of_all_joints(b: FloatArray, a: FloatArray, n: int) -> JointFilters:
-    """Give every joint the same filter."""
-    return JointFilters(np.tile(b[:, None], n), np.tile(a[:, None], n))

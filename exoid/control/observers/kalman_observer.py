@@ -10,21 +10,16 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
-from exoid.estimate import Estimate
+from exoid.codegen import Dialect, LawInC
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.signals import Recording
 
-from .checks import observed_channels
+from .band import NoiseBand, Residual, filtered_noise
+from .in_c import observer_in_c
 from .joint_filters import JointFilters
-from .noise_band import NoiseBand, Residual, effective_share, filtered_noise
 from .observer import BLOCK, TorqueObserver
+from .readings import observed_log
 from .sensor_noise import SensorNoise
-
-WALKS = (-9.0, 9.0)
-"""Powers of ten of the ratio of walk to process noise that are searched for a bandwidth."""
-
-LEAST = 1e-6
-"""Smallest noise of the momentum over that of the torques' impulse: an exact velocity."""
 
 
 class InnovationTest(NamedTuple):
@@ -72,7 +67,9 @@ class KalmanObserver(TorqueObserver):
     def __post_init__(self) -> None:
         """Check the settings."""
         if (self.bandwidth is None) == (self.drift is None):
-            raise ExoidError("both or none of bandwidth and drift", remedy="give one of them, and None for the other")
+            raise BadArgumentError(
+                "both or none of bandwidth and drift", remedy="give one of them, and None for the other"
+            )
         super().__post_init__()
 
     @cached_property
@@ -97,6 +94,38 @@ class KalmanObserver(TorqueObserver):
         """Standard deviation of the change of the wearer's torque within a second [N·m/√s], (n,)."""
         return np.asarray(np.sqrt([found.walk * self.rate for found in self._joints]))
 
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the observer in C, with the gains of the steady state: no Riccati equation is solved there.
+
+        Args:
+            dialect: Precision.
+
+        Returns:
+            The observer with measured velocities: its torque, without band and detection.
+
+        Raises:
+            ExoidError: Channels lag differently, or a term of the model has no form in C.
+        """
+        (b, _, _), (_, a1, a2) = self.filters.b, self.filters.a
+        return observer_in_c(
+            self,
+            dialect,
+            equation="torque of the wearer by a steady Kalman filter of p' = tau_m + C'v - G(q) - springs(q) - F(v) + "
+            "torque of the wearer, a random walk, p = M(q) v",
+            filtered="        tau[j] = {{p}}_b[j] * mean + state->filtered[j];\n"
+            "        state->filtered[j] = state->late[j] - {{p}}_a1[j] * tau[j];\n"
+            "        state->late[j] = -{{p}}_a2[j] * tau[j];",
+            tables={
+                "b": (b, "gain of the balance, L2 T"),
+                "a1": (a1, "denominator of the filter, L1 + L2 T - 2"),
+                "a2": (a2, "denominator of the filter, 1 - L1"),
+            },
+            memory={
+                "filtered": "memory of the observer [N m]",
+                "late": "memory of the observer, one sample older [N m]",
+            },
+        )
+
     def innovation_test(self, recording: Recording) -> InnovationTest:
         """Compare the innovations of a log with those that noise alone causes.
 
@@ -109,36 +138,25 @@ class KalmanObserver(TorqueObserver):
         Raises:
             ExoidError: As :meth:`run`.
         """
-        observer = self if self.noise is not None else replace(self, noise=SensorNoise.of(recording))
-        observed = observer.run(recording)
-        innovation = np.diff(observed.torque, axis=0)[observed.settling :] / observer.gain[1]
-        derived = recording.v is None
-        q = observed_channels(self.source, recording, self.rate)[1].q[observed.settling + 1 :]
-        squares = innovation**2 / observer._innovation_variance(q, derived=derived)
-        samples = len(squares) * observer._innovation_share
-        ratio = squares.mean(axis=0)
-        probability = np.asarray(scipy.stats.chi2.sf(ratio * samples, samples))
-        return InnovationTest(ratio, probability, samples)
-
-    def _innovation_variance(self, q: FloatArray, *, derived: bool) -> FloatArray:
-        """Variance of innovations that noise of the sensors causes, (N, n)."""
-        band = NoiseBand.of(self.alignment, self._innovations, self.noise, None, self.false_alarms)
-        blocks = (q[start : start + BLOCK] for start in range(0, len(q), BLOCK))
-        return np.concatenate(
-            [band.variance(self.terms.over(part, np.zeros_like(part)).M, derived=derived) for part in blocks]
-        )
-
-    @property
-    def _innovation_share(self) -> FloatArray:
-        """Independent innovations of each sample, (n,)."""
-        return effective_share(filtered_noise(self.alignment, self._innovations))
-
-    @cached_property
-    def _innovations(self) -> JointFilters:
-        """Filter from the balance to the innovation: (1 − z⁻¹) / L2 times that of the torque."""
+        if self.noise is None:
+            return replace(self, noise=SensorNoise.of(recording)).innovation_test(recording)
+        observed = self.run(recording)
+        # the innovation is (1 − z⁻¹) / L2 times the torque
+        innovation = np.diff(observed.torque, axis=0)[observed.settling :] / self.gain[1]
         b = np.zeros_like(self.filters.b)
         b[0], b[1] = 1.0 / self.rate, -1.0 / self.rate
-        return JointFilters(b, self.filters.a)
+        filters = JointFilters(b, self.filters.a)
+        band = NoiseBand.of(self.alignment, filters, self.noise, Residual.of(None, self.model.n), self.false_alarms)
+        q = observed_log(self.source, recording, self.rate).q[observed.settling + 1 :]
+        blocks = (q[start : start + BLOCK] for start in range(0, len(q), BLOCK))
+        masses = (self.terms.over(part, np.zeros_like(part)).M for part in blocks)
+        squares = innovation**2 / np.concatenate([band.variance(M, derived=recording.v is None) for M in masses])
+        # independent samples that say as much on the size of filtered noise, the fewest of several kinds
+        spectra = [np.abs(np.fft.rfft(h, 2 * len(h), axis=0)) ** 2 for h in filtered_noise(self.alignment, filters)]
+        shares = [spectrum.mean(axis=0) ** 2 / (spectrum**2).mean(axis=0) for spectrum in spectra]
+        samples, ratio = len(squares) * np.min(shares, axis=0), squares.mean(axis=0)
+        probability = np.asarray(scipy.stats.chi2.sf(ratio * samples, samples))
+        return InnovationTest(ratio, probability, samples)
 
     @cached_property
     def _joints(self) -> list[SteadyState]:
@@ -149,9 +167,8 @@ class KalmanObserver(TorqueObserver):
             return [_of_bandwidth(*each) for each in zip(frequencies, process, measurement, strict=True)]
         drift = np.asarray(self.drift, dtype=np.float64)
         if drift.shape not in ((), (self.model.n,)) or not ((drift > 0.0) & np.isfinite(drift)).all():
-            raise ExoidError(
-                f"a drift of {self.drift}", remedy="give a positive number in N·m/√s, or one for each joint"
-            )
+            remedy = "give a positive number in N·m/√s, or one for each joint"
+            raise BadArgumentError(f"a drift of {self.drift}", remedy=remedy)
         walks = np.broadcast_to(drift**2 / self.rate, self.model.n)
         return [_steady_state(*each) for each in zip(walks, process, measurement, strict=True)]
 
@@ -159,24 +176,22 @@ class KalmanObserver(TorqueObserver):
     def _noise_variances(self) -> tuple[FloatArray, FloatArray]:
         """Variances of the mean torque of an interval, by the impulse and by the momentum [N²·m²], (n,) each."""
         n = self.model.n
-        residual = Residual.of(self.source) if isinstance(self.source, Estimate) else None
-        process = np.zeros(n) if residual is None else residual.density * self.rate
-        speed = np.zeros(n)
+        residual = Residual.of(self.source, n).density * self.rate
+        process, speed = residual, np.zeros(n)
         if self.noise is not None:
             torque, velocity, angle = self.noise.columns(n)
             slope = np.array([self.rate, -self.rate])
             if self.alignment.filters is not None:
                 slope = self.alignment.filters[1].impulse_response(np.array([1.0]))[:, 0]
             speed = np.where(velocity > 0.0, velocity**2, angle**2 * (slope**2).sum())
-            left = 0.0 if residual is None else np.clip(process - torque**2, 0.0, None)
-            process = torque**2 + left
+            process = np.maximum(torque**2, residual)
         if not (process > 0.0).all():
-            raise ExoidError(
+            raise NotIdentifiableError(
                 "the noise of the torques is unknown, and the model is not an estimate with residuals",
                 remedy="give noise=SensorNoise(torque=..., velocity=..., angle=...), or SensorNoise.of(recording)",
             )
         M = self.model.mass_matrix(np.zeros(n))
-        return process, np.maximum(M**2 @ speed * self.rate**2, LEAST * process)
+        return process, np.maximum(M**2 @ speed * self.rate**2, 1e-6 * process)  # at least that of an exact velocity
 
     @cached_property
     def bandwidths(self) -> FloatArray:
@@ -212,15 +227,14 @@ def _of_bandwidth(frequency: float, process: float, measurement: float) -> Stead
     """Find the walk whose filter is −3 dB at a frequency over the sampling rate."""
 
     def excess(power: float) -> float:
-        """Gain at the frequency, less 1/√2, for a logarithm of the process noise."""
         found = _steady_state(10.0**power * process, process, measurement)
         return float(_response(found.gain, frequency) - np.sqrt(0.5))
 
-    if not excess(WALKS[0]) < 0.0 < excess(WALKS[1]):
-        raise ExoidError(
-            f"no walk of the torque gives a bandwidth of {frequency:.3g} times the rate", remedy="give drift"
-        )
-    return _steady_state(10.0 ** scipy.optimize.brentq(excess, *WALKS) * process, process, measurement)
+    lowest, highest = -9.0, 9.0  # powers of ten of the ratio of walk to process noise
+    if not excess(lowest) < 0.0 < excess(highest):
+        what = f"no walk of the torque gives a bandwidth of {frequency:.3g} times the rate"
+        raise BadArgumentError(what, remedy="give drift")
+    return _steady_state(10.0 ** scipy.optimize.brentq(excess, lowest, highest) * process, process, measurement)
 
 
 def _bandwidth(gain: FloatArray) -> float:

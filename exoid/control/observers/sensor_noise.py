@@ -7,29 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.signals import Recording
-
-ORDER = 4
-"""Order of the differences that leave noise only."""
-
-GAIN = 70.0
-"""Variance of the fourth difference of white noise over that of the noise: 1 + 16 + 36 + 16 + 1."""
-
 
 ENCODER = 6.0**-0.5
 """Noise of an encoder for an observer over its step, √2 times the 1/√12 of a uniform error.
 
 The error of an encoder is not white: where the speed is nearly a whole number of steps a sample, it changes slowly, and
-most of it passes the filters. At 1 kHz and a bandwidth of 10 Hz, readings then reach 6 deviations of
-white noise.
+most of it passes the filters. At 1 kHz and a bandwidth of 10 Hz, readings then reach 6 deviations of white noise.
 """
-
-WHOLE = 1e-3
-"""Largest deviation of an angle from whole steps, in steps."""
-
-TINY = 1e-9
-"""Changes of angles below this are rounding [rad]."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +41,7 @@ class SensorNoise:
         for name in ("torque", "velocity", "angle"):
             values = np.asarray(getattr(self, name), dtype=np.float64)
             if not np.isfinite(values).all() or (values < 0.0).any() or values.ndim > 1:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{name} noise of {getattr(self, name)}", remedy="give standard deviations ≥ 0 in SI units"
                 )
 
@@ -77,27 +63,19 @@ class SensorNoise:
             ExoidError: The log has no torque, or time steps are uneven.
         """
         if recording.tau is None or not recording.is_uniform:
-            raise ExoidError("noise is measured from evenly sampled torques", remedy="give a log as it was sampled")
+            raise UnreadableInputError(
+                "noise is measured from evenly sampled torques", remedy="give a log as it was sampled"
+            )
         tau = _white(recording.tau)
         velocity = 0.0 if recording.v is None else _white(recording.v)
         steps = np.array([_step(q) for q in recording.q.T])
         return cls(tau, velocity, np.maximum(_white(recording.q), ENCODER * steps))
 
     def columns(self, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Spread the numbers over the joints.
-
-        Args:
-            n: Number of joints.
-
-        Returns:
-            Standard deviations of torque, velocity and angle, (n,) each.
-
-        Raises:
-            ExoidError: They are for another number of joints.
-        """
+        """Spread the standard deviations of torque, velocity and angle over the joints, (n,) each."""
         given = [np.asarray(x, dtype=np.float64) for x in (self.torque, self.velocity, self.angle)]
         if any(x.shape not in ((), (n,)) for x in given):
-            raise ExoidError(f"{self} does not fit {n} joints", remedy="give one number, or one for each joint")
+            raise BadArgumentError(f"{self} does not fit {n} joints", remedy="give one number, or one for each joint")
         torque, velocity, angle = (np.broadcast_to(x, n).copy() for x in given)
         return torque, velocity, angle
 
@@ -105,12 +83,13 @@ class SensorNoise:
 def _step(q: FloatArray) -> float:
     """Step of an encoder whose angles are q, (N,); 0 if they do not come in whole steps."""
     changes = np.abs(np.diff(q))
-    changes = changes[changes > TINY]
+    changes = changes[changes > 1e-9]  # below is rounding
     if not len(changes):
         return 0.0
     counts = changes / changes.min()
-    return float(changes.min()) if np.abs(counts - np.rint(counts)).max() < WHOLE else 0.0
+    return float(changes.min()) if np.abs(counts - np.rint(counts)).max() < 1e-3 else 0.0
 
 
 def _white(x: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.mean(np.diff(x, ORDER, axis=0) ** 2, axis=0) / GAIN))
+    """Standard deviation of white noise by fourth differences, whose variance is 1 + 16 + 36 + 16 + 1 = 70 times it."""
+    return np.asarray(np.sqrt(np.mean(np.diff(x, 4, axis=0) ** 2, axis=0) / 70.0))

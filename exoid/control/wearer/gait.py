@@ -32,7 +32,7 @@ class Phase(NamedTuple):
     """Phase of each sample."""
 
     values: FloatArray  # phase, 0 to 1, (N,); not a number outside the strides
-    period: float  # mean period [s]
+    period: float | None  # mean period [s]; None for no phase
     source: str  # what begins a cycle
 
 

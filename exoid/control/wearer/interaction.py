@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.finding import Finding, finding_lines, findings_to_json, ordered
 from exoid.estimate.validation_checks import (
@@ -26,22 +26,16 @@ from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.signals.csv_writer import write_csv
+from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .action import LEVEL, Evidence, JointAction, judge, together
-from .cutoffs import AUTO, automatic_filter, evaluate_at_best, with_cutoff
 from .evaluation import Evaluation, evaluate
 from .gait import GaitProfile, Phase, find_phase, profile
-from .interaction_checks import body_like, constant_torques, lower_cutoffs, rough_estimate, too_few_samples
+from .interaction_checks import body_like, constant_torques, rough_estimate, too_few_samples
 
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
 """Columns of :meth:`Interaction.rows`; the last is the smallest RMS that the test would notice [N·m]."""
-
-SMALLEST = 1e-6
-"""Smallest p-value that is printed as a number."""
-
-BAND = 0.95
-"""Probability that the band contains the true torque."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,9 +59,7 @@ class Interaction(Report):
         phase_source: What begins a cycle; "" for no phase.
         parts: Interaction of each recording where there are several; samples of all follow each other above.
         findings: What else than a wearer may explain the torque, and where the estimate is not supported by data.
-        filter: Filter of the torque; with ``cutoff="auto"`` that of the estimate, above which no cut-off is chosen.
-        cutoffs: Cut-off of each joint's torque [Hz], (n,), the lowest of several recordings; not a number for a
-            preparation without one.
+        filter: Filter of the torque.
     """
 
     joint_names: tuple[str, ...]
@@ -83,11 +75,10 @@ class Interaction(Report):
     parts: tuple[Interaction, ...] = ()
     findings: tuple[Finding, ...] = ()
     filter: TorqueFilter = field(kw_only=True)
-    cutoffs: FloatArray = field(kw_only=True)
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.time, self.torque, self.band, self.velocity, self.phase, self.cutoffs):
+        for array in (self.time, self.torque, self.band, self.velocity, self.phase):
             array.flags.writeable = False
 
     @property
@@ -137,7 +128,7 @@ class Interaction(Report):
             ExoidError: The motion does not repeat, or the number of bins is below one.
         """
         if np.isnan(self.phase).all():
-            raise ExoidError(
+            raise NotIdentifiableError(
                 "the motion has no period that was found, and no touch-down",
                 where=self.source,
                 remedy="give the times at which strides begin: interaction(est, recording, strides=[...])",
@@ -151,36 +142,24 @@ class Interaction(Report):
             Figures of each joint, whether the leg is worn, and the findings; the same of each recording where there
             are several.
         """
-        joints = {}
         means = (self.rms, self.peak, self.outside_band, self.mean, self.power)
-        columns = (self.joint_names, *means, self.cutoffs, self.actions)
-        for name, rms, peak, outside, mean, power, cutoff, action in zip(*columns, strict=True):
+        joints = {}
+        for name, rms, peak, outside, mean, power, action in zip(self.joint_names, *means, self.actions, strict=True):
             figures = {"rms": rms, "peak": peak, "outside_band": outside, "mean": mean, "power": power}
-            figures |= {"p_value": action.p_value, "least_rms": action.least, "cutoff": cutoff}
-            joints[name] = {key: _number(value) for key, value in figures.items()} | {"acts": action.acts}
-        gait = {} if np.isnan(self.phase).all() or self.parts else {"gait": self._gait()}
-        parts = {"recordings": [part.to_json() for part in self.parts]} if self.parts else {}
-        return {
-            "joints": joints,
-            "worn": self.worn,
-            "level": LEVEL,
-            "source": self.source,
-            "samples": len(self.time),
-            "cutoff": self.filter.cutoff,
-            **gait,
-            "findings": findings_to_json(self.findings),
-            **parts,
-        }
-
-    def _gait(self) -> dict[str, Any]:
-        """Torque and power by phase for JSON."""
-        found = self.by_phase()
-        figures = ("mean", "rms", "power")
-        of_joints = {
-            name: {key: list(map(_number, getattr(found, key)[:, j].tolist())) for key in figures}
-            for j, name in enumerate(self.joint_names)
-        }
-        return {"period": self.period, "begins": self.phase_source, "phase": found.phase.tolist(), "joints": of_joints}
+            figures |= {"p_value": action.p_value, "least_rms": action.least}
+            joints[name] = json_value(figures) | {"acts": action.acts}
+        data: dict[str, Any] = {"joints": joints, "worn": self.worn, "level": LEVEL, "source": self.source}
+        data |= {"samples": len(self.time), "cutoff": self.filter.cutoff}
+        if self.period is not None:
+            found = self.by_phase()
+            torques = {
+                name: {key: json_value(getattr(found, key)[:, j]) for key in ("mean", "rms", "power")}
+                for j, name in enumerate(self.joint_names)
+            }
+            begins = {"period": self.period, "begins": self.phase_source, "phase": found.phase.tolist()}
+            data["gait"] = begins | {"joints": torques}
+        data["findings"] = findings_to_json(self.findings)
+        return data | ({"recordings": [part.to_json() for part in self.parts]} if self.parts else {})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the torque over time, with half the width of its band, velocity, and the phase if there is one.
@@ -193,7 +172,7 @@ class Interaction(Report):
             ExoidError: There are several recordings, or the file cannot be written.
         """
         if self.parts:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{len(self.parts)} recordings, whose times overlap, in one file",
                 where=str(path),
                 remedy="write each of interaction.parts to its own file",
@@ -215,26 +194,15 @@ class Interaction(Report):
         """Title, tables, findings and conclusion."""
         tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
         phase = "" if self.period is None else f"; a cycle of {self.period:.3g} s begins at the {self.phase_source}"
-        acting = [name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts]
-        alarm = f"false alarms: at most {LEVEL:.0%} of recordings"
-        joints = ", ".join(acting)
-        conclusion = f"worn: something acts on {joints}" if acting else "not worn: nothing beyond model error"
+        acting = ", ".join(name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts)
+        conclusion = f"worn: something acts on {acting}" if acting else "not worn: nothing beyond model error"
         return [
             f"Torque of the wearer on the leg in {self.source}",
             *tables,
-            f"{len(self.time)} samples, {self._filtered}{phase}",
+            f"{len(self.time)} samples, {self.filter}{phase}",
             *finding_lines(self.findings),
-            f"{conclusion} ({alarm})",
+            f"{conclusion} (false alarms: at most {LEVEL:.0%} of recordings)",
         ]
-
-    @property
-    def _filtered(self) -> str:
-        """Filter in one phrase."""
-        own = self.filter.cutoff
-        if own is None or (self.cutoffs == own).all():
-            return str(self.filter)
-        each = ", ".join(f"{name} {cutoff:.3g}" for name, cutoff in zip(self.joint_names, self.cutoffs, strict=True))
-        return f"low-passed at {each} Hz (least expected error, at most the estimate's {own:.4g} Hz)"
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write the figures of each joint as a row of a table.
@@ -243,28 +211,17 @@ class Interaction(Report):
             One row a joint.
         """
         columns = (self.joint_names, self.rms, self.peak, self.mean, self.power, self.outside_band, self.actions)
-        return [
-            (name, "not measured", *[""] * (len(HEADERS) - 2))
-            if np.isnan(rms)
-            else (
-                name,
-                *(f"{value:.4g}" for value in (rms, peak, mean, power)),
-                f"{outside:.1%}",
-                *(("not tested", "", "") if np.isnan(action.p_value) else _tested(action)),
-            )
-            for name, rms, peak, mean, power, outside, action in zip(*columns, strict=True)
-        ]
-
-
-def _tested(action: JointAction) -> tuple[str, str, str]:
-    """Write the test of a joint."""
-    p_value = f"{action.p_value:.2g}" if action.p_value >= SMALLEST else f"< {SMALLEST:g}"
-    return p_value, "yes" if action.acts else "no", f"{action.least:.2g}"
-
-
-def _number(value: float) -> float | None:
-    """Turn what is not a number into null, as JSON knows no NaN."""
-    return float(value) if np.isfinite(value) else None
+        rows: list[tuple[str, ...]] = []
+        for name, rms, peak, mean, power, outside, action in zip(*columns, strict=True):
+            if np.isnan(rms):
+                rows.append((name, "not measured", *[""] * (len(HEADERS) - 2)))
+                continue
+            tested: tuple[str, ...] = ("not tested", "", "")
+            if not np.isnan(action.p_value):
+                p_value = f"{action.p_value:.2g}" if action.p_value >= 1e-6 else "< 1e-06"
+                tested = (p_value, "yes" if action.acts else "no", f"{action.least:.2g}")
+            rows.append((name, *(f"{value:.4g}" for value in (rms, peak, mean, power)), f"{outside:.1%}", *tested))
+        return rows
 
 
 def interaction(
@@ -272,7 +229,7 @@ def interaction(
     recordings: Recording | Iterable[Recording],
     *,
     strides: ArrayLike | None = None,
-    cutoff: float | Literal["auto"] | None = None,
+    cutoff: float | None = None,
     preparation: Preparation | None = None,
     actuators: Mapping[str, Drive | Coupling] | Actuators | None = None,
 ) -> Interaction:
@@ -286,8 +243,7 @@ def interaction(
         estimate: Estimate of the leg without a wearer.
         recordings: Motions with torques, or with currents and drives.
         strides: Times at which strides begin [s], of one recording; None for touch-downs or the period of the motion.
-        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation. "auto" chooses that of
-            each joint by its spectrum and the noise, see :func:`.choose_cutoffs`: at most the estimate's.
+        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
         preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
         actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
 
@@ -296,8 +252,7 @@ def interaction(
 
     Raises:
         ExoidError: There is no recording, or one lacks a joint or any torque, is too short for the filter, or stands on
-            the ground throughout by unknown wrenches; or both cutoff and preparation are given; or a cut-off is to be
-            chosen for an estimate without one.
+            the ground throughout by unknown wrenches; or both cutoff and preparation are given.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -309,18 +264,17 @@ def interaction(
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if cutoff is not None and preparation is not None:
-        raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+        raise BadArgumentError(
+            "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
+        )
     if strides is not None and len(several) > 1:
-        raise ExoidError("strides of several recordings", remedy="pass one recording at a time with its strides")
+        raise BadArgumentError("strides of several recordings", remedy="pass one recording at a time with its strides")
     if actuators is not None:
         estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
-    auto = cutoff == AUTO
-    if isinstance(cutoff, str) and not auto:
-        raise ExoidError(f"a cut-off of {cutoff!r}", remedy='pass a number in Hz, or "auto"')
-    chosen = TorqueFilter.of(estimate, None if isinstance(cutoff, str) else cutoff, preparation)
-    parts = tuple(_of_recording(estimate, each, chosen, strides, auto=auto) for each in several)
+    chosen = TorqueFilter.of(estimate, cutoff, preparation)
+    parts = tuple(_of_recording(estimate, each, chosen, strides) for each in several)
     if len(parts) == 1:
         return parts[0]
     time, torque, band, velocity, phase = (
@@ -339,31 +293,30 @@ def interaction(
         parts=parts,
         findings=ordered([finding for part in parts for finding in part.findings]),
         filter=chosen,
-        cutoffs=np.min([part.cutoffs for part in parts], axis=0),
     )
 
 
 def _of_recording(
-    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, strides: ArrayLike | None, *, auto: bool
+    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, strides: ArrayLike | None
 ) -> Interaction:
     """Compute the interaction in one recording."""
     recording = for_leg(estimate.model, as_trained(estimate, recording))
-    name = recording.source.name if recording.source else ""
-    measured = recording.measured
-    even = recording.resampled()
-    rate, preparation = even.sample_rate, chosen.preparation
-    found, cutoffs, lost, independent = _evaluated(estimate, recording, chosen, rate, auto=auto)
+    name, measured = recording.source.name if recording.source else "", recording.measured
+    even, preparation = recording.resampled(), chosen.preparation
+    rate = even.sample_rate
+    fraction = preparation.independent_fraction(rate)
+    bandwidth = fraction / estimate.preparation.independent_fraction(rate)
+    found = evaluate(estimate, recording, preparation, bandwidth)
     used = np.clip(np.searchsorted(even.time, found.time - 0.5 / rate), 0, len(even) - 1)
     torque = np.where(measured, found.torque, np.nan)
-    evidence = _evidence(estimate, found, torque, len(found.time) * independent)
+    evidence = _evidence(estimate, found, torque, fraction)
     actions = judge(evidence)
-    phase = find_phase(even, strides) or Phase(np.full(len(even), np.nan), np.nan, "")
+    phase = find_phase(even, strides) or Phase(np.full(len(even), np.nan), None, "")
     findings = [
         *shifted_torques(estimate, name),
         *channel_findings(recording, {}, name),
         *([] if found.ranges is None else extrapolations(estimate, found.ranges, name)),
         *unmeasured_torques(estimate, measured, name),
-        *lower_cutoffs(estimate.joint_names, np.where(measured, cutoffs, np.nan), lost, chosen.cutoff, name),
         *too_few_samples(estimate, evidence, name),
         *rough_estimate(estimate, found.predicted, name),
         *constant_torques(estimate, evidence, actions, name),
@@ -373,42 +326,24 @@ def _of_recording(
         estimate.joint_names,
         found.time,
         torque,
-        half_width(BAND, estimate.dof) * np.sqrt(found.variance),
+        half_width(0.95, estimate.dof) * np.sqrt(found.variance),
         np.array(preparation.kinematics(even).v[used]),
         np.array(phase.values[used]),
         actions,
         name or "array",
-        phase.period if phase.source else None,
+        phase.period,
         phase.source,
         findings=ordered(findings),
         filter=chosen,
-        cutoffs=cutoffs,
     )
 
 
-def _evaluated(
-    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, rate: float, *, auto: bool
-) -> tuple[Evaluation, FloatArray, FloatArray, FloatArray]:
-    """Torque, cut-offs [Hz], torque that they leave out [N·m], and independent share of the samples, (n,) each."""
-    joints = len(estimate.joint_names)
-    if auto:
-        own = automatic_filter(chosen)
-        found, best = evaluate_at_best(estimate, recording, own, rate)
-        shares = [with_cutoff(own, cutoff, rate).independent_fraction(rate) for cutoff in best.cutoff.tolist()]
-        return found, best.cutoff, best.lost, np.array(shares)
-    share = chosen.preparation.independent_fraction(rate)
-    found = evaluate(estimate, recording, chosen.preparation, share / estimate.preparation.independent_fraction(rate))
-    cutoff = np.nan if chosen.cutoff is None else chosen.cutoff
-    return found, np.full(joints, cutoff), np.zeros(joints), np.full(joints, share)
-
-
-def _evidence(estimate: EstimateData, found: Evaluation, torque: FloatArray, independent: FloatArray) -> Evidence:
+def _evidence(estimate: EstimateData, found: Evaluation, torque: FloatArray, fraction: float) -> Evidence:
     """Sum up a recording for the test; joints without torque in the training are not tested."""
     joints = range(len(estimate.joint_names))
-    effective = independent * np.array([effective_share(estimate, joint) for joint in joints])
+    effective = len(found.time) * fraction * np.array([effective_share(estimate, joint) for joint in joints])
     behind = [noise.effective_samples for noise in estimate.noise] or [estimate.dof] * len(joints)
-    noise = np.where(estimate.trained, found.noise, np.nan)
     systematic = np.maximum(found.variance.mean(axis=0) - found.noise, 0.0)
-    power, mean = torque.var(axis=0), torque.mean(axis=0)
-    power[np.isnan(noise)] = np.nan
-    return Evidence(power, mean, np.nan_to_num(noise), systematic, effective, np.maximum(behind, 1.0))
+    power = np.where(estimate.trained, torque.var(axis=0), np.nan)
+    noise = np.where(estimate.trained, found.noise, 0.0)
+    return Evidence(power, torque.mean(axis=0), noise, systematic, effective, np.maximum(behind, 1.0))

@@ -1,17 +1,5 @@
-"""Terms, filter and estimator chosen by how well they predict what they were not fitted to."""
+"""Friction of each joint, filter and estimator chosen by how well they predict what they were not fitted to."""
 
-from .by_joint import JointFriction
-from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
-from .scores import Score
 from .selection import Selection, select_terms
 
-__all__ = [
-    "Candidate",
-    "JointFriction",
-    "Score",
-    "Selection",
-    "estimator_candidates",
-    "filter_candidates",
-    "friction_candidates",
-    "select_terms",
-]
+__all__ = ["Selection", "select_terms"]

@@ -15,10 +15,9 @@ from exoid._typing import FloatArray
 from .design import Design
 
 RIDGE = 1e-10
-"""Added to the diagonal, relatively, where columns are dependent."""
+"""Added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent."""
 
 TINY = 1e-300
-"""Smallest number to divide by."""
 
 Active = Sequence[NDArray[np.intp]]
 """Indices of the friction columns of each joint that are fitted."""
@@ -48,34 +47,28 @@ class NormalEquations(NamedTuple):
 
     def solve(self, active: Active) -> tuple[FloatArray, list[FloatArray]]:
         """Solve for base parameters and the friction coefficients of all joints."""
-        table, right = self._bordered(active)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
-        solution = scale * scipy.linalg.cho_solve(_factor(table, scale), scale * right)
+        L, scale, right = self._factored(active)
+        solution = scale * scipy.linalg.cho_solve((L, True), scale * right)
         count = len(self.base_torque)
         ends = np.cumsum([count, *(len(k) for k in active)])
         return solution[:count], [solution[a:b] for a, b in itertools.pairwise(ends)]
 
     def project(self, joint: int, active: Active) -> JointEquations:
         """Eliminate the base parameters and the friction of all other joints."""
-        others = [k if j != joint else k[:0] for j, k in enumerate(active)]
-        table, right = self._bordered(others)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
-        L = _factor(table, scale)[0]
-        beside = np.zeros((len(table), len(self.friction[joint])))
+        L, scale, right = self._factored([k if j != joint else k[:0] for j, k in enumerate(active)])
+        beside = np.zeros((len(L), len(self.friction[joint])))
         beside[: len(self.base)] = self.mixed[joint]
         V = scipy.linalg.solve_triangular(L, scale[:, None] * beside, lower=True)
         u = scipy.linalg.solve_triangular(L, scale * right, lower=True)
-        M = self.friction[joint] - V.T @ V
-        diagonal = np.diag(self.friction[joint])
         return JointEquations(
-            M + np.diag(RIDGE * diagonal + TINY),
+            self.friction[joint] - V.T @ V + np.diag(RIDGE * np.diag(self.friction[joint]) + TINY),
             self.friction_torque[joint] - V.T @ u,
             scale * scipy.linalg.solve_triangular(L, u, lower=True, trans="T"),
             scale[:, None] * scipy.linalg.solve_triangular(L, V, lower=True, trans="T"),
         )
 
-    def _bordered(self, active: Active) -> tuple[FloatArray, FloatArray]:
-        """Matrix and right-hand side of base parameters and active friction columns."""
+    def _factored(self, active: Active) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cholesky factor of the matrix of base and active friction columns, its scale, and the right-hand side."""
         count = len(self.base)
         ends = np.cumsum([count, *(len(k) for k in active)])
         table, right = np.zeros((ends[-1], ends[-1])), np.zeros(ends[-1])
@@ -86,7 +79,8 @@ class NormalEquations(NamedTuple):
             table[rows, :count] = table[:count, rows].T
             table[rows, rows] = self.friction[joint][np.ix_(columns, columns)]
             right[rows] = self.friction_torque[joint][columns]
-        return table, right
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
+        return np.linalg.cholesky(table * scale * scale[:, None] + RIDGE * np.eye(len(table))), scale, right
 
 
 class JointEquations(NamedTuple):
@@ -114,7 +108,7 @@ class JointEquations(NamedTuple):
         return left, np.ascontiguousarray(np.moveaxis(columns, 2, 0))
 
     def solve(self, sets: NDArray[np.intp]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Solve for several sets of columns at once."""
+        """Solve for several sets of columns at once: coefficients, their variances, and what each set explains."""
         if sets.shape[1] == 0:
             return np.zeros(sets.shape), np.zeros(sets.shape), np.zeros(len(sets))
         inverse = np.linalg.inv(self.M[sets[:, :, None], sets[:, None, :]])
@@ -129,9 +123,3 @@ def residuals(design: Design, active: Active, base: FloatArray, friction: Sequen
     for joint, (columns, values) in enumerate(zip(active, friction, strict=True)):
         left[joint] -= design.friction[joint][:, columns] @ values
     return np.asarray(left)
-
-
-def _factor(table: FloatArray, scale: FloatArray) -> tuple[FloatArray, bool]:
-    """Cholesky factor of the matrix with a unit diagonal."""
-    scaled = table * scale * scale[:, None] + RIDGE * np.eye(len(table))
-    return np.asarray(np.linalg.cholesky(scaled), dtype=np.float64), True

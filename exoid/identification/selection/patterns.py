@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,46 +14,24 @@ from exoid._typing import FloatArray
 from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 from exoid.torques.terms import DryFriction
 
-SHARP = 0.0
-"""Presliding length of friction without presliding."""
-
 DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
 """Symbols of dry friction, which may have presliding."""
 
-LENGTHS = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
-"""Presliding lengths that are tried [rad]."""
+SMOOTHING = 0.015
+"""Smoothing of friction without presliding [rad/s], that of the default terms."""
 
 VELOCITIES = (0.02, 0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
 """Stribeck velocities that are tried [rad/s]. A model whose best velocity is the first describes the smoothing at
 reversals and loses; the last is an upper bound. Beyond, it is no matter of slow motion."""
 
-SMOOTHING, REVERSAL_SPEED = 0.015, 0.03
-"""Settings of friction without presliding [rad/s], as of the default terms: the last fit leaves out its reversals."""
-
-SMOOTHINGS = (0.004, 0.008, SMOOTHING, 0.03)
-"""Smoothings of friction without presliding that are tried [rad/s]."""
-
-WIDER = 2.0
-"""A Stribeck velocity is at least this multiple of the smoothing, which hides it otherwise."""
-
-FINER = (1.18, 1.06, 1.02)
-"""Factor between settings about one that was chosen, sweep by sweep; two are added to each side."""
-
 
 class Column(NamedTuple):
-    """One coefficient at given settings.
+    """One coefficient at given settings."""
 
-    Attributes:
-        symbol: Symbol of the coefficient: c0, d, mu, mu_drive, mu_back, cs, or offset.
-        length: Presliding length [rad]; 0 for none.
-        velocity: Stribeck velocity [rad/s]; 0 for other friction.
-        smoothing: Velocity over which dry friction without presliding changes sign [rad/s].
-    """
-
-    symbol: str
-    length: float = SHARP
-    velocity: float = 0.0
-    smoothing: float = SMOOTHING
+    symbol: str  # c0, d, mu, mu_drive, mu_back, cs, or offset
+    length: float = 0.0  # presliding length [rad]; 0 for none
+    velocity: float = 0.0  # Stribeck velocity [rad/s]; 0 for other friction
+    smoothing: float = SMOOTHING  # velocity over which dry friction without presliding changes sign [rad/s]
 
     @property
     def term(self) -> Term:
@@ -66,10 +45,13 @@ class Column(NamedTuple):
             "mu_back": LoadFriction(split=True),
             "cs": Stribeck(velocity=self.velocity or VELOCITIES[0]),
         }
-        if self.length != SHARP:
+        if self.length:
             return replace(kinds[self.symbol], presliding=self.length)
-        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=REVERSAL_SPEED)
+        # The last fit leaves out reversals of sharp friction, as the default terms do.
+        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=0.03)
 
+
+Columns = tuple[Column, ...]
 
 PLAIN = (Column("c0"), Column("d"), Column("offset"))
 """Where the search begins, and what a choice is compared with."""
@@ -84,14 +66,11 @@ class Pattern(NamedTuple):
     presliding: bool  # whether dry friction has presliding
 
     @property
-    def numbers(self) -> int:
-        """Number of coefficients and settings; smoothing is none, as the last fit leaves out where it matters."""
-        return len(self.symbols) + self.presliding + ("cs" in self.symbols)
-
-    @property
     def complexity(self) -> float:
-        """Number of numbers; friction under load in one direction of power only counts half a number more."""
-        return self.numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
+        """Number of coefficients and settings; load friction in one direction of power only counts half more."""
+        # Smoothing does not count, as the last fit leaves out where it matters.
+        numbers = len(self.symbols) + self.presliding + ("cs" in self.symbols)
+        return numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
     def dissipative(self, coefficients: FloatArray) -> NDArray[np.bool_]:
         """Say which sets of coefficients are positive, as friction that dissipates is."""
@@ -103,43 +82,44 @@ class Pattern(NamedTuple):
         load = {"mu"} if {"mu_drive", "mu_back"} <= set(other.symbols) else set()
         return {*self.symbols} <= {*other.symbols, *load} and (other.presliding or not self.presliding)
 
-    def columns(self, length: float, velocity: float, smoothing: float = SMOOTHING) -> tuple[Column, ...]:
+    def columns(self, length: float, velocity: float, smoothing: float = SMOOTHING) -> Columns:
         """Coefficients at settings."""
-        length, smoothing = (length, SMOOTHING) if self.presliding else (SHARP, smoothing)
-        dry = (length, 0.0, smoothing), (length, velocity, smoothing)
+        length, smoothing = (length, SMOOTHING) if self.presliding else (0.0, smoothing)
         return tuple(
-            Column(symbol, *dry[symbol == "cs"]) if symbol in DRY else Column(symbol) for symbol in self.symbols
+            Column(symbol, length, velocity if symbol == "cs" else 0.0, smoothing) if symbol in DRY else Column(symbol)
+            for symbol in self.symbols
         )
 
 
 class Grid(NamedTuple):
     """Settings that are tried for one joint."""
 
-    lengths: tuple[float, ...] = LENGTHS  # presliding lengths [rad]
-    velocities: tuple[float, ...] = VELOCITIES  # stribeck velocities [rad/s]
-    smoothings: tuple[float, ...] = SMOOTHINGS  # smoothings of friction without presliding [rad/s]
+    lengths: tuple[float, ...] = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)  # presliding lengths [rad]
+    velocities: tuple[float, ...] = VELOCITIES  # Stribeck velocities [rad/s]
+    smoothings: tuple[float, ...] = (0.004, 0.008, SMOOTHING, 0.03)  # of friction without presliding [rad/s]
 
     @property
-    def columns(self) -> tuple[Column, ...]:
+    def columns(self) -> Columns:
         """All coefficients at all settings."""
         every = [Pattern((symbol,), bent) for symbol in ("d", "offset", *DRY) for bent in (False, True)]
         return tuple(dict.fromkeys(columns[0] for pattern in every for columns in self.settings(pattern)))
 
-    def settings(self, pattern: Pattern) -> list[tuple[Column, ...]]:
+    def settings(self, pattern: Pattern) -> list[Columns]:
         """List a pattern at all settings that it has."""
         dry = bool({*DRY} & {*pattern.symbols})
-        lengths = self.lengths if pattern.presliding else (SHARP,)
+        lengths = self.lengths if pattern.presliding else (0.0,)
         smoothings = self.smoothings if dry and not pattern.presliding else (SMOOTHING,)
         velocities = self.velocities if "cs" in pattern.symbols else (0.0,)
         return [
             pattern.columns(length, velocity, smoothing)
             for length, velocity, smoothing in itertools.product(lengths, velocities, smoothings)
-            if length or not velocity or velocity >= WIDER * smoothing
+            if length or not velocity or velocity >= 2.0 * smoothing  # the smoothing hides slower Stribeck friction
         ]
 
-    def about(self, columns: tuple[Column, ...], sweep: int) -> Grid:
-        """Add finer settings about those of a choice."""
-        factors = [FINER[min(sweep, len(FINER)) - 1] ** power for power in (-2, -1, 0, 1, 2)]
+    def about(self, columns: Columns, sweep: int) -> Grid:
+        """Add settings about those of a choice, two on each side, finer from sweep to sweep."""
+        step = (1.18, 1.06, 1.02)[min(sweep, 3) - 1]
+        factors = [step**power for power in (-2, -1, 0, 1, 2)]
         lengths = {factor * column.length for column in columns if column.length for factor in factors}
         velocities = {factor * column.velocity for column in columns if column.velocity for factor in factors}
         sharp = {column.smoothing for column in columns if column.symbol in DRY and not column.length}
@@ -166,31 +146,53 @@ def patterns() -> tuple[Pattern, ...]:
     return tuple(sorted(found, key=lambda pattern: pattern.complexity))
 
 
-def terms_of(columns: tuple[Column, ...], joint: str) -> tuple[Term, ...]:
+def terms_of(columns: Columns, joint: str) -> tuple[Term, ...]:
     """Terms of a joint, in the order of their coefficients."""
     return tuple(replace(term, joints=(joint,)) for term in dict.fromkeys(column.term for column in columns))
 
 
-def absent(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+def absent(columns: Columns) -> Columns:
     """Coulomb and viscous friction that a choice leaves out: an estimate, and a URDF, has them as zero."""
     like = next((column for column in columns if column.symbol in DRY), Column("c0"))
     plain = (Column("c0", like.length, smoothing=like.smoothing), Column("d"))
     return tuple(column for column in plain if column.symbol not in {each.symbol for each in columns})
 
 
-def zeros_of(columns: tuple[Column, ...], label: str) -> tuple[str, ...]:
+def zeros_of(columns: Columns, label: str) -> tuple[str, ...]:
     """Names of coefficients that the terms have and the choice leaves out."""
     present = {column.symbol for column in columns}
     symbols = dict.fromkeys(symbol for column in columns for symbol in column.term.symbols)
     return tuple(f"{symbol}_{label}" for symbol in symbols if symbol not in present)
 
 
-def describe(columns: tuple[Column, ...]) -> str:
-    """Write a friction model in a few words, such as "c0, mu_back, presliding 0.65 mrad"."""
-    if not columns:
-        return "none"
-    parts = [column.symbol for column in columns]
-    parts += [f"presliding {1e3 * length:.2g} mrad" for length in {c.length for c in columns} if length]
-    parts += [f"smoothing {width:.2g} rad/s" for width in {c.smoothing for c in columns} if width != SMOOTHING]
-    parts += [f"vs {velocity:.2g} rad/s" for velocity in {c.velocity for c in columns} if velocity]
-    return ", ".join(parts)
+class JointFriction(NamedTuple):
+    """Friction model that was chosen for a joint."""
+
+    joint: str  # name of the joint
+    coefficients: tuple[str, ...]  # symbols of its coefficients, all positive but the offset
+    presliding: float  # presliding length [rad]; 0 for none
+    smoothing: float  # velocity over which dry friction changes sign [rad/s]; 0 with presliding and without it
+    stribeck_velocity: float  # [rad/s]; 0 for none
+
+    @classmethod
+    def of(cls, joint: str, columns: Columns) -> JointFriction:
+        """Describe the friction of a joint."""
+        length, velocity = (max((getattr(c, name) for c in columns), default=0.0) for name in ("length", "velocity"))
+        sharp = [c.smoothing for c in columns if c.symbol in DRY and not length]
+        return cls(joint, tuple(column.symbol for column in columns), length, max(sharp, default=0.0), velocity)
+
+    @property
+    def text(self) -> str:
+        """A few words, such as "c0, mu_back, presliding 0.65 mrad"."""
+        settings = (
+            f"presliding {1e3 * self.presliding:.2g} mrad" if self.presliding else "",
+            f"smoothing {self.smoothing:.2g} rad/s" if self.smoothing not in (0.0, SMOOTHING) else "",
+            f"vs {self.stribeck_velocity:.2g} rad/s" if self.stribeck_velocity else "",
+        )
+        return ", ".join([*self.coefficients, *filter(None, settings)]) or "none"
+
+
+def numbers_of(columns: Sequence[Columns]) -> int:
+    """Number of coefficients and settings of all joints."""
+    settings = [{(name, getattr(c, name)) for c in of_joint for name in ("length", "velocity")} for of_joint in columns]
+    return sum(map(len, columns)) + sum(1 for of_joint in settings for _, value in of_joint if value)

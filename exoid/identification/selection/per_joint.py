@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,56 +15,10 @@ from exoid.leg.leg import Leg
 from exoid.signals import Preparation, Recording
 from exoid.torques import Term
 
-from .cross_validation import Split, blocked_folds
 from .design import Design, base_model, form_design
+from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import PLAIN, VELOCITIES, Column, Grid, Pattern, patterns
-
-SURE = 0.3
-"""A coefficient whose standard deviation exceeds this part of it is not determined."""
-
-QUANTILE = 0.6
-"""Share of the rows, the slowest of a joint, from which the others are predicted."""
-
-BLOCKS = 20
-"""Blocks of consecutive rows, by which the standard error of a difference is estimated: residuals are correlated."""
-
-STANDARD_ERRORS = 1.0
-"""A squared error that exceeds the least by no more than so many standard errors of the difference is as good."""
-
-SWEEPS = 4
-"""Sweeps over all joints at most, after those in which all joints have an offset."""
-
-SETTLED = 0.05
-"""They end when no joint's predicted torque changes by more than this part of its residual."""
-
-Item = TypeVar("Item")
-Columns = tuple[Column, ...]
-Candidate = tuple[Pattern, Columns, FloatArray]
-"""Pattern, its columns at the best settings, and the share of each row in the held-out error, (N,)."""
-
-
-class Fold(NamedTuple):
-    """Rows to fit and rows to test."""
-
-    fitted: NDArray[np.bool_]  # mask, (N,)
-    tested: NDArray[np.bool_]  # mask, (N,)
-
-
-def fold_of(split: Split, design: Design) -> Fold:
-    """Apply a split of recordings in time to rows."""
-    fitted, tested = np.zeros((2, len(design.time)), dtype=np.bool_)
-    for index in np.unique(design.recording):
-        mine = np.flatnonzero(design.recording == index)
-        fitted[mine] = split.fitted(int(index), design.time[mine])
-        tested[mine] = split.tested(int(index), design.time[mine])
-    return Fold(fitted, tested)
-
-
-def fast_fold(speed: FloatArray, quantile: float = QUANTILE) -> Fold:
-    """Test rows that are faster than all that are fitted."""
-    slow = speed <= np.quantile(speed, quantile)
-    return Fold(slow, ~slow)
+from .patterns import PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -76,7 +30,7 @@ class Search:
     preparation: Preparation  # filter and differentiation
     folds: int  # number of folds in time
     keep: Keep | None = None  # function that selects rows; None for all
-    progress: Callable[[float], None] | None = None  # called with the share done; None for no one
+    progress: Callable[[float], None] = lambda share: None  # called with the share done
     # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
     # friction is right
     offset_sweeps: int = 0
@@ -87,12 +41,6 @@ class Search:
         preparations = [self.preparation] * len(self.recordings)
         model = base_model(self.leg, self.beside)
         return form_design(model, self.recordings, preparations, library, rigid, self.keep)
-
-    def start(self) -> Choice:
-        """Plain friction at every joint, and the rigid bodies that go with it."""
-        plain = (PLAIN,) * len(self.leg.joint_names)
-        design = self.design(plain, None)
-        return Choice.of(design, plain, Choice.of(design, plain, np.ones(len(plain))).sigma)
 
 
 class Choice(NamedTuple):
@@ -131,7 +79,7 @@ class Tables(NamedTuple):
             tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in zip(grids, choice.columns, strict=True)
         ]
         design = search.design(library, choice.base[: len(search.leg.parameter_names)])
-        in_time = [fold_of(split, design) for split in blocked_folds(search.recordings, search.folds)]
+        in_time = [fold_of(blocks, design) for blocks in blocked_folds(search.recordings, search.folds)]
         folds = (*in_time, *(fast_fold(np.abs(speed)) for speed in design.v.T))
         equations = tuple(_normal(design, fold.fitted, choice.sigma) for fold in folds)
         whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), choice.sigma)
@@ -148,38 +96,50 @@ class Found(NamedTuple):
 
     def without(self, joint: int, symbol: str) -> Found:
         """Choose again for a joint, without a coefficient."""
-        banned = _replaced(self.banned, joint, self.banned[joint] | {symbol})
-        columns = choose(self.tables, joint, self.choice.columns, self.choice.sigma, banned[joint])
-        choice = Choice.of(self.tables.design, _replaced(self.choice.columns, joint, columns), self.choice.sigma)
-        return self._replace(choice=choice, banned=banned)
+        banned = list(self.banned)
+        banned[joint] |= {symbol}
+        columns = list(self.choice.columns)
+        columns[joint] = choose(self.tables, joint, self.choice.columns, self.choice.sigma, banned[joint])
+        choice = Choice.of(self.tables.design, tuple(columns), self.choice.sigma)
+        return self._replace(choice=choice, banned=tuple(banned))
 
 
-def search_joint_by_joint(search: Search) -> Found:
-    """Sweep over the joints until predictions settle."""
-    choice, before = search.start(), None
-    joints, sweeps = len(choice.columns), search.offset_sweeps + SWEEPS
-    grids = (Grid(),) * joints
+def search_joint_by_joint(search: Search, sweeps: int = 4) -> Found:
+    """Sweep over the joints until predictions settle, at most so often after sweeps in which all have an offset."""
+    plain = (PLAIN,) * len(search.leg.joint_names)
+    start = search.design(plain, None)
+    choice = Choice.of(start, plain, Choice.of(start, plain, np.ones(len(plain))).sigma)
+    before: FloatArray | None = None
+    joints, sweeps = len(plain), search.offset_sweeps + sweeps
     for sweep in range(sweeps):
-        if sweep > 0:
-            grids = tuple(Grid().about(columns, sweep) for columns in choice.columns)
-        tables, chosen = Tables.of(search, grids, choice), choice.columns
+        grids = tuple(Grid().about(columns, sweep) if sweep else Grid() for columns in choice.columns)
+        tables, chosen = Tables.of(search, grids, choice), list(choice.columns)
         for joint in range(joints):
-            columns = choose(tables, joint, chosen, choice.sigma, with_offset=sweep < search.offset_sweeps)
-            chosen = _replaced(chosen, joint, columns)
-            if search.progress is not None:
-                search.progress((sweep * joints + joint + 1) / (sweeps * joints))
-        choice = Choice.of(tables.design, chosen, choice.sigma)
+            with_offset = sweep < search.offset_sweeps
+            chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=with_offset)
+            search.progress((sweep * joints + joint + 1) / (sweeps * joints))
+        choice = Choice.of(tables.design, tuple(chosen), choice.sigma)
         explained = tables.design.tau - choice.left
-        if before is not None and sweep > search.offset_sweeps and _moved(explained - before, choice) <= SETTLED:
-            break
+        if before is not None and sweep > search.offset_sweeps:
+            moved = np.sqrt(np.mean((explained - before) ** 2, axis=1)) / choice.sigma
+            if moved.max() <= 0.05:  # part of the residual by which a joint's predicted torque still changes
+                break
         before = explained
     return Found(search, tables, choice, (frozenset(),) * joints)
+
+
+class _Candidate(NamedTuple):
+    """Friction model of a joint at its best settings."""
+
+    pattern: Pattern
+    columns: Columns
+    loss: FloatArray  # share of each row in the held-out error, (N,)
 
 
 def choose(
     tables: Tables,
     joint: int,
-    chosen: tuple[Columns, ...],
+    chosen: Sequence[Columns],
     sigma: FloatArray,
     banned: frozenset[str] = frozenset(),
     *,
@@ -193,9 +153,9 @@ def choose(
     projected = [tables.equations[k].project(joint, active) for k in folds]
     tested = [int(tables.folds[k].tested.sum()) for k in folds]
     weights = [*np.full(in_time, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]  # mean in time plus mean of fast rows
-    rows = [_rows(design, tables.folds[k].tested) for k in folds]
+    rows = [design.some(tables.folds[k].tested) for k in folds]
     held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
-    candidates: list[Candidate] = []
+    candidates: list[_Candidate] = []
     gains: dict[Pattern, float] = {}
     for pattern in patterns():
         if banned & set(pattern.symbols) or (with_offset and "offset" not in pattern.symbols):
@@ -217,56 +177,39 @@ def choose(
             index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best
             error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
             loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
-        candidates.append((pattern, settings[best], loss))
+        candidates.append(_Candidate(pattern, settings[best], loss))
     return _fewest(candidates)
 
 
 def _best(
     pattern: Pattern, independent_fraction: float, c: FloatArray, variance: FloatArray, gain: FloatArray
 ) -> int | None:
-    """Index of the best setting whose coefficients are positive and determined; None if there is none."""
-    limit = (SURE * c) ** 2 * independent_fraction
+    """Index of the best setting whose coefficients are positive and determined to 30 %; None if there is none."""
+    limit = (0.3 * c) ** 2 * independent_fraction
     sure = (variance <= limit) | np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
     good = pattern.dissipative(c) & sure.all(axis=1)
     return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
 
 
+def _fewest(candidates: Sequence[_Candidate]) -> Columns:
+    """Columns with the fewest numbers among those within one standard error of the best."""
+    errors = [float(one.loss.sum()) for one in candidates]
+    best = int(np.argmin(errors))
+    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k].pattern.complexity, errors[k])):
+        # Residuals are correlated: the standard error of the difference comes from sums over 20 blocks of rows.
+        difference = candidates[k].loss - candidates[best].loss
+        sums = [float(block.sum()) for block in np.array_split(difference, min(20, len(difference)))]
+        standard_error = float(np.sqrt(len(sums)) * np.std(sums, ddof=1)) if len(sums) > 1 else 0.0
+        if errors[k] - errors[best] <= standard_error:
+            return candidates[k].columns
+    return candidates[best].columns
+
+
 def _normal(design: Design, rows: NDArray[np.bool_], sigma: FloatArray) -> NormalEquations:
+    """Normal equations of some rows, weighted by the noise of their joints."""
     return NormalEquations.of(design, rows / sigma[:, None] ** 2)
 
 
 def _active(design: Design, chosen: Sequence[Columns]) -> Active:
     """Indices of the chosen columns of each joint."""
     return [design.indices(joint, columns) for joint, columns in enumerate(chosen)]
-
-
-def _moved(change: FloatArray, choice: Choice) -> float:
-    """Largest change of a joint's predicted torque (n, N), as a part of its residual."""
-    return float((np.sqrt(np.mean(change**2, axis=1)) / choice.sigma).max())
-
-
-def _replaced(items: tuple[Item, ...], index: int, item: Item) -> tuple[Item, ...]:
-    return (*items[:index], item, *items[index + 1 :])
-
-
-def _rows(design: Design, rows: NDArray[np.bool_]) -> Design:
-    """Some rows."""
-    return design._replace(
-        tau=design.tau[:, rows], base=design.base[:, rows], friction=tuple(F[rows] for F in design.friction)
-    )
-
-
-def _fewest(candidates: Sequence[Candidate]) -> Columns:
-    """Columns with the fewest numbers among those within one standard error of the best."""
-    errors = [float(loss.sum()) for _, _, loss in candidates]
-    best = int(np.argmin(errors))
-    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k][0].complexity, errors[k])):
-        if errors[k] - errors[best] <= STANDARD_ERRORS * _standard_error(candidates[k][2] - candidates[best][2]):
-            return candidates[k][1]
-    return candidates[best][1]
-
-
-def _standard_error(difference: FloatArray) -> float:
-    """Standard error of the sum of a difference of errors over rows, (N,), block by block."""
-    sums = [float(block.sum()) for block in np.array_split(difference, min(BLOCKS, len(difference)))]
-    return float(np.sqrt(len(sums)) * np.std(sums, ddof=1)) if len(sums) > 1 else 0.0

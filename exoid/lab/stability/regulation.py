@@ -12,8 +12,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.closed_loop import simulate, simulate_many
 from exoid.control.friction import FrictionCompensation
-from exoid.control.gravity_friction_pd import gravity_friction_pd
 from exoid.control.law import RATE, Law, gains
+from exoid.control.laws import gravity_friction_pd
 from exoid.control.side_by_side import SideBySide
 from exoid.control.tracking import Tracking
 from exoid.errors import BadArgumentError

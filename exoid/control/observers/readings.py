@@ -1,0 +1,152 @@
+"""What an observer reads and gives: checks of its channels, and the torque of the wearer with its band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.control.model import ControlModel, ModelSource
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
+from exoid.estimate import Estimate
+from exoid.regression.rows import for_leg, source_of
+from exoid.signals import Recording
+from exoid.tools.tables import make_table, to_text
+from exoid.torques import TorqueModel
+
+FASTEST = 50.0
+"""Speed that no leg reaches [rad/s]: an angle that changes faster jumped."""
+
+
+class ObserverReading(NamedTuple):
+    """Torque that acts on the leg from outside, at one sample, (n,) each.
+
+    Attributes:
+        torque: Torque of the wearer on the leg [N·m], as it was one delay of the observer ago.
+        std: Standard deviation of its error by noise, parameters and model error [N·m].
+        stiction: Largest error by friction of joints that may stick [N·m].
+        detected: Whether the torque is beyond stiction and noise.
+    """
+
+    torque: FloatArray
+    std: FloatArray
+    stiction: FloatArray
+    detected: BoolArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ObservedTorque:
+    """Torque that acts on the leg from outside, over a log.
+
+    Attributes:
+        time: Time stamps of the log [s], (N,); a torque is known one delay after it acts.
+        torque: Torque of the wearer on the leg [N·m], (N, n).
+        std: Standard deviation of its error by noise, parameters and model error [N·m], (N, n).
+        stiction: Largest error by friction of joints that may stick [N·m], (N, n).
+        detected: Whether the torque is beyond stiction and noise, (N, n).
+        joint_names: Joints, (n,).
+        delay: Delay of the torque for slow signals [s], (n,).
+        settling: Samples at the beginning that the observer needs to settle, without detection.
+    """
+
+    time: FloatArray
+    torque: FloatArray
+    std: FloatArray
+    stiction: FloatArray
+    detected: BoolArray
+    joint_names: tuple[str, ...]
+    delay: FloatArray
+    settling: int
+
+    @property
+    def alarms(self) -> FloatArray:
+        """Number of times that each joint is detected anew, (n,)."""
+        return np.asarray((np.diff(self.detected.astype(np.int8), axis=0, prepend=0) > 0).sum(axis=0), dtype=np.float64)
+
+    def __len__(self) -> int:
+        """Count the samples."""
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        return f"ObservedTorque({len(self)} samples; joints: {', '.join(self.joint_names)})"
+
+    def __str__(self) -> str:
+        """Print a table with a row for each joint, after the observer has settled."""
+        headers = ("joint", "rms [N·m]", "peak [N·m]", "std [N·m]", "detected [%]", "alarms", "delay [ms]")
+        torque = self.torque[min(self.settling, len(self) - 1) :]
+        rms, share = np.sqrt(np.mean(torque**2, axis=0)), 100.0 * self.detected.mean(axis=0)
+        std, peak = np.sqrt(np.mean(self.std**2, axis=0)), np.abs(torque).max(axis=0)
+        rows = [
+            (name, f"{a:.3g}", f"{b:.3g}", f"{c:.2g}", f"{d:.3g}", f"{e:.0f}", f"{1e3 * f:.3g}")
+            for name, a, b, c, d, e, f in zip(
+                self.joint_names, rms, peak, std, share, self.alarms, self.delay, strict=True
+            )
+        ]
+        return to_text(make_table(headers, rows))
+
+
+def refuse_readings(rows: FloatArray, before: FloatArray, rate: float, names: tuple[str, ...], where: str = "") -> None:
+    """Refuse readings (N, 3, n) that no leg makes, after the angles ``before``, (n,)."""
+    if rows.shape[1:] != (3, len(names)):
+        remedy = f"give one value for each of {', '.join(names)}"
+        raise BadArgumentError(f"readings of shape {rows.shape[2:]} for {len(names)} joints", remedy=remedy)
+    for channel, row, joint in np.argwhere(~np.isfinite(rows.transpose(1, 0, 2)))[:1]:
+        raise UnreadableInputError(
+            f"the {('angle', 'velocity', 'torque')[channel]} of {names[joint]} is {rows[row, channel, joint]}",
+            where=where and f"{where}, sample {row}",
+            remedy="repeat the step with the last good reading, from the memory before, or begin again after a gap",
+            joints=(names[joint],),
+        )
+    jumps = np.abs(np.diff(rows[:, 0], axis=0, prepend=before[None]))
+    for row, joint in np.argwhere(jumps > FASTEST / rate)[:1]:
+        raise UnreadableInputError(
+            f"the angle of {names[joint]} jumps by {jumps[row, joint]:.3g} rad from one sample to the next",
+            where=where and f"{where}, sample {row}",
+            remedy="unwrap the angle or repair the encoder; after a gap, begin again",
+            joints=(names[joint],),
+        )
+
+
+def observed_log(source: ModelSource, recording: Recording, rate: float) -> Recording:
+    """Pick what an observer reads from a log, joints in the order of the leg, with torques, at its rate."""
+    where = source_of(recording)
+    model = source.model if isinstance(source, Estimate) else TorqueModel.at_start(ControlModel.of(source).leg, ())
+    if isinstance(source, Estimate) and source.actuators is not None:
+        recording = source.actuators.torque(recording)
+    recording = for_leg(model, recording)
+    missing = tuple(name for name, there in zip(recording.joint_names, recording.measured, strict=True) if not there)
+    if recording.tau is None or missing:
+        raise UnreadableInputError(
+            f"no torque of {', '.join(missing)} in the log",
+            where=where,
+            remedy="give the estimate its drives (identify(actuators=...)), or compute torques with "
+            "exoid.actuators.Actuators",
+            joints=missing,
+        )
+    if not recording.is_uniform:
+        remedy = "run the observer over each part without a gap (recording.between), or resample"
+        raise UnreadableInputError(
+            "time steps are uneven, as after a gap or dropped samples", where=where, remedy=remedy
+        )
+    if abs(recording.sample_rate / rate - 1.0) > 1e-3:
+        raise BadArgumentError(
+            f"a log at {recording.sample_rate:.6g} Hz for an observer at {rate:.6g} Hz",
+            where=where,
+            remedy=f"make the observer with rate={recording.sample_rate:.6g}",
+        )
+    if recording.base is not None or recording.torso is not None:
+        raise NotSupportedError(
+            "the base is tilted or moves, which the observer's model does not know",
+            where=where,
+            remedy="use the torque of the wearer off line, exoid.interaction, which takes motions of the base",
+        )
+    if recording.payloads:
+        raise NotSupportedError(
+            f"the leg carries {', '.join(map(str, recording.payloads))}, which would count as the wearer",
+            where=where,
+            remedy="take them out of the recording (payloads=()) if that is meant",
+        )
+    return recording

@@ -1,0 +1,152 @@
+"""Held-out errors: how well friction models that are chosen predict rows that were not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
+from exoid.signals.noise_size import robust_std
+from exoid.torques import TorqueModel
+
+from .design import Design, form_design
+from .normal_equations import NormalEquations, residuals
+from .patterns import Columns
+
+Blocks = tuple[FloatArray, ...]
+"""Start and end of the tested stretches of each recording [s], (K, 2) each."""
+
+
+class Fold(NamedTuple):
+    """Rows to fit and rows to test."""
+
+    fitted: NDArray[np.bool_]  # mask, (N,)
+    tested: NDArray[np.bool_]  # mask, (N,)
+
+
+def blocked_folds(recordings: Sequence[Recording], folds: int) -> list[Blocks]:
+    """Cut each recording into as many stretches in time, of which each is tested once."""
+    edges = [np.linspace(r.time[0], np.nextafter(r.time[-1], np.inf), folds + 1) for r in recordings]
+    return [tuple(edge[None, k : k + 2] for edge in edges) for k in range(folds)]
+
+
+def fast_blocks(recordings: Sequence[Recording]) -> Blocks:
+    """Test the fastest 30 % of blocks of a second: how well does friction extrapolate in velocity?"""
+    # The speed of a block is the mean over joints of the RMS velocity, each over its RMS in all recordings.
+    speeds = [np.abs(np.gradient(r.q, r.time, axis=0)) if r.v is None else np.abs(r.v) for r in recordings]
+    size = np.sqrt(np.mean(np.vstack(speeds) ** 2, axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    starts = [np.arange(r.time[0], r.time[-1], 1.0) for r in recordings]
+    paces = []
+    for r, speed, of_one in zip(recordings, speeds, starts, strict=True):
+        seconds = [speed[(r.time >= start) & (r.time < start + 1.0)] for start in of_one]
+        paces.append(np.array([np.mean(np.sqrt(np.mean(v**2, axis=0)) / size) if len(v) else 0.0 for v in seconds]))
+    limit = np.quantile(np.concatenate(paces), 0.7)
+    chosen = [of_one[pace > limit] for of_one, pace in zip(starts, paces, strict=True)]
+    return tuple(np.column_stack([of_one, of_one + 1.0]) for of_one in chosen)
+
+
+def fold_of(blocks: Blocks, design: Design) -> Fold:
+    """Apply a split of recordings in time to rows; rows within 0.1 s of tested ones are not fitted either."""
+    # A low-pass mixes neighbours.
+    near, tested = np.zeros((2, len(design.time)), dtype=np.bool_)
+    for index, of_one in enumerate(blocks):
+        mine, time = design.recording == index, design.time
+        for start, stop in of_one:
+            tested |= mine & (time >= start) & (time < stop)
+            near |= mine & (time >= start - 0.1) & (time < stop + 0.1)
+    return Fold(~near, tested)
+
+
+def fast_fold(speed: FloatArray, quantile: float = 0.6) -> Fold:
+    """Test rows that are faster than all that are fitted."""
+    slow = speed <= np.quantile(speed, quantile)
+    return Fold(slow, ~slow)
+
+
+class HeldOut(NamedTuple):
+    """Errors on rows that were not fitted."""
+
+    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,)
+    folds: FloatArray  # NRMSE averaged over the joints, of each fold, (K,)
+    extrapolation: FloatArray  # NRMSE of the fastest seconds predicted from the others, (n,)
+
+
+def held_out_errors(
+    model: TorqueModel,
+    recordings: Sequence[Recording],
+    preparation: Preparation,
+    chosen: Sequence[Columns],
+    rigid: FloatArray,
+    *,
+    folds: int,
+    cutoff: float,
+    robust: bool,
+) -> HeldOut:
+    """Predict each stretch of the recordings from the others, with fixed friction models."""
+    fitted = form_design(model, recordings, [preparation] * len(recordings), chosen, rigid)
+    how = [evaluation(preparation, cutoff, r.sample_rate) for r in recordings]
+    compared = form_design(model, recordings, how, chosen, rigid, whole=True)
+    each = [_errors(blocks, fitted, compared, robust=robust) for blocks in blocked_folds(recordings, folds)]
+    # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
+    whole = _Errors(*np.sum(each, axis=0))
+    fast = _errors(fast_blocks(recordings), fitted, compared, robust=robust)
+    of_folds = np.array([np.mean(errors.rms / whole.spread) for errors in each])
+    return HeldOut(whole.rms / whole.spread, of_folds, fast.rms / fast.spread)
+
+
+def evaluation(preparation: Preparation, cutoff: float, rate: float) -> Preparation:
+    """Filter for torques, sampled at ``rate`` [Hz], that is the same for all candidates, with this one's kinematics."""
+    if isinstance(preparation, ZeroPhase):
+        return ZeroPhase(cutoff, preparation.kinematics_cutoff_at(rate), preparation.order)
+    if isinstance(preparation, Smoothed):
+        return ZeroPhase(cutoff, preparation.cutoff, preparation.order)
+    return preparation
+
+
+class _Errors(NamedTuple):
+    """Sums over the tested rows of one split, (n,) each."""
+
+    squares: FloatArray  # squared residuals [N²·m²]
+    torque: FloatArray  # measured torques [N·m]
+    torque_squares: FloatArray  # their squares [N²·m²]
+    rows: FloatArray  # number of rows
+
+    @property
+    def rms(self) -> FloatArray:
+        """Root of the mean squared residual [N·m], (n,)."""
+        return np.asarray(np.sqrt(self.squares / self.rows))
+
+    @property
+    def spread(self) -> FloatArray:
+        """Standard deviation of the measured torque [N·m], (n,)."""
+        return np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, 1e-300))
+
+
+def _errors(blocks: Blocks, fitted: Design, compared: Design, *, robust: bool) -> _Errors:
+    """Errors on the tested rows of one split; not a number where rows are too few."""
+    active = [np.arange(columns.shape[1]) for columns in fitted.friction]
+    used, tested = fold_of(blocks, fitted).fitted, fold_of(blocks, compared).tested
+    count = fitted.base.shape[2] + max((len(k) for k in active), default=0)
+    if used.sum() < count or not tested.any():
+        nothing = np.full(len(fitted.tau), np.nan)
+        return _Errors(nothing, nothing, nothing, nothing)
+    weights = np.broadcast_to(used.astype(np.float64), fitted.tau.shape)
+    for _ in range(8 if robust else 2):  # weights of rows settle more slowly than those of joints
+        base, friction = NormalEquations.of(fitted, weights).solve(active)
+        left = residuals(fitted, active, base, friction)
+        rows = left[:, used]
+        scale = robust_std(rows.T) if robust else np.sqrt(np.mean(rows**2, axis=1))
+        scale = np.maximum(scale, 1e-9 * np.sqrt(np.mean(left**2)) + 1e-300)[:, None]
+        # Huber's estimator clips residuals beyond 1.345 standard deviations: 95 % efficient for normal noise.
+        clipped = np.minimum(1.0, 1.345 * scale / np.maximum(np.abs(left), 1e-300)) if robust else 1.0
+        weights = np.asarray(used * clipped / scale**2)
+    base, friction = NormalEquations.of(fitted, weights).solve(active)
+    left = residuals(compared, active, base, friction)[:, tested]
+    torque = compared.tau[:, tested]
+    rows_tested = np.full(len(torque), float(tested.sum()))
+    return _Errors((left**2).sum(axis=1), torque.sum(axis=1), (torque**2).sum(axis=1), rows_tested)
