@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
 from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Poses, Recording
+from exoid.signals.filters.low_pass import slow_part
 from exoid.torques import TorqueModel
 
 GRAVITY = 9.81
@@ -22,7 +22,7 @@ NOTICEABLE = 0.05
 GAINED = 1.0
 """Velocity that a base may gain during a recording [m/s]."""
 
-SLOW = 0.1
+SLOW = 0.08
 """Frequency below which the accelerometer says how the base leans, and above which the gyroscope does [Hz]."""
 
 
@@ -73,6 +73,5 @@ def _mean_vertical_force(base: BaseMotion, rate: float) -> float:
 
 def _lean(slow: FloatArray, turning: FloatArray, rate: float) -> FloatArray:
     """Join the slow part of angles that an accelerometer says, and the fast part of those that a gyroscope says."""
-    filters = scipy.signal.butter(2, min(SLOW, 0.1 * rate), fs=rate, output="sos")
     apart = np.cumsum(turning) / rate - slow
-    return np.asarray(slow + apart - scipy.signal.sosfiltfilt(filters, apart))
+    return np.asarray(slow + apart - slow_part(apart, rate, min(SLOW, 0.08 * rate)))

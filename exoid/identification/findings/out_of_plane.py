@@ -12,7 +12,8 @@ from exoid.estimate.finding import Finding
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Preparation, Recording, base_during
+from exoid.signals import Poses, Preparation, Recording
+from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
 
 NOTICEABLE = 0.01

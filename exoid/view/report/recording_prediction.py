@@ -9,7 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.regression.rows import for_leg
-from exoid.signals import Recording, base_during
+from exoid.signals import Recording
+from exoid.signals.moving_base import base_during
 
 
 class RecordingPrediction(NamedTuple):
