@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exoid import control
-from exoid.codegen.laws import Safety
+from exoid.codegen import Safety, write_c, write_ros2
 from exoid.control import ControlModel
-from exoid.control.in_c import write_c, write_ros2
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate.provenance import provenance
 
@@ -19,8 +18,7 @@ from .numbers import joint_values, parse_gains
 from .refusals import refuse
 
 if TYPE_CHECKING:
-    from exoid.codegen.laws import LawSource
-    from exoid.codegen.ros2 import Ros2Package
+    from exoid.codegen import CSource
     from exoid.control.observers import TorqueObserver
     from exoid.control.stateful import AnyLaw
     from exoid.estimate import Estimate
@@ -35,7 +33,7 @@ OBSERVERS: dict[str, type[TorqueObserver]] = {
 """Observers, which give the torque of the wearer in place of a command."""
 
 
-def export_law(estimate: Estimate, target: Target, options: LawOptions) -> LawSource | Ros2Package:
+def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSource:
     """Write a law for an estimate as C, or as a package for ROS 2."""
     # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     name, default = str(target.law), Safety()
@@ -94,7 +92,7 @@ def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObser
             f"{name}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
             "and C has no form for lags",
             remedy="where the machine's software takes them out, write the observer in Python: "
-            f"exoid.control.in_c.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
+            f"exoid.codegen.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
         )
     return OBSERVERS[name](estimate, _or(options.bandwidth, 8.0), _or(options.rate, 100.0), torque_delay=0.0)
 

@@ -1,17 +1,28 @@
-"""A leg with known parameters as C, for a microcontroller that runs neither Python nor Pinocchio."""
+"""A leg with known parameters, or a control law, as C for a microcontroller that runs neither Python nor Pinocchio."""
 
 from .dialect import PRECISIONS, Dialect
 from .forms import JointInC, Place, register_c_form
-from .planar_leg import c_source, write_c
+from .law_in_c import MOTION, REFERENCE, ArrayInC, InputInC, LawInC, LegInC
+from .ros2 import write_ros2
+from .safety import Safety
 from .source import CSource
+from .write import c_source, write_c
 
 __all__ = [
+    "MOTION",
     "PRECISIONS",
+    "REFERENCE",
+    "ArrayInC",
     "CSource",
     "Dialect",
+    "InputInC",
     "JointInC",
+    "LawInC",
+    "LegInC",
     "Place",
+    "Safety",
     "c_source",
     "register_c_form",
     "write_c",
+    "write_ros2",
 ]

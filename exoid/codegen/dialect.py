@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 PRECISIONS = ("double", "float")
 """Types of number that a leg can be written in."""
@@ -38,7 +38,7 @@ class Dialect:
     def __post_init__(self) -> None:
         """Check the precision."""
         if self.real not in PRECISIONS:
-            raise ExoidError(f"no precision {self.real!r}", remedy=f"use {' or '.join(PRECISIONS)}")
+            raise BadArgumentError(f"no precision {self.real!r}", remedy=f"use {' or '.join(PRECISIONS)}")
 
     def number(self, value: float) -> str:
         """Write a constant so that the compiler reads the same bits.
@@ -53,13 +53,13 @@ class Dialect:
             ExoidError: It is not finite in this precision.
         """
         if not math.isfinite(value):
-            raise ExoidError(f"C has no number {value}", remedy="give every parameter and setting a finite value")
+            raise BadArgumentError(f"C has no number {value}", remedy="give every parameter and setting a finite value")
         if self.real == "double":
             return repr(float(value))
         with np.errstate(over="ignore"):
             narrow = np.float32(value)
         if not np.isfinite(narrow):
-            raise ExoidError(f"{value:g} is too large for a float", remedy="write the leg in double precision")
+            raise BadArgumentError(f"{value:g} is too large for a float", remedy="write the leg in double precision")
         text = str(narrow)
         return f"{text if '.' in text or 'e' in text else f'{text}.0'}f"
 
@@ -79,7 +79,9 @@ def identifier(path: str | Path) -> str:
     """Turn a file's name into the prefix of the names in it."""
     stem = re.sub(r"[^A-Za-z0-9]+", "_", Path(path).name.removesuffix(".c")).strip("_")
     if not stem:
-        raise ExoidError(f"{str(path)!r} is no name for C", remedy="give a file such as leg.c, or a name of letters")
+        raise BadArgumentError(
+            f"{str(path)!r} is no name for C", remedy="give a file such as leg.c, or a name of letters"
+        )
     return f"leg_{stem}" if stem[0].isdigit() else stem
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from exoid.actuators import Actuators, Coupling, Drive, LinearActuator, Motor, MountedAttachments, SeriesElastic
 from exoid.actuators.attachments import SHORTEST
 from exoid.actuators.motor import SLOW
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, NotSupportedError
 
 from .dialect import Dialect
 
@@ -52,9 +52,11 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
     number = dialect.number
     if isinstance(drive, Motor):
         if drive.torque_constant is None:
-            raise ExoidError("the torque constant of a motor is not known", remedy="give torque_constant in N·m/A")
+            raise NotSupportedError(
+                "the torque constant of a motor is not known", remedy="give torque_constant in N·m/A"
+            )
         if drive.temperature_coefficient is not None:
-            raise ExoidError(
+            raise NotSupportedError(
                 "the torque constant of a motor depends on temperature, which C does not know",
                 remedy="take that of one temperature: motor.at_temperature(40.0)",
             )
@@ -71,7 +73,7 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
     if isinstance(drive, LinearActuator) and isinstance(drive.moment_arm, MountedAttachments):
         gain = "" if drive.gain == 1.0 else f"{number(drive.known('gain'))} * "
         return _limited(f"{tau} / ({gain}{_arm(drive.moment_arm, q, dialect)})", drive.max_force, dialect)
-    raise ExoidError(
+    raise NotSupportedError(
         f"{type(drive).__name__} with a table of moment arms has no form in C"
         if isinstance(drive, LinearActuator)
         else f"{type(drive).__name__} has no form in C",

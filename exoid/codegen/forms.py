@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.torques import CoordinateTerm, CoupledTerm, Term
 
 from .dialect import Dialect
@@ -113,7 +113,7 @@ def register_c_form(
         ...     return f"{joint.parameter('d')} * {joint.function('fabs')}({v}) * {v}"
     """
     if place not in get_args(Place):
-        raise ExoidError(f"no place {place!r} for a term in C", remedy=f"use {', '.join(get_args(Place))}")
+        raise BadArgumentError(f"no place {place!r} for a term in C", remedy=f"use {', '.join(get_args(Place))}")
 
     def register(write: Callable[[T, JointInC], str]) -> Callable[[T, JointInC], str]:
         """Register the form of the type."""
@@ -136,17 +136,17 @@ def c_form(term: Term) -> CForm:
         else ""
     )
     if needs:
-        raise ExoidError(
+        raise NotSupportedError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",
         )
     if isinstance(term, CoupledTerm) and not isinstance(term, CoordinateTerm):
-        raise ExoidError(
+        raise NotSupportedError(
             f"{described} has no form in C: it acts on several joints, and not along one coordinate",
             remedy="derive it from exoid.torques.CoordinateTerm if it is a torque along a sum of ratios times angles",
         )
     if type(term) not in FORMS:
-        raise ExoidError(
+        raise NotSupportedError(
             f"{described} has no form in C",
             remedy=f"register one with exoid.codegen.register_c_form({type(term).__name__}, place), or identify with "
             f"terms that have one: {', '.join(kind.__name__ for kind in FORMS)}",

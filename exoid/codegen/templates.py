@@ -1,10 +1,13 @@
-"""Templates of C: filled in one precision, with texts made harmless."""
+"""Templates of C: filled in one precision, with texts made harmless and arrays of constants."""
 
 from __future__ import annotations
 
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .dialect import Dialect, comment
 
@@ -17,6 +20,11 @@ def fill(template: str, dialect: Dialect, **values: object) -> str:
     environment = _environment(dialect)
     found = environment.from_string(template) if "\n" in template else environment.get_template(template)
     return found.render(values)
+
+
+def step_of(name: str) -> str:
+    """Read the statements of a law, a template to be filled with its names."""
+    return resources.files(__package__).joinpath("steps", f"{name}.c.jinja").read_text(encoding="utf-8")
 
 
 @cache
@@ -36,3 +44,14 @@ def _environment(dialect: Dialect) -> Environment:
     environment.filters["comment"] = comment
     environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
     return environment
+
+
+def initializer(values: NDArray[Any], dialect: Dialect, indent: str = "") -> str:
+    """Write the initializer of an array."""
+    if values.ndim == 0:
+        return str(int(values)) if np.issubdtype(values.dtype, np.integer) else dialect.number(float(values))
+    if values.ndim == 1:
+        return "{" + ", ".join(initializer(value, dialect) for value in values) + "}"
+    inner = f"{indent}    "
+    rows = ",\n".join(f"{inner}{initializer(row, dialect, inner)}" for row in values)
+    return f"{{\n{rows}\n{indent}}}"

@@ -1,33 +1,34 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
-from .adaptive import Adaptive, adaptive
+from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
 from .compare_laws import compare_laws
-from .computed_torque import computed_torque
 from .driven import Driven
-from .feedforward_pd import feedforward_pd
-from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation
-from .gravity_friction_pd import gravity_friction_pd
-from .gravity_support import gravity_support, transparent
-from .impedance import impedance
+from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
 from .law import Law, State
+from .laws import (
+    computed_torque,
+    feedforward_pd,
+    gravity_friction_pd,
+    gravity_support,
+    impedance,
+    p,
+    pd,
+    transparent,
+)
 from .limited import Limited
 from .lqr import Weights, lqr
 from .mean_pose import mean_pose
-from .model import ControlModel
-from .motion_filter import MotionFilter
+from .model import ControlModel, default_gains
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
-from .parameter_cone import ParameterCone
-from .passive_friction import PassiveFriction
-from .pd import p, pd
 from .replay import LawReplay, replay_law
-from .self_tuning import SelfTuning, self_tuning
+from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
-from .standard_laws import LAWS, default_gains, standard_laws
+from .standard_laws import LAWS, standard_laws
 from .stateful import StatefulLaw, stateful
 from .track import track
 from .tracking import Tracking, command_table
@@ -37,7 +38,6 @@ __all__ = [
     "LAWS",
     "SHARP",
     "SMOOTH",
-    "Adaptive",
     "ControlModel",
     "Driven",
     "ExpectedChange",
@@ -47,10 +47,7 @@ __all__ = [
     "LawReplay",
     "Limited",
     "MomentumObserver",
-    "MotionFilter",
-    "ParameterCone",
     "PassiveFriction",
-    "SelfTuning",
     "SensorNoise",
     "SideBySide",
     "State",

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 from .law import RATE, State, acceleration, gains, refuse_rate
@@ -102,31 +102,12 @@ class Adaptive:
         return float(1.0 / (self.time_constant * largest.mean()))
 
     def begin(self, state: State) -> AdaptiveMemory:
-        """Begin with the initial values.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin with the initial values."""
         values = np.tile(self.start[:, None], state.q.reshape(self.model.n, -1).shape[1])
         return AdaptiveMemory(values.reshape(-1, *state.q.shape[1:]), np.full_like(state.q, np.nan))
 
     def step(self, memory: AdaptiveMemory, state: State, target: Target) -> tuple[FloatArray, AdaptiveMemory]:
-        """Compute the torque, and adapt the parameters; see the class.
-
-        Args:
-            memory: Memory from the previous sample.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-
-        Raises:
-            ExoidError: The target has no acceleration, or a reading, target or held torque is not finite.
-        """
+        """Compute the torque, and adapt the parameters; see the class."""
         shape, n = state.q.shape, self.model.n
         q, v, q_d, v_d, a_d, requested = (
             x.reshape(n, -1) for x in (state.q, state.v, target.q, target.v, acceleration(target), memory.requested)
@@ -147,20 +128,13 @@ class Adaptive:
         return torque.reshape(shape), AdaptiveMemory(learned.T.reshape(-1, *shape[1:]), torque.reshape(shape))
 
     def estimate_of(self, memory: AdaptiveMemory) -> dict[str, float]:
-        """Read the parameters of one leg.
-
-        Args:
-            memory: Memory of one leg.
-
-        Returns:
-            Values in SI units by name.
-        """
+        """Read the parameters of one leg."""
         return dict(zip(self.names, np.ravel(memory.values).tolist(), strict=True))
 
     def _project(self, values: FloatArray, before: FloatArray) -> FloatArray:
         """Project the parameters of each leg on the cone, (B, P)."""
         if not np.isfinite(values).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 "a reading, a target or a held torque is not finite",
                 remedy="stop the leg, and begin again with good readings",
             )

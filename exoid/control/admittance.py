@@ -8,18 +8,19 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.codegen import MOTION, Dialect, InputInC, LawInC
+from exoid.codegen.law_in_c import per_joint
+from exoid.codegen.law_source import ABSURD
+from exoid.codegen.templates import step_of
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
+from .c_description import describe
+from .friction import PASSIVE, PassiveFriction, wearer_friction
 from .law import State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
-from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
-RATE = 500.0
-"""Default sampling rate [Hz]."""
-
-FREQUENCY = 20.0
-"""Default natural frequency with which the leg follows the virtual mass [rad/s], critically damped."""
+INTERACTION = InputInC("interaction", "torque of the wearer on the leg, by sensors or an observer [N m]", "reading")
 
 
 class VirtualMass(NamedTuple):
@@ -47,7 +48,7 @@ class Admittance:
     # constant error of the sensor does not carry it away
     reach: FloatArray
     friction: PassiveFriction | None = PASSIVE  # friction compensation, which never drives; None for none
-    rate: float = RATE  # sampling rate [Hz]
+    rate: float = 500.0  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -55,7 +56,7 @@ class Admittance:
         freeze_gains(self, "mass", "damping", "stiffness", "frequency")
         reach = np.array(self.reach, dtype=np.float64)
         if not ((self.mass > 0.0).all() and (self.frequency > 0.0).all() and (reach > 0.0).all()):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"mass {self.mass!r}, frequency {self.frequency!r} and reach {self.reach!r} of an admittance",
                 remedy="give positive numbers; reach may be inf",
             )
@@ -90,11 +91,38 @@ class Admittance:
         stopped = np.abs(x) > reach
         return VirtualMass(np.clip(x, -reach, reach), np.where(stopped, 0.0, rate)), acceleration
 
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C; it measures the torque of the wearer."""
+        n, half = self.model.n, 0.5 / self.rate
+        mass, damping, stiffness, frequency, reach = (
+            per_joint(getattr(self, name), name, n) for name in ("mass", "damping", "stiffness", "frequency", "reach")
+        )
+        return describe(
+            self.model,
+            self.friction,
+            self.rate,
+            dialect,
+            equation="m x'' + D x' + K x = interaction; tau = M(q) (a_d + x'' + 2 omega (v_d + x' - v) + "
+            "omega^2 (q_d + x - q)) + C(q, v) v + G(q) + springs(q){friction} - interaction",
+            step=step_of("admittance"),
+            calls=("inverse_dynamics",),
+            inputs=(*MOTION, INTERACTION),
+            tables={
+                "virtual_mass": (mass + half * (damping + half * stiffness), "m + (D + K T/2) T/2 [kg m^2]"),
+                "virtual_damping": (damping, "D [N m s/rad]"),
+                "virtual_stiffness": (stiffness, "K [N m/rad]"),
+                "frequency": (frequency, "natural frequency omega of following [rad/s]"),
+                "reach": (np.minimum(reach, ABSURD), f"largest deviation from the target [rad]; {ABSURD:g} for none"),
+                "half": (half, "half a period [s]"),
+            },
+            memory={"x": "position of the virtual mass [rad]", "rate": "its velocity [rad/s]"},
+        )
+
 
 def interaction_of(state: State) -> FloatArray:
     """Take the torque of the wearer out of a state."""
     if state.interaction is None:
-        raise ExoidError(
+        raise BadArgumentError(
             "this controller needs the torque of the wearer, State(interaction=...)",
             remedy="measure it in the cuffs, estimate it by an observer, or simulate with wearer=",
         )
@@ -107,10 +135,10 @@ def admittance(
     damping: ArrayLike,
     stiffness: ArrayLike = 0.0,
     *,
-    frequency: ArrayLike = FREQUENCY,
+    frequency: ArrayLike = 20.0,
     reach: ArrayLike = np.inf,
     friction: PassiveFriction | None = PASSIVE,
-    rate: float = RATE,
+    rate: float = 500.0,
 ) -> Admittance:
     """Make an :class:`Admittance` controller.
 
@@ -119,7 +147,7 @@ def admittance(
         mass: Virtual mass [kg·m²], a number or one for each joint.
         damping: Virtual damping [N·m·s/rad].
         stiffness: Virtual stiffness about the target [N·m/rad].
-        frequency: Natural frequency with which the leg follows the virtual mass [rad/s].
+        frequency: Natural frequency with which the leg follows the virtual mass [rad/s], critically damped.
         reach: Largest deviation from the target [rad].
         friction: Friction compensation; None for none.
         rate: Sampling rate [Hz].

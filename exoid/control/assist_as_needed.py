@@ -8,12 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.codegen import REFERENCE, Dialect, LawInC
+from exoid.codegen.law_in_c import per_joint
+from exoid.codegen.templates import step_of
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
+from .c_description import describe
+from .friction import PASSIVE, PassiveFriction, wearer_friction
 from .law import RATE, State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
-from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
 TUNNEL = float(np.deg2rad(4.0))
 """Default half width of the tunnel [rad]."""
@@ -50,7 +54,7 @@ class AssistAsNeeded:
         refuse_rate(self.rate)
         freeze_gains(self, "stiffness", "damping", "tunnel", "learning")
         if not ((self.tunnel > 0.0).all() and 0.0 < self.forgetting < np.inf):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a tunnel of {self.tunnel!r} rad, forgotten in {self.forgetting:g} s", remedy="give positive numbers"
             )
 
@@ -69,6 +73,33 @@ class AssistAsNeeded:
         kept = float(np.exp(-1.0 / (self.rate * self.forgetting)))
         gained = self.forgetting * (1.0 - kept) * spread(self.learning, q) * beyond
         return torque, Learnt(kept * memory.torque + gained)
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C."""
+        stiffness, damping, tunnel, learning = (
+            per_joint(getattr(self, name), name, self.model.n)
+            for name in ("stiffness", "damping", "tunnel", "learning")
+        )
+        kept = float(np.exp(-1.0 / (self.rate * self.forgetting)))
+        return describe(
+            self.model,
+            self.friction,
+            self.rate,
+            dialect,
+            equation="tau = G(q) + springs(q){friction} + K e' + w D (v_d - v) + learnt, "
+            "e' the error beyond the tunnel",
+            step=step_of("assist_as_needed"),
+            calls=("gravity", "springs"),
+            inputs=REFERENCE,
+            tables={
+                "kp": (stiffness, "K beyond the tunnel [N m/rad]"),
+                "kd": (damping, "D beyond the tunnel [N m s/rad]"),
+                "tunnel": (tunnel, "half width of the tunnel [rad]"),
+                "gained": (self.forgetting * (1.0 - kept) * learning, "learnt in one step [N m/rad]"),
+                "kept": (kept, "share of the learnt torque that one step keeps"),
+            },
+            memory={"learnt": "learnt assistance [N m]"},
+        )
 
 
 def assist_as_needed(

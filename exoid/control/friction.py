@@ -1,18 +1,19 @@
-"""Friction compensation: with measured or desired velocity, sharp or smooth, and which share of the friction."""
+"""Friction compensation: with measured or desired velocity, sharp or smooth; or for a wearer, where it never drives."""
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 from .law import State
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 
 WIDTH = 0.05
 """Width of a smooth sign [rad/s]: several times the noise of a tachometer, a tenth of the speed of a slow gait."""
@@ -42,7 +43,9 @@ class FrictionCompensation:
         """Check the settings."""
         known = self.velocity in ("measured", "desired")
         if not (known and 0.0 <= self.width < np.inf and np.isfinite(self.scale)):
-            raise ExoidError(f"no such friction compensation: {self}", remedy='velocity is "measured" or "desired"')
+            raise BadArgumentError(
+                f"no such friction compensation: {self}", remedy='velocity is "measured" or "desired"'
+            )
 
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
         """Compute the torque that compensates friction.
@@ -56,16 +59,90 @@ class FrictionCompensation:
             Torque [N·m], of the shape of ``state.q``.
         """
         velocity = target.v if self.velocity == "desired" else state.v
-        torque = model.friction(state.q, velocity, self.width)
-        return torque if self.scale == 1.0 else self.scale * torque
+        return self.scale * model.friction(state.q, velocity, self.width)
+
+    def in_c(self, measured: str) -> tuple[str, str]:
+        """Write the statements, and the words for the equation; ``measured`` is the velocity in C."""
+        velocity = "in->v_d" if self.velocity == "desired" else measured
+        share = "" if self.scale == 1.0 else f"{self.scale:g} "
+        return f"    {{{{p}}}}_friction({velocity}, friction);", f" + {share}F({velocity.split('->')[1]})"
 
 
-def with_friction(
-    torque: FloatArray, friction: FrictionCompensation | None, model: ControlModel, state: State, target: Target
-) -> FloatArray:
-    """Add friction compensation to the torque of a controller."""
-    return torque if friction is None else torque + friction.torque(model, state, target)
+@dataclass(frozen=True)
+class PassiveFriction:
+    """τ_f = share · r(v) where r(v) v > 0, else 0, with r(v) = c0 tanh(v / width) + d v of the model.
 
+    It is zero at rest, has the sign of the velocity, and is at most ``share`` of the model's friction. So it never
+    gives more power to the joint than true friction takes, as long as the model's friction is at most 1/share of the
+    true one. Friction that a model has with the wrong sign is not compensated.
+
+    Attributes:
+        share: Share of the model's friction that is compensated, 0 to 1.
+        width: Width of the smooth sign [rad/s], positive: with a sharp sign noise alone would drive a joint at rest.
+
+    Raises:
+        ExoidError: The share is not from 0 to 1, or the width is not positive.
+    """
+
+    share: float = 0.9
+    width: float = WIDTH
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        if not 0.0 <= self.share <= 1.0:
+            raise BadArgumentError(
+                f"compensation of {self.share:g} times the friction",
+                remedy="give a share from 0 to 1: more than all friction drives the joint",
+            )
+        if not 0.0 < self.width < np.inf:
+            raise BadArgumentError(f"a smooth sign of width {self.width:g} rad/s", remedy="give a positive width")
+
+    @property
+    def scale(self) -> float:
+        """Share of the model's friction that is compensated."""
+        return self.share
+
+    def of(self, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the torque that compensates friction.
+
+        Args:
+            model: Model with the friction coefficients.
+            q: Measured angles [rad], (n,) or (n, B).
+            v: Measured velocities [rad/s], likewise.
+
+        Returns:
+            Torque [N·m], of the same shape.
+        """
+        friction = model.friction(q, v, self.width)
+        return np.asarray(np.where(friction * v > 0.0, self.share * friction, 0.0))
+
+    def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
+        """Compute the torque that compensates friction, at the measured velocity.
+
+        Args:
+            model: Model with the friction coefficients.
+            state: Measured state, (n,) or (n, B).
+            target: Not used.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
+        return self.of(model, state.q, state.v)
+
+    def in_c(self, measured: str) -> tuple[str, str]:
+        """Write the statements, and the words for the equation; ``measured`` is the velocity in C."""
+        statements = (
+            f"    {{{{p}}}}_friction({measured}, friction);\n"
+            "    for (j = 0; j < {{N}}; ++j) { /* never drives */\n"
+            f"        friction[j] = friction[j] * {measured}[j] > "
+            "{{number(0)}} ? friction[j] : {{number(0)}};\n"
+            "    }"
+        )
+        return statements, f" + {self.share:g} F(v), never driving"
+
+
+Friction = FrictionCompensation | PassiveFriction
+"""Friction compensation, whose torque is to be added to that of a law."""
 
 SMOOTH = FrictionCompensation()
 """Measured velocity, smooth: doc. 2, eq. (25), without the chatter of the sign function."""
@@ -75,3 +152,31 @@ SHARP = FrictionCompensation(width=0.0)
 
 AHEAD = FrictionCompensation(velocity="desired")
 """Desired velocity, smooth."""
+
+PASSIVE = PassiveFriction()
+"""Nine tenths of the model's friction."""
+
+
+def wearer_friction(friction: PassiveFriction | None, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
+    """Compute the torque of a friction compensation that may be absent."""
+    return np.zeros_like(v) if friction is None else friction.of(model, q, v)
+
+
+def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
+    """Make the model of a law, and warn if it compensates friction that is negative."""
+    # Under eq. (6) of doc. 2, its Table III as printed would inject energy: compensating it opposes the motion.
+    # Friction must resist up to 1 rad/s; slightly negative viscous friction beside Coulomb's is noise.
+    model = ControlModel.of(source)
+    wrong = [
+        f"{label}: {c0:.4g} sgn(v) {d:+.4g} v N·m"
+        for label, c0, d in zip(model.leg.joint_labels, model.coulomb, model.viscous, strict=True)
+        if min(c0, c0 + 1.0 * d) < 0.0
+    ]
+    if wrong and friction is not None:
+        warnings.warn(
+            f"friction that drives the joint ({'; '.join(wrong)}): compensating it brakes the motion that it should "
+            "support. Check the sign convention; doc. 2 prints its Table III with this sign",
+            UserWarning,
+            stacklevel=3,
+        )
+    return model

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
 from exoid.signals import FiniteDifference
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
@@ -35,7 +35,7 @@ def _reduced(source: Estimate) -> Estimate:
     model = TorqueModel(source.leg, kept, separate=source.model.separate)
     missing = [name for name in model.names if name not in source.names]
     if missing:
-        raise ExoidError(
+        raise NotSupportedError(
             f"without its other terms the model has {', '.join(missing)}, which the estimate lacks",
             remedy="use adaptive, or identify with Coulomb and viscous friction, stiffness, offsets and rotors only",
         )

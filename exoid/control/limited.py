@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.codegen import Dialect, LawInC
+from exoid.codegen.law_in_c import law_in_c
+from exoid.errors import BadArgumentError
 
 from .law import State, spread
 from .wrapped import Wrapped
@@ -43,7 +45,7 @@ class Limited(Wrapped):
         for name in ("limit", "slew"):
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.ndim > 1 or not (array > 0.0).all():
-                raise ExoidError(f"{name} = {getattr(self, name)!r}", remedy="give positive limits, or inf")
+                raise BadArgumentError(f"{name} = {getattr(self, name)!r}", remedy="give positive limits, or inf")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
@@ -62,3 +64,19 @@ class Limited(Wrapped):
         torque = np.clip(torque, last - change, last + change)
         limit = spread(np.asarray(self.limit), torque)
         return np.clip(torque, -limit, limit)
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C.
+
+        Args:
+            dialect: Precision.
+
+        Returns:
+            The other law, within the limits.
+
+        Raises:
+            ExoidError: The other law has no form in C.
+        """
+        inner = law_in_c(self.law, dialect)
+        limit, slew = np.minimum(inner.limit, np.asarray(self.limit)), np.minimum(inner.slew, np.asarray(self.slew))
+        return replace(inner, limit=limit, slew=slew)

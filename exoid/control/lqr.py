@@ -9,11 +9,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.codegen import MOTION, Dialect, InputInC, LawInC
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.rig import Reference, Target
 
-from .estimate_checks import model_to_compensate
-from .friction import AHEAD, FrictionCompensation, with_friction
+from .c_description import describe
+from .friction import AHEAD, FrictionCompensation, model_to_compensate
 from .law import RATE, State, acceleration, refuse_rate
 from .linearise import discretise, linearise
 from .mean_pose import poses_along
@@ -48,11 +49,32 @@ class Weights(NamedTuple):
         try:
             angle, velocity, torque = (np.broadcast_to(np.asarray(x, dtype=np.float64), (n,)) for x in self)
         except (TypeError, ValueError):
-            raise ExoidError(f"weights {self} for {n} joints", remedy="give a number, or one for each joint") from None
+            raise BadArgumentError(
+                f"weights {self} for {n} joints", remedy="give a number, or one for each joint"
+            ) from None
         finite = np.isfinite(angle).all() and np.isfinite(torque).all()
         if not (finite and (angle > 0.0).all() and (velocity > 0.0).all() and (torque > 0.0).all()):
-            raise ExoidError(f"weights {self}", remedy="give positive deviations of angle, velocity and torque")
+            raise BadArgumentError(f"weights {self}", remedy="give positive deviations of angle, velocity and torque")
         return np.diag(np.concatenate([angle, velocity]) ** -2.0), np.diag(torque**-2.0)
+
+
+TIME = InputInC("time", "time since the reference began, less any number of periods [s]", scalar=True)
+
+STEP = """\
+    {{real}} friction[{{N}}], nearest;
+    int instant, k;
+    nearest = {{function("fmod")}}({{function("rint")}}({{p}}_instants * in->time / {{p}}_period), {{p}}_instants);
+    instant = (int)(nearest < {{number(0)}} ? nearest + {{p}}_instants : nearest);
+    {{p}}_inverse_dynamics(in->q_d, in->v_d, in->a_d, tau);
+{{friction}}
+    for (j = 0; j < {{N}}; ++j) {
+        tau[j] += friction[j];
+        for (k = 0; k < {{N}}; ++k) {
+            tau[j] += {{p}}_gain[instant][j][k] * (in->q_d[k] - in->q[k]);
+            tau[j] += {{p}}_gain[instant][j][{{N}} + k] * (in->v_d[k] - in->v[k]);
+        }
+    }
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +96,26 @@ class LQR:
         """Compute the torque; see the class."""
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = torque + self.gain_at(state.time) @ np.concatenate([target.q - state.q, target.v - state.v])
-        return np.asarray(with_friction(torque, self.friction, self.model, state, target))
+        return np.asarray(torque if self.friction is None else torque + self.friction.torque(self.model, state, target))
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C: the gain is that of the nearest instant of the period."""
+        return describe(
+            self.model,
+            self.friction,
+            self.rate,
+            dialect,
+            equation="tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} "
+            "+ K(t) (x_d - x), x = (q, v)",
+            step=STEP,
+            calls=("inverse_dynamics",),
+            inputs=(*MOTION, TIME),
+            tables={
+                "gain": (self.gains, f"K at {len(self.gains)} instants of the period [N m/rad, N m s/rad]"),
+                "instants": (float(len(self.gains)), "number of instants"),
+                "period": (self.period, "period [s]"),
+            },
+        )
 
 
 def lqr(
@@ -114,7 +155,7 @@ def lqr(
     model = model_to_compensate(source, friction)
     poses = poses_along(reference, period)
     if poses.shape[1] != model.n:
-        raise ExoidError(
+        raise BadArgumentError(
             f"a reference of {poses.shape[1]} joints for a leg of {model.n}", remedy="give one of this leg"
         )
     costs = (weights or Weights()).matrices(model.n)
@@ -132,7 +173,7 @@ def _optimal_gain(
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
-        raise ExoidError(
+        raise NotSupportedError(
             f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
         ) from error
     return np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A))

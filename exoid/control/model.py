@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import Estimate
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
@@ -20,13 +20,6 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueMode
 
 from .law import spread
 from .other_term import OtherTerm
-
-PLAIN: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
-"""Terms with one coefficient for each joint."""
-
-
-STEP = 1e-6
-"""Step of differences by an angle [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +76,7 @@ class ControlModel:
             b = source.stiffness[..., 0]
             return cls(bodies, b, source.coulomb[:, 0], source.viscous[:, 0], source.armature[:, 0])
         what = f"a plant of {source.count} rigs" if isinstance(source, Plant) else repr(source)
-        raise ExoidError(f"no control model from {what}", remedy="give an Estimate, a Leg, or a Plant of one rig")
+        raise BadArgumentError(f"no control model from {what}", remedy="give an Estimate, a Leg, or a Plant of one rig")
 
     @classmethod
     def of_parameters(cls, model: TorqueModel, parameters: FloatArray) -> ControlModel:
@@ -96,7 +89,30 @@ class ControlModel:
         Returns:
             The model.
         """
-        return _of_parameters(model.loaded_by(parameters), parameters)
+        model = model.loaded_by(parameters)
+        leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
+        values = dict(zip(model.names, parameters.tolist(), strict=True))
+        n = len(leg.joint_names)
+        degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
+        plain: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
+        spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
+        others = []
+        for term in model.terms:
+            for joints in term.places(leg.joint_names, leg.joint_labels):
+                label, joint = term.label(joints, leg.joint_labels), joints[0]
+                # a regrouped parameter is part of another one
+                found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
+                kind = type(term)
+                if type(term) is Stiffness:  # a subclass may compute something else
+                    spring[degree - term.degree :, joint] += found
+                elif kind is Offset:
+                    spring[-1, joint] += found[0]
+                elif kind in plain and len(term.symbols) == 1:
+                    rest[plain.index(kind), joint] += found[0]
+                else:
+                    others.append(OtherTerm.of(term, joints, found, n))
+        coulomb, viscous, armature = rest
+        return cls(leg, spring, coulomb, viscous, armature, tuple(others))
 
     def plant(self, *, end_stops: bool = True) -> Plant:
         """Build the rig that this model describes. A rig cannot have negative friction, which becomes zero.
@@ -111,7 +127,7 @@ class ControlModel:
             ExoidError: The model has terms that a rig does not have, or no bodies have such parameters.
         """
         if self.others or len(self.spring) > STIFFNESS_DEGREE + 1:
-            raise ExoidError(
+            raise NotSupportedError(
                 "the rig has no such friction or stiffness",
                 remedy=f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most",
             )
@@ -138,9 +154,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        if q.ndim == 1:
-            return np.asarray(self.gravity(q) + self._springs(q))
-        return self.inverse_dynamics(q, np.zeros_like(q), np.zeros_like(q))
+        return np.asarray(self.gravity(q) + self._springs(q))
 
     def gravity(self, q: FloatArray) -> FloatArray:
         """Compute the gravity torque of the bodies.
@@ -151,10 +165,8 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        if q.ndim == 2:
-            return self.leg.gravity(q.T).T
-        at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-        return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at))
+        still = np.zeros_like(q)
+        return self._bodies(q, still, still)
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Compute RNEA(q, v, a) + Ia a + s(q): all torques except friction.
@@ -167,16 +179,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        if q.ndim == 1:
-            at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-            torque = pin.rnea(self.pinocchio, self._data, at, v, a) + self._springs(q)
-            return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
-        leg = self.leg
-        if leg.chain is not None:
-            torque = (leg.regressor(q.T, v.T, a.T) @ leg.parameters).T
-        else:
-            torque = leg.inverse_dynamics(q.T, v.T, a.T).T
-        torque = torque + self.armature[:, None] * a + self._springs(q)
+        torque = self._bodies(q, v, a) + self._springs(q)
         return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
@@ -212,12 +215,13 @@ class ControlModel:
         """
         powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
         rate = np.diag((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
-        above, below = (q[:, None] + step * np.eye(self.n) for step in (STEP, -STEP))
+        step = 1e-6  # [rad], of differences
+        above, below = (q[:, None] + change * np.eye(self.n) for change in (step, -step))
         still = np.zeros_like(above)
         for other in self.others:
             if len(other.joints) > 1:
                 difference = other.torque(above, still, still, still) - other.torque(below, still, still, still)
-                rate[list(other.joints)] += difference / (2.0 * STEP)
+                rate[list(other.joints)] += difference / (2.0 * step)
         return rate
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
@@ -280,6 +284,17 @@ class ControlModel:
         """Whether some other term depends on accelerations."""
         return any(other.inertial for other in self.others)
 
+    def _bodies(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """RNEA(q, v, a) + Ia a, of one leg by Pinocchio, of many at once."""
+        if q.ndim == 1:
+            at = configuration(self.pinocchio, q[None])[0] if self._turns else q
+            return np.array(pin.rnea(self.pinocchio, self._data, at, v, a))
+        leg = self.leg
+        rows = (
+            leg.inverse_dynamics(q.T, v.T, a.T) if leg.chain is None else leg.regressor(q.T, v.T, a.T) @ leg.parameters
+        )
+        return np.asarray(rows.T + self.armature[:, None] * a)
+
     def _other_inertia(self, q: FloatArray, a: FloatArray) -> FloatArray:
         """Part of other terms that accelerations cause, at rest, (n,) or (n, B)."""
         torque = np.zeros_like(a)
@@ -305,30 +320,20 @@ class ControlModel:
         return np.asarray(torque)
 
 
+def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Choose Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
+
+    Args:
+        source: Source of the model.
+        pose: Angles [rad], (n,).
+
+    Returns:
+        Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.
+    """
+    # 5 rad/s is as low as document 2's errors suggest
+    kp = 5.0**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
+    return kp, 0.1 * kp
+
+
 ModelSource = Estimate | Leg | Plant | ControlModel
 """Source of a controller's model: an estimate, a leg (bodies only), or a plant of one rig (its true parameters)."""
-
-
-def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
-    leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
-    values = dict(zip(model.names, parameters.tolist(), strict=True))
-    n = len(leg.joint_names)
-    degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
-    spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
-    others = []
-    for term in model.terms:
-        for joints in term.places(leg.joint_names, leg.joint_labels):
-            label, joint = term.label(joints, leg.joint_labels), joints[0]
-            # a regrouped parameter is part of another one
-            found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
-            kind = type(term)
-            if type(term) is Stiffness:  # a subclass may compute something else
-                spring[degree - term.degree :, joint] += found
-            elif kind is Offset:
-                spring[-1, joint] += found[0]
-            elif kind in PLAIN and len(term.symbols) == 1:
-                rest[PLAIN.index(kind), joint] += found[0]
-            else:
-                others.append(OtherTerm.of(term, joints, found, n))
-    coulomb, viscous, armature = rest
-    return ControlModel(leg, spring, coulomb, viscous, armature, tuple(others))

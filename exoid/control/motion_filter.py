@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .law import refuse_rate
 
@@ -54,7 +54,7 @@ class MotionFilter:
         """Check bandwidth and rate."""
         refuse_rate(self.rate)
         if not 0.0 < self.bandwidth < 0.5 * self.rate:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a filter of {self.bandwidth:g} Hz at {self.rate:g} Hz",
                 remedy=f"give a bandwidth between 0 and {0.5 * self.rate:g} Hz, or a higher rate",
             )
@@ -70,44 +70,26 @@ class MotionFilter:
         return 2.0 / self.pole
 
     def begin(self, q: FloatArray, v: FloatArray) -> FilteredMotion:
-        """Begin as if the leg had moved with constant velocity until the first sample.
-
-        Args:
-            q: Measured angles at the first sample [rad], (n,) or (n, B).
-            v: Measured velocities [rad/s], likewise.
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin as if the leg had moved with constant velocity until the first sample."""
         before = q - v / self.rate
         return FilteredMotion(before - self.delay * v, v, v, np.zeros_like(v), before, v)
 
     def step(self, motion: FilteredMotion, q: FloatArray, v: FloatArray) -> FilteredMotion:
-        """Filter a sample.
-
-        Args:
-            motion: Memory from the previous sample, or from :meth:`begin`.
-            q: Measured angles [rad], (n,) or (n, B).
-            v: Measured velocities [rad/s], likewise.
-
-        Returns:
-            Filtered motion, the memory for the next sample.
-        """
+        """Filter a sample."""
         angles = self._channel(motion.q, motion.rate, motion.q_read, q)
         return FilteredMotion(*angles, *self._channel(motion.v, motion.a, motion.v_read, v), q, v)
 
-    def hold(self, x: FloatArray, y: FloatArray, held: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter an input that was constant over the last period, such as a commanded torque.
-
-        Args:
-            x: Filtered input at the previous sample, (n,) or (n, B).
-            y: Its rate of change [1/s], likewise.
-            held: The input since then.
-
-        Returns:
-            Filtered input at this sample, and its rate of change.
-        """
-        return self._channel(x, y, held, held)
+    def tables_in_c(self) -> dict[str, tuple[float, str]]:
+        """Constants of the filter in C: numbers and comments by name."""
+        step = self.pole / self.rate
+        return {
+            "filter_delay": (self.delay, "delay 2/lambda of the motion filter [s]"),
+            "filter_rate": (self.rate, "sampling rate [Hz]"),
+            "filter_zz": (np.exp(-step) * (1.0 + step), "exp(-lambda T) (1 + lambda T)"),
+            "filter_zw": (np.exp(-step) / self.rate, "exp(-lambda T) T [s]"),
+            "filter_wz": (-np.exp(-step) * self.pole * step, "-exp(-lambda T) lambda^2 T [1/s]"),
+            "filter_ww": (np.exp(-step) * (1.0 - step), "exp(-lambda T) (1 - lambda T)"),
+        }
 
     def _channel(
         self, x: FloatArray, y: FloatArray, before: FloatArray, u: FloatArray

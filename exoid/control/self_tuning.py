@@ -10,19 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.online import Block, Recursion, Settings, advance, belief, estimate_of, started
-from exoid.online import State as OnlineState
+from exoid.online.advance import Recursion, advance
+from exoid.online.rows import Block
+from exoid.online.settings import Settings
+from exoid.online.solution import belief, estimate_of, started
+from exoid.online.state import State as OnlineState
 from exoid.rig import Target
 
 from .known_leg import as_estimate
-from .law import RATE, State, acceleration, gains, refuse_rate
+from .law import RATE, State, acceleration, refuse_rate
+from .laws import pd
 from .model import ControlModel, ModelSource
 from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
-from .pd import PD
 from .slotine_li import SlotineLiModel
+from .tracking_law import TrackingLaw
 
 LOOSE = 100.0
 """Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
@@ -46,8 +50,8 @@ class SelfTuningMemory(NamedTuple):
 class SelfTuning:
     """τ = Kp e + Kd ė + Y(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`.
 
-    Measured motion and held torque go through :func:`exoid.online.advance`. After every block, of 0.1 s or so, β̂
-    approaches the posterior
+    Measured motion and held torque go through a recursive estimator. After every block, of 0.1 s or so, β̂ approaches
+    the posterior
 
         β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)    over the :class:`ParameterCone`,
 
@@ -71,7 +75,7 @@ class SelfTuning:
         bound: Largest distance of each parameter from β₀, in standard deviations of P₀.
     """
 
-    feedback: PD
+    feedback: TrackingLaw
     model: SlotineLiModel
     cone: ParameterCone
     source: Estimate
@@ -84,7 +88,7 @@ class SelfTuning:
     def __post_init__(self) -> None:
         """Check the settings."""
         if not all(0.0 < x < np.inf for x in (self.time_constant, self.slew, self.bound)):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"time constant {self.time_constant:g} s, slew {self.slew:g}, bound {self.bound:g}",
                 remedy="give positive, finite numbers",
             )
@@ -100,14 +104,7 @@ class SelfTuning:
         return self.model.names
 
     def begin(self, state: State) -> SelfTuningMemory:
-        """Begin with the initial values.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin with the initial values."""
         n, count = self.model.n, state.q.reshape(self.model.n, -1).shape[1]
         values = np.tile(self.model.values[:, None], count).reshape(-1, *state.q.shape[1:])
         unknown = np.full((3, n, count), np.nan)
@@ -115,19 +112,7 @@ class SelfTuning:
         return SelfTuningMemory(values, values, (self._start,) * count, nothing, unknown, unknown[0])
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
-        """Compute the torque, and refresh the parameters; see the class.
-
-        Args:
-            memory: Memory from the previous sample.
-            state: Measured state with the torque held until now in ``last``, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-
-        Raises:
-            ExoidError: The target has no acceleration, or a reading is not finite.
-        """
+        """Compute the torque, and refresh the parameters; see the class."""
         n, shape = self.model.n, state.q.shape
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
@@ -140,18 +125,7 @@ class SelfTuning:
         return torque, memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
-        """Make an estimate of what the recursive estimator of one leg knows, without the prior.
-
-        Args:
-            memory: Memory of one leg or of several.
-            leg: Index of the leg.
-
-        Returns:
-            The estimate.
-
-        Raises:
-            ExoidError: The samples so far do not determine every parameter: names them.
-        """
+        """Make an estimate of what the recursive estimator of one leg knows, without the prior."""
         return estimate_of(self.recursion.settings, memory.online[leg], ())
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
@@ -160,7 +134,7 @@ class SelfTuning:
         held = memory.requested if state.last is None else state.last.reshape(n, -1)
         now = np.array([state.q.reshape(n, -1), state.v.reshape(n, -1), held])
         if not np.isfinite(now[:2]).all():
-            raise ExoidError("a reading is not finite", remedy="stop the leg, and begin again with good readings")
+            raise BadArgumentError("a reading is not finite", remedy="stop the leg, and begin again with good readings")
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
             moved = 0.5 * (before[2] + held) - self.model.fixed(before[0], before[1], np.zeros_like(held))
@@ -283,18 +257,11 @@ def self_tuning(
         model=estimate.model,
         rate=rate,
         cutoff=min(8.0, rate / 12.5) if cutoff is None else cutoff,  # what the rate can carry
-        forgetting="directional",
         memory=memory,
-        estimator="wls",
-        reversal_speed=0.1,
-        torque_limits=np.full(model.n, np.inf),
-        nonnegative=False,
-        consistent=False,
         false_alarms=false_alarms,
-        window=1.0,
     )
     return SelfTuning(
-        feedback=PD(gains(kp, "kp"), gains(kd, "kd"), rate),
+        feedback=pd(kp, kd, rate=rate),
         model=replace(model, values=begin, covariance=own),
         cone=cone.above(floor),
         source=estimate,

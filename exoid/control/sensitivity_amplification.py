@@ -8,19 +8,27 @@ from functools import cached_property
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.codegen import Dialect, LawInC
+from exoid.codegen.law_in_c import per_joint
+from exoid.codegen.templates import step_of
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
+from .c_description import describe
+from .friction import PassiveFriction, wearer_friction
 from .law import State, spread
 from .model import ControlModel, ModelSource
 from .motion_filter import FilteredMotion, MotionFilter
-from .passive_friction import PassiveFriction, wearer_friction
 
-BANDWIDTH = 20.0
-"""Default bandwidth of the motion filter [Hz]."""
-
-RATE = 500.0
-"""Default sampling rate [Hz]."""
+MEMORY = {
+    "q": "filtered angles [rad]",
+    "rate": "their rate of change [rad/s]",
+    "v": "filtered velocities [rad/s]",
+    "a": "their rate of change: accelerations [rad/s^2]",
+    "q_read": "last reading of the angles [rad]",
+    "v_read": "last reading of the velocities [rad/s]",
+}
+"""Memory of the motion filter in C."""
 
 WHOLE = PassiveFriction(share=1.0)
 """All of the model's friction, of which the controller takes the share 1 − 1/α."""
@@ -47,7 +55,7 @@ class SensitivityAmplification:
         """Check the amplification."""
         array = np.array(self.amplification, dtype=np.float64)
         if array.ndim > 1 or not ((array >= 1.0) & np.isfinite(array)).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"an amplification of {self.amplification!r}",
                 remedy="give finite numbers ≥ 1, one or one for each joint; 1 compensates the weight alone",
             )
@@ -75,13 +83,31 @@ class SensitivityAmplification:
         inertial = inertial + wearer_friction(self.friction, self.model, moved.q, moved.v)
         return self.model.statics(state.q) + spread(self.share, state.q) * inertial, moved
 
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C; it has no reference."""
+        share = per_joint(self.share, "amplification", self.model.n)
+        return describe(
+            self.model,
+            self.friction,
+            self.rate,
+            dialect,
+            equation="tau = G(q) + springs(q) + (1 - 1/alpha) (M a + C v{friction}) at filtered angles, velocities and "
+            "accelerations",
+            step=step_of("sensitivity_amplification"),
+            calls=("gravity", "springs", "inverse_dynamics"),
+            tables={"share": (share, "1 - 1/alpha"), **self.filter.tables_in_c()},
+            memory=MEMORY,
+            begin=step_of("sensitivity_amplification_begin"),
+            measured="state->v",
+        )
+
 
 def sensitivity_amplification(
     source: ModelSource,
     amplification: ArrayLike,
     *,
-    bandwidth: float = BANDWIDTH,
-    rate: float = RATE,
+    bandwidth: float = 20.0,
+    rate: float = 500.0,
     friction: PassiveFriction | None = WHOLE,
 ) -> SensitivityAmplification:
     """Make a :class:`SensitivityAmplification` controller from a model of the leg.

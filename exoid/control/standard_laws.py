@@ -6,30 +6,21 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid._typing import ArrayLike
+from exoid.errors import BadArgumentError
 from exoid.rig import Reference
 
 from .adaptive import adaptive
-from .computed_torque import computed_torque
-from .feedforward_pd import feedforward_pd
-from .gravity_friction_pd import gravity_friction_pd
 from .law import RATE
+from .laws import computed_torque, feedforward_pd, gravity_friction_pd, pd
 from .lqr import lqr
 from .mean_pose import mean_pose
 from .model import ControlModel, ModelSource
-from .pd import pd
 from .self_tuning import self_tuning
 from .stateful import AnyLaw
 
 LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning")
 """Names of the standard controllers."""
-
-BANDWIDTH = 5.0
-"""Natural frequency of the default gains [rad/s], as low as document 2's errors suggest."""
-
-DAMPING = 0.1
-"""Ratio of Kd to Kp [s]."""
 
 
 def standard_laws(
@@ -45,8 +36,8 @@ def standard_laws(
     """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and two adaptive controllers.
 
     Computed torque has the same stiffness as the others: Kp and Kd divided by the diagonal of the mass matrix at the
-    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`. Adaptive control
-    is composite; the covariance of an estimate is part of its metric, and of the prior of self-tuning control.
+    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`. The covariance of
+    an estimate is part of the metric of adaptive control, and of the prior of self-tuning control.
 
     Args:
         source: Source of the controllers' model.
@@ -83,18 +74,6 @@ def refuse_unknown_laws(names: Sequence[str]) -> None:
     """Refuse names that are not in :data:`LAWS`."""
     unknown = [name for name in names if name not in LAWS]
     if unknown or not names:
-        raise ExoidError(f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
-
-
-def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Choose Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
-
-    Args:
-        source: Source of the model.
-        pose: Angles [rad], (n,).
-
-    Returns:
-        Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.
-    """
-    kp = BANDWIDTH**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
-    return kp, DAMPING * kp
+        raise BadArgumentError(
+            f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}"
+        )

@@ -15,6 +15,7 @@ import pytest
 from turns import best_of_turns, show
 
 import exoid
+from exoid.codegen import write_c
 from exoid.control import (
     LAWS,
     KalmanObserver,
@@ -24,7 +25,6 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
-from exoid.control.in_c import write_c
 from exoid.experiments import gait_for_leg, healthy_gait
 
 CALLS, ROUNDS = 20_000, 5
@@ -56,7 +56,7 @@ void run(int count, {name}_input *in, {name}_real *tau)
 
 def harness(source):
     """A loop around the law, with counters that never stand still."""
-    has_target = any(each.source == "target" for each in source.law.inputs)
+    has_target = any(each.source == "target" for each in source.content.inputs)
     target = "in[k % 256].target = (uint32_t)k + 1;" if has_target else ""
     return HARNESS.format(name=source.prefix, target=target)
 

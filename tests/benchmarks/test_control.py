@@ -41,10 +41,6 @@ def best():
     return found
 
 
-def test_a_step_of_pd_with_gravity_and_friction_takes_at_most_8_calls_of_rnea(best):
-    assert best["pd_gravity_friction"] <= 8.0 * best["rnea"]
-
-
 def test_no_law_takes_longer_than_40_calls_of_rnea(best):
     """That is some 50 µs: 0.5 % of a period at 100 Hz."""
     assert max(best.values()) <= 40.0 * best["rnea"]

@@ -1,4 +1,4 @@
-"""``exoid export --law`` writes what ``exoid.control.in_c.write_c`` writes, with the defaults of ``exoid track``."""
+"""``exoid export --law`` writes what ``exoid.codegen.write_c`` writes, with the defaults of ``exoid track``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.codegen.laws import Safety
+from exoid.codegen import Safety, c_source, write_ros2
 from exoid.control import (
     LAWS,
     KalmanObserver,
@@ -22,7 +22,6 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
-from exoid.control.in_c import c_source, write_ros2
 from exoid.estimate.provenance import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
 
@@ -51,7 +50,7 @@ def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, 
     gait = gait_of(saved)
     law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=[name])[name]
     expected = c_source(Limited(law, saved.leg.limits.effort), name="law", provenance=provenance(saved))
-    assert (tmp_path / "law.c").read_text() == expected.source
+    assert (tmp_path / "law.c").read_text() == expected.text
     assert (tmp_path / "law.h").read_text() == expected.header
     for words in ("law.c and law.h", "law_init, law_step"):
         assert words in printed
@@ -81,7 +80,7 @@ def test_laws_for_a_wearer(saved, exoid_, tmp_path):
         exoid_("export", "est.json", "--law", *arguments, "--c", "law.c")
         safety = Safety("gravity" if "--safe" in arguments else "damping")
         limited = Limited(law, saved.leg.limits.effort)
-        assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).source
+        assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).text
 
 
 @pytest.mark.parametrize(
@@ -91,10 +90,10 @@ def test_the_observers(saved, exoid_, tmp_path, name, kind):
     exoid_("export", "est.json", "--law", name, "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
     observer = kind(saved, 5.0, 200.0, torque_delay=0.0)
     expected = c_source(observer, name="seen", provenance=provenance(saved))
-    assert (tmp_path / "seen.c").read_text() == expected.source
+    assert (tmp_path / "seen.c").read_text() == expected.text
     assert (tmp_path / "seen.h").read_text() == expected.header
     assert "tau is the torque of the wearer on the leg" in expected.header
-    assert "safe_damping" not in expected.source
+    assert "safe_damping" not in expected.text
 
 
 def test_an_observer_of_torques_that_lag_is_refused_by_name(estimate, exoid_, tmp_path):

@@ -77,7 +77,7 @@ class CompiledLeg:
     """The functions of a C file, whose prefix is ``leg``, each over samples (N, n)."""
 
     def __init__(self, source: CSource, folder: Path) -> None:
-        self.n = len(source.model.leg.joint_names)
+        self.n = len(source.content.leg.joint_names)
         self.real = ctypes.c_double if source.dialect.real == "double" else ctypes.c_float
         self.type = np.float64 if source.dialect.real == "double" else np.float32
         file = folder / "leg.c"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from compiled import STRICT
 
-from exoid.codegen.laws import LawSource
+from exoid.codegen import CSource
 from exoid.control import State
 from exoid.rig import Target
 
@@ -76,12 +76,12 @@ ONE = """
 """
 
 
-def write_all(sources: Sequence[LawSource], folder: Path, *, main: bool = False) -> Path:
+def write_all(sources: Sequence[CSource], folder: Path, *, main: bool = False) -> Path:
     """One file that includes every law, with a runner for each, and a program around them if asked for."""
     text = ""
     for source in sources:
-        (folder / source.header_name).write_text(source.header)
-        (folder / f"{source.prefix}.c").write_text(source.source)
+        (folder / f"{source.prefix}.h").write_text(source.header)
+        (folder / f"{source.prefix}.c").write_text(source.text)
         text += RUNNER.format(prefix=source.prefix, P=source.prefix.upper())
     if main:
         text += MAIN % "".join(ONE.format(prefix=source.prefix, P=source.prefix.upper()) for source in sources)
@@ -99,17 +99,17 @@ def build(compiler: str, arguments: Sequence[str], source: Path, to: Path) -> Pa
     return to
 
 
-def record_type(source: LawSource) -> np.dtype:
+def record_type(source: CSource) -> np.dtype:
     """The struct of the inputs, as numpy lays it out like C."""
     real = np.float64 if source.dialect.real == "double" else np.float32
-    n = (len(source.law.joints),)
+    n = (len(source.content.joints),)
     fields = [("q", real, n), ("v", real, n)]
-    fields += [(each.name, real) if each.scalar else (each.name, real, n) for each in source.law.inputs]
-    counters = ["reading", *(["target"] if any(each.source == "target" for each in source.law.inputs) else [])]
+    fields += [(each.name, real) if each.scalar else (each.name, real, n) for each in source.content.inputs]
+    counters = ["reading", *(["target"] if any(each.source == "target" for each in source.content.inputs) else [])]
     return np.dtype([*fields, *((name, np.uint32) for name in counters)], align=True)
 
 
-def records(source: LawSource, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
+def records(source: CSource, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
     """Inputs of some samples, with counters that begin at 1."""
     found = np.zeros(count, record_type(source))
     for name in found.dtype.names:
@@ -121,12 +121,12 @@ def records(source: LawSource, count: int, values: Mapping[str, np.ndarray]) -> 
 class CompiledLaw:
     """A law in a library; itself a law with memory, which is the struct of its state as bytes."""
 
-    source: LawSource
+    source: CSource
     library: ctypes.CDLL
 
     @property
     def rate(self) -> float:
-        return self.source.law.rate
+        return self.source.content.rate
 
     def fresh(self) -> bytes:
         """State after init."""
@@ -137,7 +137,7 @@ class CompiledLaw:
     def run(self, inputs: np.ndarray, memory: bytes | None = None) -> tuple[np.ndarray, np.ndarray, bytes]:
         """Torques (N, n), statuses (N,) and the memory after some samples."""
         state = ctypes.create_string_buffer(memory or self.fresh())
-        tau = np.full((len(inputs), len(self.source.law.joints)), np.nan, inputs.dtype["q"].base)
+        tau = np.full((len(inputs), len(self.source.content.joints)), np.nan, inputs.dtype["q"].base)
         status = np.full(len(inputs), -1, np.int32)
         pointers = (x.ctypes.data_as(ctypes.c_void_p) for x in (inputs, tau, status))
         getattr(self.library, f"{self.source.prefix}_run")(state, len(inputs), *pointers)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from exoid.codegen.laws import LawSource
+from exoid.codegen import CSource
 
 GCC, QEMU = shutil.which("arm-none-eabi-gcc"), shutil.which("qemu-system-arm")
 
@@ -155,10 +155,10 @@ class Emulated(NamedTuple):
     code: int
 
 
-def emulate(source: LawSource, rows: np.ndarray, board: Board, folder: Path) -> Emulated:
+def emulate(source: CSource, rows: np.ndarray, board: Board, folder: Path) -> Emulated:
     """Compile a law for a board and run it there on some inputs."""
-    (folder / source.header_name).write_text(source.header)
-    (folder / f"{source.prefix}.c").write_text(source.source)
+    (folder / f"{source.prefix}.h").write_text(source.header)
+    (folder / f"{source.prefix}.c").write_text(source.text)
     (folder / "link.ld").write_text(LINKER)
     inputs = ",\n".join("    {" + ", ".join(_in_c(row[name]) for name in rows.dtype.names) + "}" for row in rows)
     program = PROGRAM.format(prefix=source.prefix, P=source.prefix.upper(), rows=len(rows), inputs=inputs)

@@ -146,7 +146,7 @@ def test_a_wrong_sign_would_be_seen(tmp_path):
     right, wrong = "    -1.0, /* 1: axis of left_knee", "    1.0, /* 1: axis of left_knee"
     source = source_of(estimate)
     assert right in source.text
-    c = CompiledLeg(replace(source, text=source.text.replace(right, wrong)), tmp_path)
+    c = CompiledLeg(replace(source, files={"leg.c": source.text.replace(right, wrong)}), tmp_path)
     motion = motion_of(estimate)
     with pytest.raises(AssertionError, match="Not equal to tolerance"):
         assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 0.1)

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observers, random_values, target_of
 
 import exoid
-from exoid.codegen.laws import Safety
+from exoid.codegen import Safety, c_source
 from exoid.control import State, default_gains, gravity_friction_pd, simulate, stateful
-from exoid.control.in_c import c_source
 from exoid.control.track import SENSORS
 from exoid.rig import Plant, Wearer
 

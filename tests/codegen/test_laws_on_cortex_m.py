@@ -11,8 +11,8 @@ from compiled_laws import records
 from cortex_m import BOARDS, emulate, needs_cortex_m
 from laws_of_bleex import laws, random_values
 
+from exoid.codegen import c_source
 from exoid.control import State, stateful
-from exoid.control.in_c import c_source
 from exoid.rig import Target
 
 pytestmark = needs_cortex_m

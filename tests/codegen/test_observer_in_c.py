@@ -12,8 +12,7 @@ from laws_of_bleex import model, random_values
 
 import exoid
 from exoid import ExoidError
-from exoid.codegen.laws import Safety
-from exoid.control.in_c import c_source
+from exoid.codegen import Safety, c_source
 from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise
 
 NOISE = SensorNoise(1e-4, 1e-2, 0.1)

@@ -16,9 +16,9 @@ from laws_of_bleex import KD, laws, model, target_of
 
 import exoid
 from exoid import ExoidError
+from exoid.codegen import Safety, c_source, write_ros2
 from exoid.codegen.ros2 import write_folder
 from exoid.control import MomentumObserver, State, pd, stateful
-from exoid.control.in_c import c_source, write_ros2
 
 CPP = shutil.which("g++")
 STUBS = Path(__file__).parent / "ros2_stubs"
@@ -158,7 +158,7 @@ def test_the_node_sees_stamps_that_stand_still_and_messages_that_stop(built, rec
     rows[30:60, -3] = rows[29, -3]
     rows[80:110, -2] = 0.0
     tau, _, _ = executed(built["sensitivity_amplification"][1], "node", rows)
-    patience = built["sensitivity_amplification"][0].source.safety.steps(200.0)
+    patience = Safety().steps(200.0)
     assert patience == 10
     assert not tau[30 + patience : 60].any()
     assert not tau[80 + patience : 110].any()
@@ -199,7 +199,7 @@ def test_bad_parameters_are_refused_before_anything_moves(built, tmp_path, param
 def test_the_program_of_the_node_compiles_and_single_precision_too(tmp_path):
     folder = tmp_path / "Left-Leg"
     package = write_ros2(folder, laws()["gravity_support"], precision="float")
-    assert package.name == "left_leg"
+    assert package.prefix == "left_leg"
     for source in ("controller.cpp", "joint_state_node.cpp", "joint_state_main.cpp"):
         include = (f"-I{folder / 'include'}", f"-I{STUBS}")
         run(CPP, *STRICT, "-fsyntax-only", *include, folder / "src" / source)
@@ -277,4 +277,4 @@ def test_the_description_has_every_file_and_its_c_is_that_of_the_law(tmp_path):
     assert json.loads((tmp_path / "leg/exoid.json").read_text()) == package.to_json()["files"]
     source = c_source(law, name="leg")
     assert (tmp_path / "leg/include/leg/leg.h").read_text() == source.header
-    assert (tmp_path / "leg/src/leg.c").read_text().replace("leg/leg.h", "leg.h") == source.source
+    assert (tmp_path / "leg/src/leg.c").read_text().replace("leg/leg.h", "leg.h") == source.text

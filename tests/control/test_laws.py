@@ -18,7 +18,6 @@ from exoid.control import (
     p,
     pd,
 )
-from exoid.control.pd import PD
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
@@ -156,7 +155,7 @@ def test_gains_of_another_number_of_joints_are_refused(shape):
 
 
 def test_gains_cannot_be_changed_afterwards():
-    law = PD(np.array(KP), np.array(KD))
+    law = pd(KP, KD)
     with pytest.raises(ValueError, match="read-only"):
         law.kp[0] = 1.0
 

@@ -100,7 +100,7 @@ def test_an_estimate_may_be_the_model(law):
     state, aim = random_state(3), Target(*np.random.default_rng(4).uniform(-1.0, 1.0, (3, 2)))
     torques = []
     for source in (exact_estimate(), cuhk_plant()):
-        own = stateful(makers[type(law).__name__](source))
+        own = stateful(makers[getattr(law, "name", type(law).__name__)](source))
         torques.append(own.step(own.begin(state), state, aim)[0])
     np.testing.assert_allclose(*torques, atol=1e-9)
 

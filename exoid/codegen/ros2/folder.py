@@ -10,30 +10,23 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 MANIFEST = "exoid.json"
 """File with the hash of every other file, by which a folder is known as an earlier export."""
 
 
 def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> None:
-    """Write files into a new folder, which appears under its name only when it is complete.
-
-    An empty folder, and one that an earlier call wrote and nobody changed, are replaced.
-
-    Args:
-        folder: The folder; its parent exists.
-        files: Text of each file by its path inside the folder.
-
-    Raises:
-        ExoidError: The folder has files of another origin or changed ones, or it cannot be written.
-    """
+    """Write files into a folder, complete or not at all; only an empty one or an unchanged export is replaced."""
     target = Path(os.path.realpath(folder))
     refuse_foreign(target)
     mark = secrets.token_hex(8)
     part, before = (target.with_name(f".{target.name[:40]}.{mark}.{ending}") for ending in ("part", "before"))
     try:
-        _fill(part, files)
+        manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
+        for name, text in {**files, MANIFEST: f"{manifest}\n"}.items():
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            (part / name).write_text(text, encoding="utf-8", newline="\n")
         if target.exists():
             target.rename(before)
         try:
@@ -43,7 +36,7 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
                 before.rename(target)
             raise
     except OSError as problem:
-        raise ExoidError(
+        raise BadArgumentError(
             f"cannot be written: {problem.strerror or problem}",
             where=str(folder),
             remedy="name a new folder beside which you may write",
@@ -54,23 +47,17 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
 
 
 def refuse_foreign(folder: str | os.PathLike[str]) -> None:
-    """Refuse to replace a folder that has more in it than an unchanged earlier export.
-
-    Args:
-        folder: The folder.
-
-    Raises:
-        ExoidError: It is a file, its parent is missing, or it has files of another origin or changed ones.
-    """
+    """Refuse to replace a folder that has more in it than an unchanged earlier export."""
     target = Path(os.path.realpath(folder))
     if not target.parent.is_dir():
-        raise ExoidError("there is no folder to write into", where=str(target.parent), remedy="make it first")
+        raise BadArgumentError("there is no folder to write into", where=str(target.parent), remedy="make it first")
     if not target.exists():
         return
-    found = _files(target)
-    if found is None:
-        raise ExoidError("is no folder", where=str(folder), remedy="name a new folder")
-    known = _manifest(target)
+    if not target.is_dir():
+        raise BadArgumentError("is no folder", where=str(folder), remedy="name a new folder")
+    # a link counts as a file, also one to a folder
+    paths = [path for path in target.rglob("*") if path.is_symlink() or not path.is_dir()]
+    found, known = [path.relative_to(target).as_posix() for path in paths], _manifest(target)
     others = sorted(
         name for name in found if name != MANIFEST and known.get(name) != _hash((target / name).read_bytes())
     )
@@ -78,27 +65,11 @@ def refuse_foreign(folder: str | os.PathLike[str]) -> None:
         others.append(MANIFEST)
     if others:
         names = ", ".join(others[:3]) + (f" and {len(others) - 3} more" if len(others) > 3 else "")
-        raise ExoidError(
+        raise BadArgumentError(
             f"the folder has files that exoid did not write, or that were changed: {names}",
             where=str(folder),
             remedy="name a new folder",
         )
-
-
-def _fill(part: Path, files: Mapping[str, str]) -> None:
-    """Write all files, and their hashes."""
-    manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
-    for name, text in {**files, MANIFEST: f"{manifest}\n"}.items():
-        path = part / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _files(folder: Path) -> list[str] | None:
-    """Paths of all files inside a folder; None if it is none. Links count as files."""
-    if not folder.is_dir():
-        return None
-    return [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_symlink() or not path.is_dir()]
 
 
 def _manifest(folder: Path) -> dict[str, str]:

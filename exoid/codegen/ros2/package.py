@@ -1,164 +1,135 @@
-"""Files of a package for ROS 2 around the C of a law: fills the templates of this folder."""
+"""A control law as a package for ROS 2: a chainable controller and a node around its C, from the templates here."""
 
 from __future__ import annotations
 
-import hashlib
+import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from exoid._version import __version__
-from exoid.codegen.dialect import identifier
-from exoid.codegen.laws import LawInC, LawSource
-from exoid.codegen.laws.safety import per_joint
-from exoid.codegen.laws.write import ABSURD, describe_safety
+from exoid.codegen.dialect import Dialect, identifier
+from exoid.codegen.law_in_c import LawInC, law_in_c, per_joint
+from exoid.codegen.law_source import ABSURD, law_source
+from exoid.codegen.safety import Safety
+from exoid.codegen.source import CSource
 from exoid.codegen.templates import fill
-from exoid.errors import ExoidError
-from exoid.tools.tables import to_text
+from exoid.errors import BadArgumentError, NotSupportedError
 
-SCHEMA = "exoid-ros2-package-1"
+from .folder import write_folder
 
 DISTRIBUTION = "Jazzy"
 """Distribution of ROS 2 whose interfaces the C++ uses."""
 
-KINDS = {"q_d": "position", "v_d": "velocity", "a_d": "acceleration"}
-"""Reference interface of each input of a law that is one number for each joint."""
+CHANNELS = {
+    "q_d": ("position", "positions"),
+    "v_d": ("velocity", "velocities"),
+    "a_d": ("acceleration", "accelerations"),
+}
+"""Reference interface of each input of a law that is one number for each joint, and its field of a trajectory point."""
 
 TIME = "time"
 """Input that is the time since the reference began; it comes last."""
 
-CHANNELS = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations"}
-"""Field of a trajectory point for each kind of reference."""
-
-COMMAND = "torque to hold until the next step"
-"""What a law gives that commands torque."""
-
 TEMPLATES = {
-    "CMakeLists.txt": "CMakeLists.txt",
-    "README.md": "README.md",
-    "config/controllers.yaml": "controllers.yaml",
-    "include/{p}/controller.hpp": "controller.hpp",
-    "include/{p}/joint_state_node.hpp": "joint_state_node.hpp",
-    "include/{p}/law.hpp": "law.hpp",
-    "include/{p}/messages.hpp": "messages.hpp",
-    "package.xml": "package.xml",
-    "plugin.xml": "plugin.xml",
-    "src/controller.cpp": "controller.cpp",
-    "src/joint_state_main.cpp": "joint_state_main.cpp",
-    "src/joint_state_node.cpp": "joint_state_node.cpp",
+    "CMakeLists.txt": "",
+    "README.md": "",
+    "controllers.yaml": "config/",
+    "controller.hpp": "include/{p}/",
+    "joint_state_node.hpp": "include/{p}/",
+    "law.hpp": "include/{p}/",
+    "messages.hpp": "include/{p}/",
+    "package.xml": "",
+    "plugin.xml": "",
+    "controller.cpp": "src/",
+    "joint_state_main.cpp": "src/",
+    "joint_state_node.cpp": "src/",
 }
-"""Template of each file."""
+"""Templates, and the folder of each file."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Ros2Package:
-    """A package for ROS 2; prints itself.
-
-    Attributes:
-        name: Name of the package.
-        files: Text of each file by its path inside the folder.
-        source: The law in C.
-        folder: Folder that was written; None if none was.
-    """
-
-    name: str
-    files: dict[str, str]
-    source: LawSource
-    folder: Path | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Describe the package as JSON data.
-
-        Returns:
-            Name, distribution, hash of every file, and the description of the law.
-        """
-        return {
-            "schema": SCHEMA,
-            "package": self.name,
-            "distribution": DISTRIBUTION,
-            "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in self.files.items()},
-            "law": self.source.to_json(),
-        }
-
-    def __repr__(self) -> str:
-        """Name the package."""
-        return f"Ros2Package({self.name!r})"
-
-    def __str__(self) -> str:
-        """Print package, law, and what was not run."""
-        law = self.source.law
-        return to_text(
-            f"{self.folder or self.name}: package {self.name} for ROS 2 {DISTRIBUTION}, {law.equation}",
-            f"controller {self.name}/Controller and program {self.name}_node, {law.rate:g} times a second",
-            f"joints: {', '.join(law.joints)}",
-            "the C++ is tested against stub headers: it was not built with ROS 2, see README.md",
-            *(f"warning: {warning}" for warning in self.source.warnings),
-        )
-
-
-def package_name(folder: str | Path) -> str:
-    """Turn a folder's name into the name of a package, which is also the prefix of the C."""
-    return identifier(Path(folder).resolve().name).lower()
-
-
-def ros2_package(source: LawSource) -> Ros2Package:
-    """Write the files of a package around a law in C, as texts.
+def write_ros2(
+    folder: str | os.PathLike[str],
+    law: object,
+    *,
+    precision: str = "double",
+    safety: Safety | None = None,
+    provenance: Sequence[str] = (),
+    warnings: Sequence[str] = (),
+) -> CSource:
+    """Write a law as a package for ROS 2: a chainable controller of ros2_control, and a node.
 
     Args:
-        source: The law, whose prefix is the name of the package.
+        folder: Folder to write, whole or not at all; its name is that of the package. An existing folder is replaced
+            only if it is empty or an earlier export that was not changed.
+        law: A law with or without memory that has a form in C; see :func:`exoid.codegen.c_source`.
+        precision: "double" or "float".
+        safety: Watchdog and safe torque; None for damping and 50 ms.
+        provenance: Lines on the origin of the model, for the comment.
+        warnings: Warnings about the model, for the result.
 
     Returns:
-        The files.
+        The files that were written.
 
     Raises:
-        ExoidError: The law commands no torque, needs an input that ROS 2 has no interface for, or has a rate that is no
-            whole number; or a joint has a name that cannot stand in ROS 2.
+        ExoidError: The law has no form in C or ROS 2, or the folder cannot be written or has other files.
     """
-    law, name = source.law, source.prefix
-    _refuse(law)
-    values = {**_values(source), "equation": law.equation}
-    files = {
-        path.format(p=name): fill(f"ros2/{template}.jinja", source.dialect, **values)
-        for path, template in TEMPLATES.items()
-    }
-    include = f'#include "{source.header_name}"'
-    files[f"include/{name}/{source.header_name}"] = source.header
-    files[f"src/{name}.c"] = source.source.replace(include, f'#include "{name}/{source.header_name}"')
-    return Ros2Package(name, dict(sorted(files.items())), source)
+    name, dialect, safety = identifier(Path(folder).resolve().name).lower(), Dialect(precision), safety or Safety()
+    form = law_in_c(law, dialect)
+    _refuse(form)
+    source = law_source(form, dialect, name, safety, provenance, tuple(warnings))
+    values = _values(form, name, safety)
+    files = {f"{place.format(p=name)}{file}": fill(f"ros2/{file}.jinja", dialect, **values)
+             for file, place in TEMPLATES.items()}  # fmt: skip
+    include = f'#include "{name}.h"'
+    files[f"include/{name}/{name}.h"] = source.header
+    files[f"src/{name}.c"] = source.text.replace(include, f'#include "{name}/{name}.h"')
+    write_folder(folder, files)
+    facts = {"schema": "exoid-ros2-package-1", "package": name, "distribution": DISTRIBUTION, "law": source.to_json()}
+    summary = (
+        f"package {name} for ROS 2 {DISTRIBUTION}, {form.equation}",
+        f"controller {name}/Controller and program {name}_node, {form.rate:g} times a second",
+        f"joints: {', '.join(form.joints)}",
+        "the C++ is tested against stub headers: it was not built with ROS 2, see README.md",
+    )
+    return replace(source, files=dict(sorted(files.items())), facts=facts, summary=summary, path=Path(folder))
 
 
 def _refuse(law: LawInC) -> None:
     """Refuse what has no form in ROS 2, by name."""
-    if law.gives != COMMAND:
-        raise ExoidError(
+    if law.gives != LawInC.gives:
+        raise NotSupportedError(
             f"it gives the {law.gives}, which no drive must follow",
             remedy="write a control law for ROS 2; an observer has a form in C (--c)",
         )
     for each in law.inputs:
-        if each.name not in (*KINDS, TIME) or each.scalar != (each.name == TIME):
-            raise ExoidError(
+        if each.name not in (*CHANNELS, TIME) or each.scalar != (each.name == TIME):
+            raise NotSupportedError(
                 f"the law needs {each.name} ({each.what}), for which ROS 2 has no standard interface",
                 remedy="write it as C (--c), and call it in a controller of your own",
             )
     if law.rate != round(law.rate):
-        raise ExoidError(f"a rate of {law.rate:g} Hz: ros2_control takes whole numbers", remedy="choose another rate")
+        raise BadArgumentError(
+            f"a rate of {law.rate:g} Hz: ros2_control takes whole numbers", remedy="choose another rate"
+        )
     for joint in law.joints:
         if not re.fullmatch(r"[A-Za-z0-9_.-]+", joint):
-            raise ExoidError(
-                f"{joint!r} is no name of a joint in ROS 2", remedy="rename the joint: letters, digits, _, . and -"
+            raise BadArgumentError(
+                f"{joint!r} is no name of a joint in ROS 2",
+                remedy="rename the joint: letters, digits, _, . and -",
+                joints=(joint,),
             )
 
 
-def _values(source: LawSource) -> dict[str, Any]:
+def _values(law: LawInC, name: str, safety: Safety) -> dict[str, Any]:
     """Values of the templates."""
-    law, name = source.law, source.prefix
     inputs = [each.name for each in law.inputs]
     arrays = [each for each in inputs if each != TIME]
-    kinds = [KINDS[each] for each in arrays]
+    kinds = [CHANNELS[each][0] for each in arrays]
     limits = np.minimum(per_joint(law.limit, "limit", len(law.joints)), ABSURD)
     return {
         "p": name,
@@ -166,24 +137,18 @@ def _values(source: LawSource) -> dict[str, Any]:
         "space": f"{name}_ros2",
         "real": f"{name}_real",
         "version": __version__,
+        "equation": law.equation,
         "rate": round(law.rate),
         "joints": law.joints,
         "references": inputs,
         "arrays": arrays,
         "kinds": kinds,
-        "channels": CHANNELS,
-        "fields": [CHANNELS[kind] for kind in kinds],
+        "channels": dict(CHANNELS.values()),
+        "fields": [CHANNELS[each][1] for each in arrays],
         "timed": TIME in inputs,
-        "interfaces": list(_interfaces(law, kinds, TIME in inputs)),
+        "interfaces": [*(f"{joint}/{kind}" for kind in kinds for joint in law.joints), *({TIME} & {*inputs})],
         "limits": [repr(float(limit)) for limit in limits],
         "limit_text": ", ".join("none" if x >= ABSURD else f"{x:g} N·m" for x in limits),
-        "patience": source.safety.steps(law.rate),
-        "safety": describe_safety(source.safety, law),
+        "patience": safety.steps(law.rate),
+        "safety": safety.describe(law.damping),
     }
-
-
-def _interfaces(law: LawInC, kinds: list[str], timed: bool) -> Iterator[str]:
-    """Names of the reference interfaces."""
-    yield from (f"{joint}/{kind}" for kind in kinds for joint in law.joints)
-    if timed:
-        yield TIME

@@ -10,10 +10,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.codegen import Dialect, LawInC
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.signals import Recording
 
 from .band import NoiseBand, Residual, filtered_noise
+from .in_c import observer_in_c
 from .joint_filters import JointFilters
 from .observer import BLOCK, TorqueObserver
 from .readings import observed_log
@@ -91,6 +93,38 @@ class KalmanObserver(TorqueObserver):
     def walk(self) -> FloatArray:
         """Standard deviation of the change of the wearer's torque within a second [N·m/√s], (n,)."""
         return np.asarray(np.sqrt([found.walk * self.rate for found in self._joints]))
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the observer in C, with the gains of the steady state: no Riccati equation is solved there.
+
+        Args:
+            dialect: Precision.
+
+        Returns:
+            The observer with measured velocities: its torque, without band and detection.
+
+        Raises:
+            ExoidError: Channels lag differently, or a term of the model has no form in C.
+        """
+        (b, _, _), (_, a1, a2) = self.filters.b, self.filters.a
+        return observer_in_c(
+            self,
+            dialect,
+            equation="torque of the wearer by a steady Kalman filter of p' = tau_m + C'v - G(q) - springs(q) - F(v) + "
+            "torque of the wearer, a random walk, p = M(q) v",
+            filtered="        tau[j] = {{p}}_b[j] * mean + state->filtered[j];\n"
+            "        state->filtered[j] = state->late[j] - {{p}}_a1[j] * tau[j];\n"
+            "        state->late[j] = -{{p}}_a2[j] * tau[j];",
+            tables={
+                "b": (b, "gain of the balance, L2 T"),
+                "a1": (a1, "denominator of the filter, L1 + L2 T - 2"),
+                "a2": (a2, "denominator of the filter, 1 - L1"),
+            },
+            memory={
+                "filtered": "memory of the observer [N m]",
+                "late": "memory of the observer, one sample older [N m]",
+            },
+        )
 
     def innovation_test(self, recording: Recording) -> InnovationTest:
         """Compare the innovations of a log with those that noise alone causes.

@@ -8,7 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.codegen import Dialect, LawInC
 
+from .in_c import observer_in_c
 from .joint_filters import JointFilters
 from .observer import TorqueObserver
 
@@ -43,3 +45,29 @@ class MomentumObserver(TorqueObserver):
         pole = np.exp(-self.gain / self.rate)
         none = np.zeros_like(pole)
         return JointFilters(np.stack([-np.expm1(-self.gain / self.rate), none]), np.stack([none + 1.0, -pole]))
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the observer in C.
+
+        Args:
+            dialect: Precision.
+
+        Returns:
+            The observer with measured velocities: its torque, without band and detection.
+
+        Raises:
+            ExoidError: Channels lag differently, or a term of the model has no form in C.
+        """
+        return observer_in_c(
+            self,
+            dialect,
+            equation="torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of "
+            "the wearer)), p = M(q) v",
+            filtered="        tau[j] = {{p}}_b[j] * mean + state->filtered[j];\n"
+            "        state->filtered[j] = {{p}}_pole[j] * tau[j];",
+            tables={
+                "b": (self.filters.b[0], "gain of the observer, 1 - exp(-K T)"),
+                "pole": (-self.filters.a[1], "exp(-K T)"),
+            },
+            memory={"filtered": "memory of the observer [N m]"},
+        )

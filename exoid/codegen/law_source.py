@@ -1,0 +1,168 @@
+"""Header and source of a law in C99: fills the templates ``law.h.jinja`` and ``law.c.jinja``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid._version import __version__
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.reduction.planar import GRAVITY
+
+from .constants import Constants, constants_of_bodies
+from .dialect import Dialect, identifier
+from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
+from .safety import Safety
+from .source import CSource
+from .templates import fill, initializer
+
+ABSURD = 1e9
+"""Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
+
+INSIDE: dict[str, frozenset[str]] = {
+    "springs": frozenset({"springs"}),
+    "friction": frozenset({"friction"}),
+    "gravity": frozenset({"gravity", "rigid"}),
+    "inverse_dynamics": frozenset({"inverse_dynamics", "springs", "rigid_bodies", "rotor", "turn", "rigid"}),
+    "rigid_bodies": frozenset({"rigid_bodies", "turn", "rigid"}),
+    "mass_matrix": frozenset({"mass_matrix", "rotor", "turn", "rigid"}),
+}
+"""Parts of the file that each function of the leg takes."""
+
+PARTS = {"sign": "rigid", "X": "rigid", "Y": "rigid", "dx": "turn", "dz": "turn", "J": "turn", "rotor": "rotor"}
+"""Part of the file that each table of the leg belongs to."""
+
+
+def law_source(
+    law: LawInC,
+    dialect: Dialect,
+    name: str,
+    safety: Safety,
+    provenance: Sequence[str],
+    warnings: tuple[str, ...],
+) -> CSource:
+    """Turn a law, whose expressions are written in this precision, into C99."""
+    prefix, n = identifier(name), len(law.joints)
+    if safety.safe == "gravity" and law.leg is None:
+        raise BadArgumentError(
+            "a law without a model knows no gravity for its safe torque", remedy='use "damping" or "zero"'
+        )
+    damping = safety.gains(law.damping)
+    values = {
+        "p": prefix,
+        "law": law,
+        "equation": law.equation,
+        "rate": law.rate,
+        "version": __version__,
+        "header": f"{prefix}.h",
+        "provenance": provenance,
+        "patience": safety.steps(law.rate),
+        "targets": any(each.source == "target" for each in law.inputs),
+        "keeps": safety.safe == "gravity",
+        "uses_measured": bool(damping.any()),
+        "uses_state": "state->" in law.step,
+        "safety": safety.describe(law.damping),
+        "dimensions": _dimensions,
+    }
+    needed = _needed(law, safety)
+    inside = {
+        **values,
+        "needed": needed,
+        "gravity": GRAVITY,
+        "cumulative": law.leg is not None and law.leg.leg.cumulative,
+        "tables": [] if law.leg is None else list(_tables(law.leg, needed, dialect)),
+        "arrays": [*law.tables, *_settings(law, damping, n)],
+        "initial": lambda array: initializer(array.values, dialect),
+        "initial_memory": "".join(_at_first(law.memory, dialect)),
+        "plausible": lambda origin: _plausible(law, origin, prefix),
+    }
+    names = {"p": prefix, "N": f"{prefix.upper()}_JOINTS", "real": f"{prefix}_real", "rate": law.rate}
+    texts = {"step": law.step, "begin": law.begin, "helpers": law.helpers}
+    inside |= {key: fill(f"{text.rstrip()}\n", dialect, **names) if text else "" for key, text in texts.items()}
+    source = fill("law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
+    header = fill("law.h.jinja", dialect, **values)
+    functions = f"{prefix}_init", f"{prefix}_step"
+    inputs = ["q", "v", *(each.name for each in law.inputs)]
+    facts = {
+        "schema": "exoid-law-in-c-1",
+        "equation": law.equation,
+        "rate": law.rate,
+        "precision": dialect.real,
+        "functions": list(functions),
+        "joints": list(law.joints),
+        "inputs": inputs,
+        "safe": safety.safe,
+        "patience": safety.patience,
+    }
+    summary = (
+        law.equation,
+        f"{dialect.real} precision, C99, needs <math.h> only; joints: {', '.join(law.joints)}",
+        f"functions: {', '.join(functions)}, {law.rate:g} times a second",
+        f"inputs: {', '.join(inputs)}",
+    )
+    files = {f"{prefix}.c": source, f"{prefix}.h": header}
+    return CSource(files, prefix, dialect, law, functions, facts, summary, warnings)
+
+
+def _needed(law: LawInC, safety: Safety) -> frozenset[str]:
+    """Parts of the file, from the functions that are called."""
+    called = () if law.leg is None else law.leg.needed
+    kept = ("gravity", "springs") if safety.safe == "gravity" else ()
+    return frozenset().union(*(INSIDE[function] for function in (*called, *kept)))
+
+
+def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[Constants]:
+    """Constants of the leg that the functions use; unused ones would be warnings."""
+    bodies, joints = leg.leg, leg.leg.joint_names
+    if bodies.chain is None:
+        raise NotSupportedError(
+            "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
+            where=bodies.description.name,
+            remedy="choose joints whose axes are horizontal and parallel (joints=...)",
+        )
+    known = dict(zip(bodies.parameter_names, bodies.parameters.tolist(), strict=True))
+    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(joints, leg.rotor, strict=True)]
+    tables = (
+        *constants_of_bodies(bodies, known, dialect),
+        Constants("rotor", "where it is a separate parameter [kg m^2]", rotors),
+    )
+    yield from (table for table in tables if PARTS[table.name] in needed)
+
+
+def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
+    """Tables of limits and damping."""
+    limit, slew = per_joint(law.limit, "limit", n), per_joint(law.slew, "slew", n)
+    without = f"; {ABSURD:g} for none"
+    yield ArrayInC("largest", f"largest torque [N m]{without}", np.minimum(limit, ABSURD))
+    yield ArrayInC(
+        "change", f"largest change of the torque in one step [N m]{without}", np.minimum(slew / law.rate, ABSURD)
+    )
+    yield ArrayInC("absurd", "size from which a number is absurd", np.array(ABSURD))
+    if damping.any():
+        yield ArrayInC("safe_damping", "damping of the safe torque [N m s/rad]", damping)
+
+
+def _dimensions(array: ArrayInC) -> str:
+    return "".join(f"[{size}]" for size in array.values.shape)
+
+
+def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:
+    """Statements that set the memory."""
+    for array in memory:
+        for index, value in np.ndenumerate(array.values):
+            place = "".join(f"[{k}]" for k in index)
+            yield f"    state->{array.name}{place} = {dialect.number(float(value))};\n"
+
+
+def _plausible(law: LawInC, source: str, prefix: str) -> str:
+    """Condition that the measurements, or the reference, are plausible."""
+    joints = f"{prefix.upper()}_JOINTS"
+    measured = [f"{prefix}_plausible(in->{name}, {joints})" for name in ("q", "v")] if source == "reading" else []
+    others = [
+        f"{prefix}_plausible(&in->{each.name}, 1)" if each.scalar else f"{prefix}_plausible(in->{each.name}, {joints})"
+        for each in law.inputs
+        if each.source == source
+    ]
+    return " && ".join((*measured, *others))

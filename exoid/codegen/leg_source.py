@@ -1,0 +1,106 @@
+"""One C99 file from a torque model and its values: fills the template ``planar_leg.c.jinja``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid._version import __version__
+from exoid.actuators import Actuators
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.reduction.planar import GRAVITY
+from exoid.tools.json_values import named
+from exoid.torques import TorqueModel
+
+from .constants import Constants, constants_of_bodies
+from .dialect import Dialect, identifier
+from .drives import commands_in_c
+from .source import CSource
+from .templates import fill
+from .terms import TermsInC, terms_in_c
+
+FUNCTIONS = ("gravity", "friction", "stiffness", "mass_matrix", "rigid_bodies", "inverse_dynamics")
+"""Functions of every file, after the prefix."""
+
+
+def leg_source(
+    model: TorqueModel,
+    values: ArrayLike | None,
+    dialect: Dialect,
+    name: str,
+    actuators: Actuators | None,
+    provenance: Sequence[str],
+    warnings: tuple[str, ...],
+) -> CSource:
+    """Turn the torques of a planar leg into C99."""
+    prefix, leg = identifier(name), model.leg
+    refuse_floating_base(leg, "code of a leg")
+    if leg.chain is None:
+        raise NotSupportedError(
+            "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
+            where=leg.description.name,
+            remedy="choose joints whose axes are horizontal and parallel (joints=...), or use Pinocchio's own code "
+            "generation on the URDF that exoid export -o writes",
+        )
+    numbers = _checked(model, values)
+    terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
+    text = fill(
+        "planar_leg.c.jinja",
+        dialect,
+        p=prefix,
+        urdf=leg.description,
+        version=__version__,
+        joints=leg.joint_names,
+        cumulative=leg.cumulative,
+        gravity=GRAVITY,
+        provenance=provenance,
+        tables=list(_tables(model, numbers, terms, dialect)),
+        terms=terms,
+        commands=[] if actuators is None else commands_in_c(actuators, dialect),
+        units=() if actuators is None else actuators.units,
+    )
+    functions = tuple(f"{prefix}_{each}" for each in (*FUNCTIONS, *(("command",) if actuators is not None else ())))
+    facts = {
+        "schema": "exoid-c-1",
+        "precision": dialect.real,
+        "functions": list(functions),
+        "joints": list(leg.joint_names),
+        "values": named(model.names, numbers),
+        "units": named(model.names, model.units),
+        "merged": {regrouped.name: regrouped.into for regrouped in model.regrouped},
+    }
+    joints = ", ".join(leg.joint_names)
+    summary = (
+        f"{dialect.real} precision, C99, needs <math.h> only; joints in the order {joints}",
+        f"functions: {', '.join(functions)}",
+        f"to call them from another file: #define {prefix.upper()}_DECLARATIONS_ONLY, then #include it",
+        *(f"note: {regrouped}" for regrouped in model.regrouped),
+    )
+    return CSource({f"{prefix}.c": text}, prefix, dialect, model, functions, facts, summary, warnings)
+
+
+def _checked(model: TorqueModel, values: ArrayLike | None) -> FloatArray:
+    """Copy the values, (P,), and forbid changes."""
+    numbers = np.array(values, dtype=np.float64)
+    if numbers.shape != (len(model.names),) or not np.isfinite(numbers).all():
+        raise BadArgumentError(
+            f"values of shape {numbers.shape} must be {len(model.names)} finite numbers",
+            remedy=f"give one for each of {', '.join(model.names)}",
+        )
+    numbers.flags.writeable = False
+    return numbers
+
+
+def _tables(model: TorqueModel, values: FloatArray, terms: TermsInC, dialect: Dialect) -> Iterator[Constants]:
+    """Tables of the template, each number with its label."""
+    known = dict(zip(model.names, values, strict=True))
+    yield from constants_of_bodies(model.leg, known, dialect)
+    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(model.leg.joint_names, terms.rotor, strict=True)]
+    yield Constants("rotor", "where it is a separate parameter [kg m^2]", rotors)
+    if terms.table:
+        units = dict(zip(model.names, model.units, strict=True))
+        rows = [(f"{name} [{units[name]}]", dialect.number(known[name])) for name in terms.table]
+        yield Constants("term", "friction, springs and offsets", rows)

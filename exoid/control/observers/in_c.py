@@ -1,0 +1,72 @@
+"""Observers in C: what momentum and Kalman observer share, which is all but the filter behind the balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.codegen import ArrayInC, Dialect, InputInC, LawInC
+from exoid.codegen.templates import step_of
+from exoid.control.c_description import leg_in_c
+from exoid.control.friction import FrictionCompensation
+from exoid.errors import NotSupportedError
+
+from .alignment import HISTORY
+
+if TYPE_CHECKING:
+    from .observer import TorqueObserver
+
+MEASURED = InputInC("tau_m", "measured torques of the actuators [N m]", "reading")
+
+MEMORY = {"p": "last momentum [N m s]", "u": "last sum of the torques that change it [N m]"}
+"""Memory beside that of the filters."""
+
+
+def observer_in_c(
+    observer: TorqueObserver,
+    dialect: Dialect,
+    *,
+    equation: str,
+    filtered: str,
+    tables: Mapping[str, tuple[FloatArray, str]],
+    memory: Mapping[str, str],
+) -> LawInC:
+    """Describe an observer with measured velocities. It gives the torque, without band and detection."""
+    alignment, n = observer.alignment, observer.model.n
+    if alignment.waiting > 0.0 or alignment.lags.any():
+        raise NotSupportedError(
+            "channels that lag behind each other have no form in C",
+            remedy="align them where they are read, and give the observer torque_delay=0.0 and velocity_delay=0.0",
+        )
+    constants = {"rate": (np.array(float(observer.rate)), "sampling rate [Hz]"), **tables}
+    remembered = [ArrayInC(name, what, np.zeros(n)) for name, what in {**MEMORY, **memory}.items()]
+    count = 2 + int(np.ceil(HISTORY * alignment.delay * observer.rate))
+    low_pass = step_of("no_low_pass")
+    if alignment.filters is not None:
+        low_pass = step_of("low_pass")
+        b, a = alignment.filters[0].b[:, 0], alignment.filters[0].a[:, 0]
+        constants["low_b"] = b, "numerator of the low-pass"
+        constants["low_a"] = a, "denominator of the low-pass, the first coefficient 1"
+        remembered.append(ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))))
+    return LawInC(
+        observer.model.leg.joint_names,
+        equation,
+        step_of("observer").replace("{{filtered}}", filtered),
+        observer.rate,
+        np.zeros(n),
+        (MEASURED,),
+        tuple(ArrayInC(name, what, values) for name, (values, what) in constants.items()),
+        tuple(remembered),
+        step_of("observer_begin").replace("{{count}}", str(count)),
+        step_of("observer_helpers").replace("{{low_pass}}", low_pass),
+        "torque of the wearer on the leg",
+        leg_in_c(
+            observer.model,
+            ("gravity", "springs", "rigid_bodies", "mass_matrix"),
+            FrictionCompensation("measured", observer.width),
+            dialect,
+        ),
+    )
