@@ -30,7 +30,7 @@ class Search:
     cutoff: float  # cut-off frequency of the parallel filter [Hz]
     folds: int  # number of folds in time
     keep: Keep | None = None  # function that selects rows; None for all
-    progress: Callable[[float], None] = lambda share: None  # called with the share done
+    progress: Callable[[float], None] | None = None  # called with the share done
     # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
     # friction is right
     offset_sweeps: int = 0
@@ -116,7 +116,8 @@ def search_joint_by_joint(search: Search, sweeps: int = 4) -> Found:
         for joint in range(joints):
             with_offset = sweep < search.offset_sweeps
             chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=with_offset)
-            search.progress((sweep * joints + joint + 1) / (sweeps * joints))
+            if search.progress is not None:
+                search.progress((sweep * joints + joint + 1) / (sweeps * joints))
         choice = Choice.of(tables.design, tuple(chosen), choice.sigma)
         explained = tables.design.tau - choice.left
         if before is not None and sweep > search.offset_sweeps:
