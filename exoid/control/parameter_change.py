@@ -44,7 +44,14 @@ class ExpectedChange:
             raise BadArgumentError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
 
     def of_bodies(self, leg: Leg) -> FloatArray:
-        """Covariance E[δ δᵀ] of changes δ of the leg's parameters by a point mass on each link, (p, p)."""
+        """Compute the covariance of the leg's parameters that payloads cause.
+
+        Args:
+            leg: The leg.
+
+        Returns:
+            Covariance E[δ δᵀ] of changes δ by a point mass on each link, independently, (p, p).
+        """
         changes = []
         for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
             centre = P[:3, 3] / P[3, 3]
