@@ -30,8 +30,8 @@ RATE = 1000.0
 STRIDES = 1.2, 2.4
 """Shortest and longest stride time [s]."""
 
-BANDWIDTH = 40.0
-"""Bandwidth for wearers [Hz]: a delay below 20 ms."""
+BANDWIDTH = 25.0
+"""Bandwidth for wearers [Hz]: a delay of 13 to 15 ms."""
 
 CALM = 20.0
 """Bandwidth where nobody walks [Hz]."""

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import html5lib
 import pytest
 
-from exoid.view.report import Picture
+from exoid.view.report.page import Picture
 
 HEADINGS = ("h1", "h2", "h3", "h4")
 
@@ -21,7 +21,8 @@ def parsed(html):
 def undrawn():
     """Reports without their drawings, which take most of the time: for tests of their words."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("exoid.view.report.pictures.draw_picture", empty)
+        for module in ("page", "fit", "parameters"):
+            patch.setattr(f"exoid.view.report.{module}.draw_picture", empty)
         yield
 
 

@@ -250,15 +250,16 @@ def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
 
     from exoid.experiments.excitation import Plan  # noqa: PLC0415
     from exoid.tools.files import write_bytes  # noqa: PLC0415
+    from exoid.view.plans import plot_planned_motion, plot_precision  # noqa: PLC0415
 
     with exoid.view.paper():
         sheet = Figure(figsize=(7.2, 4.6))
         if isinstance(result, Plan):
             left, right = sheet.subfigures(1, 2, squeeze=False, width_ratios=(1.25, 1.0))[0]
-            exoid.view.plot_planned_motion(left.subplots(3, 1, sharex=True), result)
-            exoid.view.plot_precision(right.subplots(), result.precision)
+            plot_planned_motion(left.subplots(3, 1, sharex=True), result)
+            plot_precision(right.subplots(), result.precision)
         else:
-            exoid.view.plot_precision(sheet.subplots(), result.precision)
+            plot_precision(sheet.subplots(), result.precision)
         content = io.BytesIO()
         sheet.savefig(content, format=Path(path).suffix.lstrip(".") or "png")
     write_bytes(path, [content.getvalue()])

@@ -19,7 +19,8 @@ from .refusals import is_readable, refuse
 
 if TYPE_CHECKING:
     from exoid.control import Law
-    from exoid.lab.stability import GainMargins, Regulations
+    from exoid.lab.stability.gain_margin import GainMargins
+    from exoid.lab.stability.regulation import Regulations
     from exoid.rig import Plant
 
 

@@ -91,7 +91,6 @@ def study(
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "there are no --laws")
     truth = studies.plausible_truth(model, scales.typical_torque)
-    runner = studies.run_serially if workers == 1 else studies.processes(workers)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     planning = {"noise": std, "duration": duration, "rate": rate}
     task = None if laws is None else _tracking_task(laws, course or "gait", model, truth, (kp, kd), planning)
@@ -110,7 +109,7 @@ def study(
         course=task,
     )
     with progress_bar("identifying") as progress:
-        result = studies.run_study(design, folder, runner, progress)
+        result = studies.run_study(design, folder, None if workers == 1 else workers, progress)
     details = [str(combination) for combination in result.combinations] if parameters else []
     print_result("\n\n".join([str(result), *details]), as_json=as_json, data=result.to_json())
 

@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.online import Block, Recursion, Settings, advance, belief, estimate_of, started
-from exoid.online import State as OnlineState
+from exoid.online.advance import Recursion, advance
+from exoid.online.rows import Block
+from exoid.online.settings import Settings
+from exoid.online.solution import belief, estimate_of, started
+from exoid.online.state import State as OnlineState
 from exoid.rig import Target
 
 from .known_leg import as_estimate
@@ -47,8 +50,8 @@ class SelfTuningMemory(NamedTuple):
 class SelfTuning:
     """τ = Kp e + Kd ė + Y(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`.
 
-    Measured motion and held torque go through :func:`exoid.online.advance`. After every block, of 0.1 s or so, β̂
-    approaches the posterior
+    Measured motion and held torque go through a recursive estimator. After every block, of 0.1 s or so, β̂ approaches
+    the posterior
 
         β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)    over the :class:`ParameterCone`,
 
@@ -254,15 +257,8 @@ def self_tuning(
         model=estimate.model,
         rate=rate,
         cutoff=min(8.0, rate / 12.5) if cutoff is None else cutoff,  # what the rate can carry
-        forgetting="directional",
         memory=memory,
-        estimator="wls",
-        reversal_speed=0.1,
-        torque_limits=np.full(model.n, np.inf),
-        nonnegative=False,
-        consistent=False,
         false_alarms=false_alarms,
-        window=1.0,
     )
     return SelfTuning(
         feedback=pd(kp, kd, rate=rate),

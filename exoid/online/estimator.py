@@ -9,27 +9,26 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .advance import Recursion, advance, samples_of
-from .file import read_memory, write_memory
-from .intake import Intake, as_table, findings_of, one_sample, take
-from .memory import Memory
-from .settings import EPOCH, Settings
-from .solution import estimate_of
-from .start import started
+from .advance import Recursion, advance
+from .file import Memory, read_memory, write_memory
+from .rows import Block
+from .settings import Settings
+from .solution import estimate_of, started
 from .state import Change, Drift, State, restarted
+from .stream import Sample, Stream, as_table, findings_of, one_sample, take
 
 
 class RecursiveEstimator:
     """Estimates the parameters of a leg sample by sample (docs/online.md).
 
-    Samples are collected in blocks of :attr:`Settings.block`. A block passes the filters, becomes rows, and is taken in
-    by :func:`exoid.online.advance`, a pure function. Memory and time of a step do not grow.
+    Samples are collected in blocks of 0.1 s or so. A block passes the filters, becomes rows, and is taken in by
+    ``exoid.online.advance``, a pure function. Memory and time of a step do not grow.
 
     Args:
         leg: The leg, of which only the geometry enters.
@@ -78,32 +77,30 @@ class RecursiveEstimator:
         consistent: bool = False,
         false_alarms: float = 0.1,
         window: float = 1.0,
-        epoch: float = EPOCH,
+        epoch: float = 60.0,
     ) -> None:
-        model = _model(leg, terms, start)
-        limits = np.full(len(leg.joint_names), np.inf) if torque_limits is None else np.asarray(torque_limits, float)
         settings = Settings(
-            model=model,
+            model=_model(leg, terms, start),
             rate=rate,
             cutoff=cutoff,
             forgetting=forgetting,
             memory=memory,
             estimator=estimator,
             reversal_speed=reversal_speed,
-            torque_limits=limits,
+            torque_limits=torque_limits,
             nonnegative=nonnegative,
             consistent=consistent,
             false_alarms=false_alarms,
             window=window,
             epoch=epoch,
         )
-        recursion = Recursion.of(settings)
-        state = recursion.begin()
-        self._begin(recursion, Memory(state if start is None else started(settings, state, start), Intake()))
+        self.settings, self._recursion = settings, Recursion.of(settings)
+        state, self._stream, self._pending = self._recursion.begin(), Stream(), list[Sample]()
+        self._state = state if start is None else started(settings, state, start)
 
     def __repr__(self) -> str:
         """Name the leg and the number of samples."""
-        return f"RecursiveEstimator({self.settings.model.leg.description.name!r}, {self._intake.received} samples)"
+        return f"RecursiveEstimator({self.settings.model.leg.description.name!r}, {self._stream.received} samples)"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -145,8 +142,14 @@ class RecursiveEstimator:
                 with, angles are in degrees, or no sample is plausible for seconds.
         """
         n, given = self.settings.n, (v is not None, a is not None)
-        if given != self._intake.given:
-            self._refuse_other_channels(given)
+        if given != self._stream.given:
+            if self.settings.cutoff is None and not all(given):
+                what = "without a filter nothing derives velocities and accelerations"
+                raise BadArgumentError(what, remedy="pass v and a, or a cutoff")
+            if self._stream.given:
+                what = f"v and a given: {self._stream.given} before, {given} now"
+                raise BadArgumentError(what, remedy="pass the same channels every time")
+            self._stream = self._stream._replace(given=given)
         single = one_sample(q, v, a, tau, n)
         if single is not None and (time is None or isinstance(time, float)):
             self._take(single, math.nan if time is None else time)
@@ -156,7 +159,9 @@ class RecursiveEstimator:
         table = np.hstack([of_q, *(as_table(x, name, n, count) for x, name in ((v, "v"), (a, "a"), (tau, "tau")))])
         stamps = np.full(count, math.nan) if time is None else np.atleast_1d(np.asarray(time, dtype=np.float64))
         if stamps.shape != (count,):
-            raise ExoidError(f"time of shape {stamps.shape} for {count} samples", remedy="pass one stamp a sample")
+            raise BadArgumentError(
+                f"time of shape {stamps.shape} for {count} samples", remedy="pass one stamp a sample"
+            )
         for sample, stamp in zip(table.tolist(), stamps.tolist(), strict=True):
             self._take(tuple(sample), stamp)
 
@@ -182,8 +187,16 @@ class RecursiveEstimator:
     @property
     def findings(self) -> tuple[Finding, ...]:
         """Faults of the stream, and changes that were detected, the worst first."""
-        changed = (*map(_as_finding, self.changes), *map(_of_drift, self.drifts))
-        return ordered((*changed, *findings_of(self.settings, self._intake)))
+        changed = [
+            _changed(f"changed-{one.kind}", one, one.parameters, f"changed at {one.time:.2f} s", GIVEN_UP)
+            for one in self.changes
+        ]
+        changed += [
+            _changed("changed-slowly", one, (one.parameter,), text, WORN_IN)
+            for one in self.drifts
+            for text in [f"drifted from {one.before:.4g} to {one.after:.4g} until {one.time:.0f} s"]
+        ]
+        return ordered((*changed, *findings_of(self._stream)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write settings and state as JSON, whole or not at all; see :meth:`resume`.
@@ -194,7 +207,7 @@ class RecursiveEstimator:
         Raises:
             ExoidError: The file cannot be written.
         """
-        write_memory(path, self.settings, Memory(self._state, self._intake, tuple(self._pending)))
+        write_memory(path, self.settings, Memory(self._state, self._stream, tuple(self._pending)))
 
     @classmethod
     def resume(cls, path: str | os.PathLike[str], leg: Leg) -> RecursiveEstimator:
@@ -212,23 +225,16 @@ class RecursiveEstimator:
         """
         settings, memory = read_memory(path, leg)
         resumed = cls.__new__(cls)
-        resumed._begin(Recursion.of(settings), memory)
+        resumed.settings, resumed._recursion = settings, Recursion.of(settings)
+        resumed._state, resumed._stream, resumed._pending = memory.state, memory.stream, list(memory.pending)
         return resumed
 
-    def _begin(self, recursion: Recursion, memory: Memory) -> None:
-        """Begin with a memory."""
-        self.settings, self._recursion = recursion.settings, recursion
-        self._state, self._intake = memory.state, memory.intake
-        self._pending = list(memory.pending)
-
-    def _take(self, sample: tuple[float, ...], stamp: float) -> None:
+    def _take(self, sample: Sample, stamp: float) -> None:
         """Take one sample in; a complete block goes on."""
-        taken = take(self.settings, self._intake, sample, stamp)
-        self._intake = taken.intake
-        samples = taken.samples
+        self._stream, samples, gap = take(self.settings, self._stream, sample, stamp)
         if self.settings.cutoff is None:
             samples = samples[-1:]
-        elif taken.gap:
+        elif gap:
             self._pending, self._state = [], restarted(self.settings, self._state)
         for one in samples:
             self._pending.append(one)
@@ -237,28 +243,26 @@ class RecursiveEstimator:
 
     def _advanced(self) -> State:
         """State with the samples that wait."""
-        block = samples_of(self._pending, self.settings.n)
-        v, a = self._intake.given or (True, True)
-        nothing = np.full_like(block.q, math.nan)
-        return advance(
-            self._recursion, self._state, block._replace(v=block.v if v else nothing, a=block.a if a else nothing)
-        )
+        table = np.array(self._pending).reshape(-1, 5, self.settings.n)
+        q, v, a, tau, marks = table.transpose(1, 0, 2)
+        with_v, with_a = self._stream.given or (True, True)
+        nothing = np.full_like(q, math.nan)
+        block = Block(q, v if with_v else nothing, a if with_a else nothing, tau, marks > 0.0)
+        return advance(self._recursion, self._state, block)
 
     def _settled(self) -> State:
         """State with all samples that can be used."""
         return self._advanced() if self._pending and self.settings.cutoff is None else self._state
 
-    def _refuse_other_channels(self, given: tuple[bool, bool]) -> None:
-        """Refuse channels that come and go, and those that nothing can derive."""
-        if self.settings.cutoff is None and not all(given):
-            raise ExoidError(
-                "without a filter nothing derives velocities and accelerations", remedy="pass v and a, or a cutoff"
-            )
-        if self._intake.given is not None:
-            raise ExoidError(
-                f"v and a given: {self._intake.given} before, {given} now", remedy="pass the same channels every time"
-            )
-        self._intake = self._intake._replace(given=given)
+
+GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
+WORN_IN = "seals wear in, and grease warms up; the estimate follows within the memory"
+
+
+def _changed(kind: str, one: Change | Drift, parameters: tuple[str, ...], text: str, remedy: str) -> Finding:
+    """Describe a change as a finding."""
+    message = f"{', '.join(parameters)} {text}"
+    return Finding(kind, one.joint, one.statistic, "", "info", message, remedy, parameters=parameters)
 
 
 def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:
@@ -267,37 +271,9 @@ def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> To
         return TorqueModel.at_start(leg, DEFAULT_TERMS if terms is None else terms)
     model = TorqueModel.at_start(leg, start.model.terms if terms is None else terms, start.names)
     if model.names != start.names:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}",
             where=leg.description.name,
             remedy="pass an estimate of the same leg and terms",
         )
     return model
-
-
-def _as_finding(change: Change) -> Finding:
-    """Describe a change as a finding."""
-    return Finding(
-        f"changed-{change.kind}",
-        change.joint,
-        change.statistic,
-        "",
-        "info",
-        f"{', '.join(change.parameters)} changed at {change.time:.2f} s",
-        "values before it are in changes; what was known of these parameters was given up",
-        parameters=change.parameters,
-    )
-
-
-def _of_drift(drift: Drift) -> Finding:
-    """Describe a slow change as a finding."""
-    return Finding(
-        "changed-slowly",
-        drift.joint,
-        drift.statistic,
-        "",
-        "info",
-        f"{drift.parameter} drifted from {drift.before:.4g} to {drift.after:.4g} until {drift.time:.0f} s",
-        "seals wear in, and grease warms up; the estimate follows within the memory",
-        parameters=(drift.parameter,),
-    )

@@ -6,71 +6,82 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.tools.files import write_whole
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 
-from .intake import Intake
-from .memory import Memory
+from .changes import hypotheses_of
 from .settings import Settings
-from .state import Change, Correlation, Detector, Drift, Epochs, Information, State
+from .state import Change, Drift, State, begin
+from .stream import Sample, Stream
 
-SCHEMA = "exoid-online-2"
+SCHEMA = "exoid-online-3"
 
-REMEDY = "give the path of a file that RecursiveEstimator.save wrote"
-
-PLAIN = (
-    "rate",
-    "cutoff",
-    "forgetting",
-    "memory",
-    "estimator",
-    "reversal_speed",
-    "nonnegative",
-    "consistent",
-    "false_alarms",
-    "window",
-    "epoch",
-)
+PLAIN = tuple(field.name for field in fields(Settings) if field.name not in ("model", "torque_limits"))
 """Settings that JSON holds as they are."""
+
+
+class Memory(NamedTuple):
+    """All that a recursive estimator has to remember."""
+
+    state: State  # what it knows
+    stream: Stream  # what it knows of the stream
+    pending: tuple[Sample, ...] = ()  # samples that wait for their block to be complete
 
 
 def write_memory(path: str | os.PathLike[str], settings: Settings, memory: Memory) -> None:
     """Write settings and memory."""
-    data = {"schema": SCHEMA, "leg": _leg(settings.model.leg), "settings": _settings(settings), **_memory(memory)}
+    model = settings.model
+    data = {
+        "schema": SCHEMA,
+        "leg": _leg(model.leg),
+        "settings": {
+            **{name: getattr(settings, name) for name in PLAIN},
+            "torque_limits": settings.limits and [None if math.isinf(x) else x for x in settings.limits],
+            "terms": [term_to_json(term) for term in model.terms],
+            "separate": list(model.separate),
+            "parameters": list(model.names),
+        },
+        "memory": _plain(memory),
+    }
     write_whole(path, [json.dumps(data, ensure_ascii=False, allow_nan=False), "\n"])
 
 
 def read_memory(path: str | os.PathLike[str], leg: Leg) -> tuple[Settings, Memory]:
-    """Read what :func:`write_memory` wrote."""
-    where = str(path)
+    """Read what :func:`write_memory` wrote; all that does not fit the schema is an :class:`UnreadableInputError`."""
+    where, remedy = str(path), "give the path of a file that RecursiveEstimator.save wrote"
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        raise ExoidError(f"cannot be read ({error.strerror or error})", where=where, remedy=REMEDY) from error
+        what = f"cannot be read ({error.strerror or error})"
+        raise UnreadableInputError(what, where=where, remedy=remedy, file=where) from error
     except (ValueError, RecursionError) as error:
-        raise ExoidError(f"not JSON ({error})", where=where, remedy=REMEDY) from error
+        raise UnreadableInputError(f"not JSON ({error})", where=where, remedy=remedy, file=where) from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise ExoidError(f"no memory of schema {SCHEMA!r}", where=where, remedy=REMEDY)
+        raise UnreadableInputError(f"no memory of schema {SCHEMA!r}", where=where, remedy=remedy, file=where)
     try:
         if data["leg"] != _leg(leg):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the memory is of {data['leg']['name']}, and not of this leg",
                 where=where,
                 remedy="resume with the leg of the saved estimator, or begin anew",
+                file=where,
             )
         settings = _settings_from(data["settings"], leg)
-        return settings, _memory_from(data, settings)
-    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise ExoidError(f"damaged: {type(error).__name__} {error}", where=where, remedy=REMEDY) from error
+        return settings, _memory_from(data["memory"], settings)
+    except BadArgumentError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, ExoidError) as error:
+        what = f"damaged: {type(error).__name__} {error}"
+        raise UnreadableInputError(what, where=where, remedy=remedy, file=where) from error
 
 
 def _leg(leg: Leg) -> dict[str, Any]:
@@ -84,101 +95,64 @@ def _leg(leg: Leg) -> dict[str, Any]:
     }
 
 
-def _settings(settings: Settings) -> dict[str, Any]:
-    model = settings.model
-    return {
-        **{name: getattr(settings, name) for name in PLAIN},
-        "torque_limits": [None if math.isinf(x) else x for x in settings.torque_limits.tolist()],
-        "terms": [term_to_json(term) for term in model.terms],
-        "separate": list(model.separate),
-        "parameters": list(model.names),
-    }
-
-
 def _settings_from(data: Mapping[str, Any], leg: Leg) -> Settings:
-    terms = tuple(term_from_json(term) for term in data["terms"])
-    model = TorqueModel(leg, terms, separate=tuple(data["separate"]))
+    model = TorqueModel(leg, tuple(map(term_from_json, data["terms"])), separate=tuple(data["separate"]))
     if list(model.names) != data["parameters"]:
         raise ValueError(f"parameters {data['parameters']} of a model with {list(model.names)}")
-    limits = np.array([math.inf if x is None else x for x in data["torque_limits"]])
-    return Settings(model=model, torque_limits=limits, **{name: data[name] for name in PLAIN})
-
-
-def _memory(memory: Memory) -> dict[str, Any]:
-    state, intake = memory.state, memory.intake
-    return {
-        "state": {
-            **{name: _array(getattr(state, name)) for name in State._fields if name not in NESTED},
-            "samples": state.samples,
-            **{name: _record(getattr(state, name)) for name in PARTS},
-            "changes": [change._asdict() for change in state.changes],
-            "drifts": [drift._asdict() for drift in state.drifts],
-        },
-        "intake": {**intake._asdict(), "time": None if math.isnan(intake.time) else intake.time},
-        "pending": [list(sample) for sample in memory.pending],
-    }
-
-
-PARTS: dict[str, type[Information] | type[Correlation] | type[Detector] | type[Epochs]] = {
-    "information": Information,
-    "correlation": Correlation,
-    "detector": Detector,
-    "epochs": Epochs,
-}
-"""Records in a state."""
-
-NESTED = (*PARTS, "samples", "changes", "drifts")
-"""Fields of a state that are no arrays."""
+    default = Settings(model)
+    plain = {name: _like(getattr(default, name), data[name]) for name in PLAIN if name != "cutoff"}
+    cutoff = None if data["cutoff"] is None else _like(1.0, data["cutoff"])
+    limits = data["torque_limits"] and [math.inf if x is None else _like(1.0, x) for x in data["torque_limits"]]
+    return Settings(model=model, torque_limits=limits, cutoff=cutoff, **plain)
 
 
 def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
-    found = data["state"]
-    parts: dict[str, Any] = {
-        name: kind(**{key: _value(x) for key, x in found[name].items()}) for name, kind in PARTS.items()
-    }
-    arrays = {name: _value(found[name]) for name in State._fields if name not in NESTED}
-    changes = tuple(
-        Change(**{**one, "parameters": tuple(one["parameters"]), "values": tuple(one["values"])})
-        for one in found["changes"]
-    )
-    state = State(
-        **{
-            "samples": int(found["samples"]),
-            "changes": changes,
-            "drifts": tuple(Drift(**one) for one in found["drifts"]),
-            **parts,
-            **arrays,
-        }
-    )
-    P, n = settings.count, settings.n
-    if state.values.shape != (P,) or state.information.R.shape != (n + 1, P + 1, P + 1):
-        raise ValueError("shapes of the state do not fit the settings")
-    stream = data["intake"]
-    intake = Intake(
-        given=None if stream["given"] is None else (bool(stream["given"][0]), bool(stream["given"][1])),
-        last=tuple(stream["last"]),
-        time=math.nan if stream["time"] is None else stream["time"],
-        missing=int(stream["missing"]),
-        implausible=int(stream["implausible"]),
-        counts=tuple((str(kind), int(count)) for kind, count in stream["counts"]),
-        received=int(stream["received"]),
-    )
-    return Memory(state, intake, tuple(tuple(sample) for sample in data["pending"]))
+    """Fill the form of a memory, in which tuples have one item that stands for any number."""
+    sample = (0.0,)
+    changes = (Change(0, 0.0, "", "", ("",), 0.0, (0.0,)),)
+    drifts = (Drift(0, 0.0, "", "", 0.0, 0.0, 0.0, 0.0),)
+    state = begin(settings, len(hypotheses_of(settings.model)))._replace(changes=changes, drifts=drifts)
+    memory: Memory = _like(Memory(state, Stream((True,), sample, counts=(0,)), (sample,)), data)
+    lengths = {len(sample) for sample in memory.pending} | {len(memory.stream.last) or 5 * settings.n}
+    regular = lengths == {5 * settings.n} and len(memory.pending) < settings.block
+    regular &= len(memory.stream.counts) == len(Stream().counts) and len(memory.stream.given) in (0, 2)
+    triangles = (memory.state.information.R, memory.state.checkpoints.R, memory.state.epochs.R)
+    positive = (memory.state.weights, memory.state.detector.weights)
+    if not regular or any(np.tril(R, -1).any() for R in triangles) or any((x <= 0.0).any() for x in positive):
+        raise ValueError("samples, R factors or weights that no stream has")
+    return memory
 
 
-def _record(record: Information | Correlation | Detector | Epochs) -> dict[str, Any]:
-    return {key: _array(x) if isinstance(x, np.ndarray) else x for key, x in record._asdict().items()}
+def _plain(value: Any) -> Any:  # noqa: ANN401 - as JSON holds it
+    """Turn arrays into shape and numbers, and records into objects; null stands for infinity, and for NaN."""
+    if isinstance(value, np.ndarray):
+        numbers = [x if math.isfinite(x) else None for x in value.ravel().tolist()]
+        return {"shape": list(value.shape), "numbers": numbers}
+    if isinstance(value, tuple):
+        names = getattr(value, "_fields", None)
+        return [*map(_plain, value)] if names is None else dict(zip(names, map(_plain, value), strict=True))
+    return None if isinstance(value, float) and math.isnan(value) else value
 
 
-def _array(array: FloatArray) -> dict[str, Any]:
-    """Shape and numbers; null stands for infinity."""
-    flat = array.ravel().tolist()
-    return {"shape": list(array.shape), "numbers": [None if math.isinf(x) else x for x in flat]}
-
-
-def _value(data: Any) -> Any:  # noqa: ANN401 - as JSON holds it
-    """Array that :func:`_array` wrote, or a number as it is."""
-    if not isinstance(data, Mapping):
-        return data
-    numbers = [math.inf if x is None else float(x) for x in data["numbers"]]
-    return np.array(numbers, dtype=np.float64).reshape(data["shape"])
+def _like(form: Any, data: Any) -> Any:  # noqa: ANN401 - as JSON holds it
+    """Read what :func:`_plain` wrote, in the form of a value; a ValueError says what does not fit."""
+    if isinstance(form, np.ndarray):
+        if data["shape"] != list(form.shape):
+            raise ValueError(f"an array of shape {data['shape']}, not {form.shape}")
+        numbers = [math.inf if x is None else _like(0.0, x) for x in data["numbers"]]
+        return np.array(numbers, dtype=np.float64).reshape(form.shape)
+    if isinstance(form, tuple):
+        names = getattr(form, "_fields", None)
+        if names is None:
+            return tuple(_like(form[0], each) for each in data)
+        if set(data) != set(names):
+            raise ValueError(f"fields {', '.join(data)}, not {', '.join(names)}")
+        return type(form)(*(_like(getattr(form, name), data[name]) for name in names))
+    if isinstance(form, float) and math.isnan(form) and data is None:
+        return form
+    wanted = (int, float) if isinstance(form, float) else type(form)
+    if not isinstance(data, wanted) or isinstance(data, bool) is not isinstance(form, bool):
+        raise ValueError(f"{data!r} in place of {type(form).__name__}")
+    if isinstance(form, float) and not math.isfinite(data):
+        raise ValueError(f"the number {data}")
+    return float(data) if isinstance(form, float) else data

@@ -43,14 +43,17 @@ RIDGE = 1e-7
 
 def absorb(settings: Settings, information: Information, rows: Rows, weights: FloatArray) -> Information:
     """Forget as the settings say, and take rows in."""
-    table = np.concatenate([rows.W, rows.tau[..., None]], axis=2).transpose(1, 0, 2)
-    counts = rows.used.sum(axis=0)
-    if not counts.any():
-        return information
+    table, counts = rows.table, rows.used.sum(axis=0)
     R, number = information
     if settings.forgetting != "none":
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
-        R, number = _forgotten(settings.forgetting, R, number, table, share, weights)
+        R, number = R.copy(), number.copy()
+        for slot in np.flatnonzero((share > 0.0) & (number[:-1] > 0.0)):
+            R[slot], lost = _forgotten(settings.forgetting, R[slot], table[slot], float(share[slot]))
+            number[slot] *= 1.0 - lost
+        if R[-1].any():
+            weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
+            R[-1] = np.linalg.qr(_forgotten(settings.forgetting, R[-1], weighted, float(share.max()))[0], mode="r")
     out = R.copy()
     out[:-1] = _without_rounding(np.asarray(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")))
     return Information(out, number + np.append(counts, 0))
@@ -69,23 +72,7 @@ def _without_rounding(R: FloatArray) -> FloatArray:
     return R
 
 
-def _forgotten(
-    kind: str, R: FloatArray, number: FloatArray, table: FloatArray, share: FloatArray, weights: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """R factors and numbers of rows of which up to a share (n,) is forgotten."""
-    out, number = R.copy(), number.copy()
-    for slot in range(len(share)):
-        if share[slot] > 0.0 and number[slot] > 0.0:
-            out[slot], lost = _of_one(kind, R[slot], table[slot], float(share[slot]))
-            number[slot] *= 1.0 - lost
-    if R[-1].any():
-        weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
-        changed, _ = _of_one(kind, R[-1], weighted, float(share.max()))
-        out[-1] = np.linalg.qr(changed, mode="r")
-    return out, number
-
-
-def _of_one(kind: str, R: FloatArray, table: FloatArray, share: float) -> tuple[FloatArray, float]:
+def _forgotten(kind: str, R: FloatArray, table: FloatArray, share: float) -> tuple[FloatArray, float]:
     """One R factor of which a share is forgotten, and the share of its rows that this is."""
     gains, V = _directions(R, table)
     if kind == "exponential":

@@ -8,13 +8,13 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
-from .hypotheses import SPANNED
+from .changes import SPANNED
 
 
 class LoadChange(NamedTuple):
@@ -57,7 +57,7 @@ def load_change(
     """
     leg = after.leg
     if before.names != after.names:
-        raise ExoidError("the two estimates have different parameters", remedy="pass two of the same model")
+        raise BadArgumentError("the two estimates have different parameters", remedy="pass two of the same model")
     count = len(leg.parameter_names)
     change = after.values[:count] - before.values[:count]
     covariance = (before.covariance + after.covariance)[:count, :count]
@@ -76,12 +76,14 @@ def _any_position(leg: Leg, joint: str) -> FloatArray:
     """Columns of a load of 1 kg at the joint, and of its first and second moments, (p, d)."""
     names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{name: name for name in leg.joint_names}}
     if joint not in names:
-        raise ExoidError(f"no joint {joint!r}", remedy=f"name one of {', '.join(leg.joint_names)}")
+        raise BadArgumentError(f"no joint {joint!r}", remedy=f"name one of {', '.join(leg.joint_names)}")
     first = 10 * (leg.joint_names.index(names[joint]) + len(leg.bodies) - len(leg.joint_names))
     added = leg.reduction.collect[:, first : first + 10]
     U, sizes, _ = np.linalg.svd(added[:, 1:], full_matrices=False)
     moments = U[:, sizes > SPANNED * sizes[0]]
     alone = added[:, 0] - moments @ (moments.T @ added[:, 0])
     if np.linalg.norm(alone) <= SPANNED * max(float(np.linalg.norm(added[:, 0])), float(sizes[0])):
-        raise ExoidError(f"the mass of a load at {joint} leaves no trace", remedy="say where it is (position=)")
+        raise NotIdentifiableError(
+            f"the mass of a load at {joint} leaves no trace", remedy="say where it is (position=)"
+        )
     return np.column_stack([added[:, 0], moments])

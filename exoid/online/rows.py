@@ -17,47 +17,35 @@ TOUCHED = 0.05
 
 
 class Block(NamedTuple):
-    """Consecutive samples, (k, n) each.
+    """Consecutive samples, (k, n) each."""
 
-    Attributes:
-        q: Angles [rad].
-        v: Velocities [rad/s]; NaN where they follow from the angles.
-        a: Accelerations [rad/s²]; NaN where they follow from the velocities.
-        tau: Torques [N·m].
-        left_out: Torques that are not to be used.
-    """
-
-    q: FloatArray
-    v: FloatArray
-    a: FloatArray
-    tau: FloatArray
-    left_out: NDArray[np.bool_]
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]; NaN where they follow from the angles
+    a: FloatArray  # accelerations [rad/s²]; NaN where they follow from the velocities
+    tau: FloatArray  # torques [N·m]
+    left_out: NDArray[np.bool_]  # torques that are not to be used
 
 
 class Rows(NamedTuple):
-    """Rows of τ = W β.
+    """Rows of τ = W β, zero where one is left out."""
 
-    Attributes:
-        W: Regressor, zero where a row is left out, (m, n, P).
-        tau: Torques [N·m], likewise, (m, n).
-        used: Rows of each joint that are used, (m, n).
-    """
+    W: FloatArray  # regressor, (m, n, P)
+    tau: FloatArray  # torques [N·m], (m, n)
+    used: NDArray[np.bool_]  # rows of each joint that are used, (m, n)
 
-    W: FloatArray
-    tau: FloatArray
-    used: NDArray[np.bool_]
-
-
-def unfiltered_rows(settings: Settings, block: Block) -> Rows:
-    """Form rows of samples as they are."""
-    W = settings.model.regressor(block.q, block.v, block.a)
-    return _kept(W, block.tau, _marks(settings, block.v, np.where(block.left_out, UNKNOWN, 0.0)) < TOUCHED)
+    @property
+    def table(self) -> FloatArray:
+        """[W τ] of each joint, (n, m, P + 1)."""
+        return np.concatenate([self.W, self.tau[..., None]], axis=2).transpose(1, 0, 2)
 
 
-def filtered_rows(settings: Settings, state: State, block: Block) -> tuple[Rows, State]:
+def rows_of(settings: Settings, state: State, block: Block) -> tuple[Rows, State]:
     """Smooth and differentiate a block, form columns, and filter columns and torques alike."""
-    n = settings.n
-    channels = np.hstack([block.q, block.v, block.a, block.tau, np.where(block.left_out, UNKNOWN, 0.0)])
+    n, left_out = settings.n, np.where(block.left_out, UNKNOWN, 0.0)
+    if settings.cutoff is None:
+        W = settings.model.regressor(block.q, block.v, block.a)
+        return _kept(W, block.tau, _marks(settings, block.v, left_out) < TOUCHED), state
+    channels = np.hstack([block.q, block.v, block.a, block.tau, left_out])
     given = ~np.isnan(block.v[0, 0]), ~np.isnan(block.a[0, 0])
     samples = np.concatenate([state.motion, np.nan_to_num(channels)])
     smooth, first, second = settings.smoothing

@@ -5,36 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.signals import FiniteDifference, Preparation, ZeroPhase
 from exoid.torques import DryFriction, TorqueModel
 
-from .kernels import Kernels, gaussian, sliding
-
-ROWS = 5
-"""Rows of a block behind the filter."""
-
-SAMPLES = 64
-"""Samples of a block without a filter."""
-
-ROWS_A_CUTOFF = 6.0
-"""Rows a second over the cut-off: at half this rate the filter passes 5 % of the amplitude."""
-
-KINEMATICS_MULTIPLE = 2.0
-"""Cut-off of the first filter over that of the second."""
-
-FORGETTING = ("none", "exponential", "directional")
-ESTIMATORS = ("wls", "ols")
-
-EPOCH = 60.0
-"""Default duration of an epoch of the detection of slow changes [s]."""
+NARROWEST = 1.2
+"""Smallest standard deviation in samples for which the derivatives of a Gaussian kernel are accurate to 1 %."""
 
 LAGS = 25
 """Rows over which the correlation of residuals is followed."""
@@ -42,69 +26,55 @@ LAGS = 25
 
 @dataclass(frozen=True, eq=False)
 class Settings:
-    """Settings of a recursive estimator.
-
-    Attributes:
-        model: Leg and terms.
-        rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency of the filter that columns and torque pass [Hz]; None for no filter.
-        forgetting: "directional", "exponential" or "none".
-        memory: Time constant with which rows are forgotten [s].
-        estimator: "wls" or "ols".
-        reversal_speed: Speed below which a joint with dry friction may stick [rad/s]; its rows are left out. 0 for
-            none.
-        torque_limits: Largest torque of each joint [N·m], (n,); samples at or beyond it are left out. Infinite for
-            none.
-        nonnegative: Whether friction and rotor inertia are kept from falling below zero.
-        consistent: Whether the values are those of physically possible links.
-        false_alarms: Rate of false alarms of the change detection [1/h]; 0 for no detection.
-        window: Time constant of the change detection [s].
-        epoch: Duration of rows whose estimates are compared to detect slow changes [s].
-
-    Raises:
-        ExoidError: A setting is out of range, or the model cannot be estimated online.
-    """
+    """Settings as :class:`exoid.online.RecursiveEstimator` describes them."""
 
     model: TorqueModel
-    rate: float
-    cutoff: float | None
-    forgetting: str
-    memory: float
-    estimator: str
-    reversal_speed: float
-    torque_limits: FloatArray
-    nonnegative: bool
-    consistent: bool
-    false_alarms: float
-    window: float
-    epoch: float = EPOCH
+    rate: float = 500.0
+    cutoff: float | None = 8.0
+    forgetting: str = "directional"
+    memory: float = 20.0
+    estimator: str = "wls"
+    reversal_speed: float = 0.1
+    torque_limits: ArrayLike | None = None
+    nonnegative: bool = False
+    consistent: bool = False
+    false_alarms: float = 0.1
+    window: float = 1.0
+    epoch: float = 60.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
         refuse_floating_base(self.model.leg, "a recursive estimator")
-        _refuse_terms(self.model)
-        for name, options in (("forgetting", FORGETTING), ("estimator", ESTIMATORS)):
+        for block in self.model.blocks:
+            term = block.term
+            if term.internal_state is not None or term.loaded or term.needs_temperature:
+                raise NotSupportedError(
+                    f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
+                    remedy="use Coulomb and Viscous friction without presliding online",
+                )
+        for name, options in {
+            "forgetting": ("none", "exponential", "directional"),
+            "estimator": ("wls", "ols"),
+        }.items():
             if getattr(self, name) not in options:
-                raise ExoidError(f"{name}={getattr(self, name)!r}", remedy=f"use one of {', '.join(options)}")
+                raise BadArgumentError(f"{name}={getattr(self, name)!r}", remedy=f"use one of {', '.join(options)}")
         for name in ("rate", "memory", "window", "epoch"):
             if not 0.0 < getattr(self, name) < math.inf:
-                raise ExoidError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
+                raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
         for name in ("reversal_speed", "false_alarms"):
             if not 0.0 <= getattr(self, name) < math.inf:
-                raise ExoidError(f"{name}={getattr(self, name)}", remedy="pass zero or a positive number")
-        if self.cutoff is not None and not 0.0 < self.cutoff < 0.5 * self.rate:
-            raise ExoidError(
-                f"a cut-off of {self.cutoff:g} Hz at {self.rate:g} Hz", remedy="pass a frequency below half the rate"
-            )
+                raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass zero or a positive number")
         if self.estimator == "ols" and self.forgetting != "none":
-            raise ExoidError("ols does not weigh rows, which forgetting needs", remedy="use wls, or forgetting='none'")
-        if self.torque_limits.shape != (self.n,) or not (self.torque_limits > 0.0).all():
-            raise ExoidError(
-                f"torque limits of shape {self.torque_limits.shape} for {self.n} joints, or not positive",
-                remedy="pass one number in N·m for each joint",
-            )
+            what = "ols does not weigh rows, which forgetting needs"
+            raise BadArgumentError(what, remedy="use wls, or forgetting='none'")
+        none = np.full(self.n, math.inf)
+        limits = none if self.torque_limits is None else np.asarray(self.torque_limits, dtype=np.float64)
+        if limits.shape != (self.n,) or not (limits > 0.0).all():
+            what = f"torque limits of shape {limits.shape} for {self.n} joints, or not positive"
+            raise BadArgumentError(what, remedy="pass one number in N·m for each joint")
+        object.__setattr__(self, "torque_limits", limits)
         if self.cutoff is not None:
-            _ = self.narrow, self.wide  # refuses a cut-off that the rate cannot carry
+            _ = self.kernels  # refuses a cut-off that the rate cannot carry
 
     @cached_property
     def n(self) -> int:
@@ -123,18 +93,19 @@ class Settings:
 
     @cached_property
     def stride(self) -> int:
-        """Samples from one row to the next."""
-        return 1 if self.cutoff is None else max(1, int(self.rate / (ROWS_A_CUTOFF * self.cutoff)))
+        """Samples from one row to the next: six rows a period of the cut-off; at half of that 5 % of a signal pass."""
+        return 1 if self.cutoff is None else max(1, int(self.rate / (6.0 * self.cutoff)))
 
     @cached_property
     def block(self) -> int:
-        """Samples of a block."""
-        return SAMPLES if self.cutoff is None else ROWS * self.stride
+        """Samples of a block: five rows behind the filter, or 64 samples without one."""
+        return 64 if self.cutoff is None else 5 * self.stride
 
     @cached_property
     def limits(self) -> tuple[float, ...] | None:
         """Largest torque of each joint [N·m], (n,); None for none."""
-        return None if np.isinf(self.torque_limits).all() else tuple(self.torque_limits.tolist())
+        limits = np.asarray(self.torque_limits)
+        return None if np.isinf(limits).all() else tuple(limits.tolist())
 
     @property
     def row_time(self) -> float:
@@ -147,44 +118,42 @@ class Settings:
         return self.block / self.rate
 
     @cached_property
-    def wide(self) -> Kernels:
-        """First filter: all channels pass it, and velocity and acceleration come out of it."""
+    def kernels(self) -> tuple[Kernels, Kernels]:
+        """First filter, from which velocity and acceleration come, and second one, of columns and torque."""
         assert self.cutoff is not None
+        narrow = gaussian(self.rate, self.cutoff)
         limit = math.sqrt(math.log(2.0)) * self.rate / (2.0 * math.pi * 1.25)
-        return gaussian(self.rate, min(KINEMATICS_MULTIPLE * self.cutoff, limit))
-
-    @cached_property
-    def narrow(self) -> Kernels:
-        """Second filter, which columns and torque pass."""
-        assert self.cutoff is not None
-        return gaussian(self.rate, self.cutoff)
-
-    @property
-    def delay(self) -> float:
-        """Delay of a row by the filters [s]."""
-        return 0.0 if self.cutoff is None else (self.wide.delay + self.narrow.delay) / self.rate
-
-    @cached_property
-    def smoothing(self) -> FloatArray:
-        """Matrices of value, first and second derivative by the first filter, (3, k, history + k)."""
-        return np.array([sliding(weights, range(self.block)) for weights in self.wide])
-
-    @cached_property
-    def decimating(self) -> FloatArray:
-        """Matrix of the second filter at every row, (m, history + k)."""
-        return sliding(self.narrow.smooth, range(self.stride - 1, self.block, self.stride))
+        return gaussian(self.rate, min(2.0 * self.cutoff, limit)), narrow
 
     @cached_property
     def histories(self) -> tuple[int, int]:
         """Samples that each filter keeps."""
-        return (0, 0) if self.cutoff is None else (2 * self.wide.delay, 2 * self.narrow.delay)
+        if self.cutoff is None:
+            return 0, 0
+        wide, narrow = self.kernels
+        return len(wide.smooth) - 1, len(narrow.smooth) - 1
+
+    @property
+    def delay(self) -> float:
+        """Delay of a row by the filters [s]."""
+        return (self.histories[0] // 2 + self.histories[1] // 2) / self.rate
+
+    @cached_property
+    def smoothing(self) -> FloatArray:
+        """Matrices of value, first and second derivative by the first filter, (3, k, history + k)."""
+        return np.array([_sliding(weights, range(self.block)) for weights in self.kernels[0]])
+
+    @cached_property
+    def decimating(self) -> FloatArray:
+        """Matrix of the second filter at every row, (m, history + k)."""
+        return _sliding(self.kernels[1].smooth, range(self.stride - 1, self.block, self.stride))
 
     @cached_property
     def filter_inflation(self) -> float:
         """Rows that say as much as one independent row of white noise behind both filters."""
         if self.cutoff is None:
             return 1.0
-        response = scipy.signal.convolve(self.wide.smooth, self.narrow.smooth)
+        response = np.convolve(self.kernels[0].smooth, self.kernels[1].smooth)
         every = scipy.signal.correlate(response, response)[len(response) - 1 :: self.stride]
         return float(1.0 + 2.0 * (every[1:] / every[0]).sum())
 
@@ -215,12 +184,40 @@ class Settings:
         return tuple(found.values())
 
 
-def _refuse_terms(model: TorqueModel) -> None:
-    """Refuse terms whose columns are not a function of one sample of the motion."""
-    for block in model.blocks:
-        term = block.term
-        if term.internal_state is not None or term.loaded or term.needs_temperature:
-            raise ExoidError(
-                f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
-                remedy="use Coulomb and Viscous friction without presliding online",
-            )
+class Kernels(NamedTuple):
+    """Weights of a sample and its d neighbours on each side, (2 d + 1,) each, to be summed with the samples."""
+
+    # The zero-phase filter of an identification needs samples that are still to come. A symmetric kernel gives the
+    # same, d samples late. It is Gaussian, which neither rings nor is wider than it must be, and its derivatives give
+    # velocity and acceleration: with H(f) its gain, the three have the gains H, 2πi f H and (2πi f)² H.
+
+    smooth: FloatArray  # weights of the smoothed signal
+    first: FloatArray  # weights of its first derivative [1/s]
+    second: FloatArray  # weights of its second derivative [1/s²]
+
+
+def gaussian(rate: float, cutoff: float) -> Kernels:
+    """Make a Gaussian kernel with a gain of 1/√2 at the cut-off, σ = √(ln 2) / (2π f_c), four σ to each side."""
+    # A constant passes unchanged. The derivatives of straight lines and parabolas are exact.
+    sigma = math.sqrt(math.log(2.0)) / (2.0 * math.pi * cutoff) if cutoff > 0.0 else math.inf
+    if not NARROWEST <= sigma * rate < 1e5:
+        raise BadArgumentError(
+            f"a causal low-pass of {cutoff:.4g} Hz at {rate:.4g} samples a second",
+            remedy=f"choose a cut-off below {math.sqrt(math.log(2.0)) * rate / (2.0 * math.pi * NARROWEST):.3g} Hz, "
+            "and the rate in Hz",
+        )
+    half = math.ceil(4.0 * sigma * rate)
+    t = np.arange(-half, half + 1) / rate
+    smooth = np.exp(-0.5 * (t / sigma) ** 2)
+    smooth /= smooth.sum()
+    first = t * smooth
+    second = (t**2 - smooth @ t**2) * smooth
+    return Kernels(smooth, first / (first @ t), second / (0.5 * second @ t**2))
+
+
+def _sliding(weights: FloatArray, rows: range) -> FloatArray:
+    """Matrix that applies weights to the samples behind a history of as many samples less one."""
+    matrix = np.zeros((len(rows), len(weights) - 1 + rows.stop))
+    for k, row in enumerate(rows):
+        matrix[k, row : row + len(weights)] = weights
+    return matrix

@@ -1,4 +1,4 @@
-"""From R factors to values, weights and an estimate."""
+"""From R factors to values, weights and an estimate, and back from an estimate to an R factor."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
@@ -17,18 +18,17 @@ from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RFactor, solve, stack
 from exoid.regression.parameters import PriorKnowledge
 
-from .correlation import inflations
-from .settings import Settings
-from .state import Information, State
+from .settings import LAGS, Settings
+from .state import Correlation, Information, State, checkpoints_of
 
 DETERMINED = 1e-7
 """Smallest diagonal of the R factor with columns of unit length that counts as determined."""
 
-NOISELESS = 1e-9
-"""Residuals below this part of the torque are rounding."""
-
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
+
+TINY = 1e-150
+"""Smallest residual that a weight is made of [N·m]."""
 
 
 class Current(NamedTuple):
@@ -40,18 +40,26 @@ class Current(NamedTuple):
 
 
 def current(settings: Settings, information: Information, weights: FloatArray, inflation: FloatArray) -> Current | None:
-    """Solve for the values, fast."""
+    """Solve for the values, fast; None before they are determined."""
     R = weighted_stack(information, weights, inflation)
-    root, z = R[:-1, :-1], R[:-1, -1]
-    size = np.sqrt((root**2).sum(axis=0))
-    if not (np.abs(np.diag(root)) > DETERMINED * size).all() or not size.all():
+    inverse = inverse_of(R)
+    if inverse is None:
         return None
-    inverse = scipy.linalg.lapack.dtrtri(root)[0]
-    values = inverse @ z
+    values = inverse @ R[:-1, -1]
     std = np.sqrt((inverse**2).sum(axis=1))
     if settings.estimator == "ols":
         return Current(values, std, weights)
-    return Current(values, std, new_weights(information, values, weights))
+    enough = information.rows[:-1] >= FEWEST_ROWS
+    return Current(values, std, np.where(enough, 1.0 / residual_rms(information, values), weights))
+
+
+def inverse_of(R: FloatArray) -> FloatArray | None:
+    """Inverse of the triangle of an R factor [R z]; None where it does not determine a parameter."""
+    root = R[:-1, :-1]
+    size = np.sqrt((root**2).sum(axis=0))
+    if not size.all() or not (np.abs(np.diag(root)) > DETERMINED * size).all():
+        return None
+    return np.asarray(scipy.linalg.lapack.dtrtri(root)[0])
 
 
 def weighted_stack(information: Information, weights: FloatArray, inflation: FloatArray) -> FloatArray:
@@ -61,60 +69,81 @@ def weighted_stack(information: Information, weights: FloatArray, inflation: Flo
     return np.asarray(np.linalg.qr(table, mode="r"))
 
 
-def new_weights(information: Information, values: FloatArray, before: FloatArray) -> FloatArray:
-    """Weights 1/RMS of the residuals of each joint; those before where rows are few."""
-    rms, floor = residual_rms(information, values)
-    enough = information.rows[:-1] >= FEWEST_ROWS
-    return np.where(enough, 1.0 / np.maximum(np.maximum(rms, floor), 1e-150), before)
+def belief(settings: Settings, state: State) -> FloatArray:
+    """[R z] of all that is known, R β = z + noise of unit size, (P + 1, P + 1); zero before the first rows."""
+    inflation = inflations(settings, state.correlation)
+    stacked = weighted_stack(state.information, state.weights, inflation)
+    return np.asarray(stacked / np.sqrt(inflation.mean()))
 
 
-def residual_rms(information: Information, values: FloatArray) -> tuple[FloatArray, float]:
-    """RMS residual of each joint (n,), and the size below which it is rounding [N·m]."""
+def residual_rms(information: Information, values: FloatArray) -> FloatArray:
+    """RMS residual of each joint [N·m], (n,); at least the rounding of the torque."""
     rows = np.maximum(information.rows[:-1], 1e-9)
-    at = np.append(values, -1.0)
-    norms = np.linalg.norm(information.R[:-1] @ at, axis=1)
+    norms = np.linalg.norm(information.R[:-1] @ np.append(values, -1.0), axis=1)
     torque = np.linalg.norm(information.R[:-1, :, -1], axis=1) / np.sqrt(rows)
-    return norms / np.sqrt(rows), NOISELESS * float(torque.max())
+    return np.asarray(np.maximum(np.maximum(norms / np.sqrt(rows), 1e-9 * float(torque.max())), TINY))
+
+
+def follow_residuals(settings: Settings, before: Correlation, e: FloatArray, used: NDArray[np.bool_]) -> Correlation:
+    """Add the residuals (m, n) of a block to their autocorrelation, with a time constant of a minute."""
+    m, width = len(e), LAGS + 1
+    discount = float(np.exp(-m * settings.row_time / 60.0))
+    both, mask = np.concatenate([before.tail, e]), np.concatenate([before.used, used])
+    lagged, masked = (  # (m, n, K + 1), lag 0 first
+        np.lib.stride_tricks.sliding_window_view(x, width, axis=0)[-m:, :, ::-1] for x in (both, mask)
+    )
+    sums = discount * before.sums + np.einsum("mj,mjk->kj", e, lagged)
+    counts = discount * before.counts + np.einsum("mj,mjk->kj", used.astype(np.float64), masked)
+    return Correlation(both[-LAGS:], mask[-LAGS:], sums, counts)
+
+
+def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
+    """Rows of each joint that say as much as one independent row, (n,)."""
+    # Behind a low-pass, and where the model errs, one row resembles the next. The variance of a mean of N such rows is
+    # c/N of that of one, with c = 1 + 2 Σ_k ρ_k. Sums of slowly varying columns times rows have the same factor; those
+    # of columns that vary faster than the noise a smaller one, so that intervals are rather too wide than too narrow.
+    # ρ counts from 200 pairs of rows on, and up to the first below 0.02.
+    sums, counts = correlation.sums, np.maximum(correlation.counts, 1.0)
+    variance = sums[0] / counts[0]
+    rho = np.divide(sums[1:] / counts[1:], variance, out=np.zeros_like(sums[1:]), where=variance > 0.0)
+    believed = np.cumprod((rho > 0.02) & (counts[1:] >= 200.0), axis=0)
+    return np.asarray(np.maximum(settings.filter_inflation, 1.0 + 2.0 * (np.minimum(rho, 1.0) * believed).sum(axis=0)))
 
 
 def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...]) -> Estimate:
-    """Make the estimate of a state.
-
-    The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j, and
-    c_j = 1 + 2 Σ_k ρ_k of its rows say as much as one independent row, by the autocorrelation ρ_k of residuals.
-
-    Args:
-        settings: Settings.
-        state: The state.
-        findings: Faults of the stream.
-
-    Returns:
-        The estimate.
-
-    Raises:
-        ExoidError: The rows so far do not determine every parameter: names them.
-    """
+    """Make the estimate of a state."""
+    # The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j,
+    # and c_j of its rows say as much as one independent row.
     model, (R, rows) = settings.model, state.information
     if not rows[:-1].any() and not R[-1].any():
-        raise ExoidError("no row so far: nothing can be estimated", remedy="move the leg, and update for longer")
+        raise NotIdentifiableError(
+            "no row so far: nothing can be estimated",
+            remedy="move the leg, and update for longer",
+            parameters=model.names,
+        )
     inflation = inflations(settings, state.correlation)
     samples = np.append(rows[:-1] / inflation, rows[-1])
     factors = [RFactor(R[j], round(rows[j]), float(samples[j])) for j in range(len(R))]
     knowledge = PriorKnowledge(nonnegative=settings.nonnegative or settings.consistent)
     bounds = model.nonnegative if knowledge.nonnegative else None
-    weights, rms = _weights(settings, state, factors, knowledge)
-    own = np.append(weights, np.sqrt(np.mean(inflation * (rms * weights) ** 2)))
+
+    def rms_of(values: FloatArray) -> FloatArray:
+        """RMS residuals; those of earlier weights where rows are too few to tell the size of the noise."""
+        few = (rows[:-1] < FEWEST_ROWS) & bool(R[-1].any())
+        return np.asarray(np.where(few, 1.0 / state.weights, residual_rms(state.information, values)))
+
+    first = state.values if R[-1].any() else solve(stack(factors), model.names, knowledge, bounds).values
+    weights = np.ones(settings.n) if settings.estimator == "ols" else 1.0 / rms_of(first)
+    own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
     solution = solve(stack(factors, own.tolist()), model.names, knowledge, bounds)
-    rms, _ = _rms_of(state, solution.values)
-    noise = np.append(own[:-1] ** 4 * rms**2 * inflation, own[-1] ** 2)
+    rms = rms_of(solution.values)
+    noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 2)
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
-    values = _consistent(settings, solution.values, covariance) if settings.consistent else solution.values
-    scale = parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors)
     return Estimate(
         model=model,
-        values=values,
+        values=_consistent(settings, solution.values, covariance) if settings.consistent else solution.values,
         covariance=0.5 * (covariance + covariance.T),
         condition_number=max(solution.condition_number, 1.0),
         dof=max(solution.dof, 1.0),
@@ -122,32 +151,11 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         estimator=f"recursive {settings.estimator}",
         preparation=settings.preparation,
         inputs=(Input("stream", "", state.samples, settings.rate),),
-        parameter_scale=scale,
+        parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
         bounded=tuple(model.names[k] for k in solution.bounded),
         findings=findings,
         cutoff_source="" if settings.cutoff is None else "passed to the recursive estimator",
     )
-
-
-def _weights(
-    settings: Settings, state: State, factors: list[RFactor], knowledge: PriorKnowledge
-) -> tuple[FloatArray, FloatArray]:
-    """Weights as those of the batch estimators, and the RMS residuals that they follow from."""
-    ones = np.ones(settings.n)
-    bounds = settings.model.nonnegative if knowledge.nonnegative else None
-    if state.information.R[-1].any():  # rows of a joint may be too few to tell the size of its noise
-        rms, _ = _rms_of(state, state.values)
-        return (ones if settings.estimator == "ols" else 1.0 / np.maximum(rms, 1e-150)), rms
-    first = solve(stack(factors), settings.model.names, knowledge, bounds).values
-    rms, floor = residual_rms(state.information, first)
-    return (ones if settings.estimator == "ols" else 1.0 / np.maximum(np.maximum(rms, floor), 1e-150)), rms
-
-
-def _rms_of(state: State, values: FloatArray) -> tuple[FloatArray, float]:
-    """RMS residuals; those of earlier weights where rows are few."""
-    rms, floor = residual_rms(state.information, values)
-    few = (state.information.rows[:-1] < FEWEST_ROWS) & bool(state.information.R[-1].any())
-    return np.where(few, 1.0 / state.weights, np.maximum(rms, floor)), floor
 
 
 def _consistent(settings: Settings, values: FloatArray, covariance: FloatArray) -> FloatArray:
@@ -158,3 +166,26 @@ def _consistent(settings: Settings, values: FloatArray, covariance: FloatArray) 
         return values
     lifted = lift(leg, values[:count], covariance[:count, :count])
     return np.concatenate([lifted.values, values[count:]])
+
+
+def started(settings: Settings, state: State, start: Estimate) -> State:
+    """Put an estimate's values and covariance in the place of what was known before the rows."""
+    if settings.estimator != "wls":  # other rows have no weight beside a covariance
+        raise BadArgumentError("only wls can begin with an estimate", remedy="use estimator='wls', or leave start out")
+    floor = 1e-9  # standard deviation of what is known exactly, over the scale
+    scale = np.sqrt(np.diag(start.covariance))
+    scale = np.where(scale > 0.0, scale, floor * np.maximum(np.abs(start.values), 1.0))
+    sizes, axes = np.linalg.eigh(start.covariance / np.outer(scale, scale))
+    root = (axes / np.sqrt(np.maximum(sizes, floor))).T / scale
+    R = state.information.R.copy()
+    table = np.zeros((settings.count + 1, settings.count + 1))
+    table[:-1, :-1], table[:-1, -1] = root, root @ start.values
+    R[-1] = np.linalg.qr(table, mode="r")
+    information = Information(R, np.append(np.zeros(settings.n), start.dof))
+    return state._replace(
+        information=information,
+        values=start.values.copy(),
+        std=scale,
+        weights=1.0 / np.maximum(start.residual_rms, 1e-9),
+        checkpoints=checkpoints_of(information),
+    )

@@ -13,14 +13,11 @@ from .settings import LAGS, Settings
 CHECKPOINTS = 3
 """States before the present one that are kept, in case that a change is detected."""
 
-UNKNOWN = 1e6
-"""Mark of a sample that must not touch a row, and"""
+REMEMBERED = 100
+"""Largest number of changes, and of drifts, that a state lists."""
 
-STICKING = 1.0
-"""of one at which a joint may stick."""
-
-LAST = 3
-"""Number of epochs that are compared with the first ones."""
+UNKNOWN, STICKING = 1e6, 1.0
+"""Marks of a sample that must not touch a row, and of one at which a joint may stick."""
 
 
 class Information(NamedTuple):
@@ -34,7 +31,7 @@ class Information(NamedTuple):
 
 
 class Correlation(NamedTuple):
-    """Autocorrelation of the residuals of each joint, over up to :data:`LAGS` rows."""
+    """Autocorrelation of the residuals of each joint, over up to K = `LAGS` rows."""
 
     tail: FloatArray  # the last residuals [N·m], zero where a row was left out, (K, n)
     used: FloatArray  # whether they were used, 0 or 1, (K, n)
@@ -43,7 +40,7 @@ class Correlation(NamedTuple):
 
 
 class Detector(NamedTuple):
-    """State of the change detection."""
+    """State of the change detection, with C hypotheses."""
 
     score: FloatArray  # discounted Wᵀe of weighted innovations, (P,)
     energy: FloatArray  # discounted WᵀW of the same rows, (P, P)
@@ -54,13 +51,31 @@ class Detector(NamedTuple):
     weights: FloatArray  # weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,)
 
 
+class Epochs(NamedTuple):
+    """Estimates of consecutive epochs, of which those of the first are the reference."""
+
+    R: FloatArray  # R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1)
+    rows: FloatArray  # number of rows of each joint in it, (n,)
+    time: float  # time of rows in it [s]
+    values: FloatArray  # estimates of the last three epochs, the latest first, (3, P)
+    variances: FloatArray  # their variances, (3, P)
+    number: int  # number of epochs so far
+    score: FloatArray  # sum of the estimates of the reference over their variances, (P,)
+    precision: FloatArray  # sum of the inverse variances, (P,)
+    references: FloatArray  # number of epochs in the reference, (P,)
+    behind: FloatArray  # number of epochs behind it, (P,)
+    scatter: FloatArray  # sum of squared second differences of consecutive epochs over their variances, (P,)
+    bends: float  # number of these differences
+
+
 class Change(NamedTuple):
     """Change of parameters that was detected.
 
     Attributes:
         sample: Samples that had been received when it was detected.
         time: The same [s].
-        kind: "friction", "load", "offset", "inertia" or another; see :class:`exoid.online.hypotheses.Hypothesis`.
+        kind: "load" (of a segment: a payload), "friction", "offset", "inertia" (of a rotor), "stiffness", or the name
+            of another term.
         joint: Joint of the friction, or the joint that carries the segment with the load; "" for neither.
         parameters: Parameters that changed.
         statistic: Statistic over its threshold.
@@ -79,23 +94,6 @@ class Change(NamedTuple):
         """Write one sentence."""
         where = f" at {self.joint}" if self.joint else ""
         return f"{self.time:.2f} s: {self.kind}{where} changed ({', '.join(self.parameters)})"
-
-
-class Epochs(NamedTuple):
-    """Estimates of consecutive epochs, of which those of the first are the reference."""
-
-    R: FloatArray  # R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1)
-    rows: FloatArray  # number of rows of each joint in it, (n,)
-    time: float  # time of rows in it [s]
-    values: FloatArray  # estimates of the last epochs, the latest first, (K, P)
-    variances: FloatArray  # their variances, (K, P)
-    number: int  # number of epochs so far
-    score: FloatArray  # sum of the estimates of the reference over their variances, (P,)
-    precision: FloatArray  # sum of the inverse variances, (P,)
-    references: FloatArray  # number of epochs in the reference, (P,)
-    behind: FloatArray  # number of epochs behind it, (P,)
-    scatter: FloatArray  # sum of squared second differences of consecutive epochs over their variances, (P,)
-    bends: float  # number of these differences
 
 
 class Drift(NamedTuple):
@@ -129,71 +127,57 @@ class Drift(NamedTuple):
 
 
 class State(NamedTuple):
-    """All that a recursive estimator knows.
+    """All that a recursive estimator knows."""
 
-    Attributes:
-        samples: Number of samples, those that were left out included.
-        motion: Last samples of q, v, a, τ and of the marks of each joint, for the first filter, (h1, 5 n).
-        columns: Last samples of columns, torques and marks, for the second filter, (h2, c + 2 n).
-        information: R factors.
-        values: Parameters by the last block, (P,).
-        std: Their standard deviations by the R factors alone, (P,); infinite before they are determined.
-        weights: Weight of the rows of each joint [1/(N·m)], (n,).
-        correlation: Autocorrelation of residuals.
-        detector: Change detection.
-        checkpoints: R factors one, two and three seconds ago, (3, n + 1, P + 1, P + 1).
-        checkpoint_rows: Rows of each, (3, n + 1).
-        changes: Changes that were detected, the last :data:`exoid.online.advance.REMEMBERED` at most.
-        epochs: Estimates of consecutive epochs.
-        drifts: Slow changes that were detected, the last :data:`exoid.online.drift.REMEMBERED` at most.
-    """
-
-    samples: int
-    motion: FloatArray
-    columns: FloatArray
-    information: Information
-    values: FloatArray
-    std: FloatArray
-    weights: FloatArray
+    samples: int  # number of samples, those that were left out included
+    motion: FloatArray  # last samples of q, v, a, τ and of the marks of each joint, for the first filter, (h1, 5 n)
+    columns: FloatArray  # last samples of columns, torques and marks, for the second filter, (h2, c + 2 n)
+    information: Information  # what the rows say
+    values: FloatArray  # parameters by the last block, (P,)
+    std: FloatArray  # their standard deviations by the R factors alone, (P,); infinite before they are determined
+    weights: FloatArray  # weight of the rows of each joint [1/(N·m)], (n,)
     correlation: Correlation
     detector: Detector
-    checkpoints: FloatArray
-    checkpoint_rows: FloatArray
+    checkpoints: Information  # information one, two and three seconds ago, (3, ...) each
     changes: tuple[Change, ...]
     epochs: Epochs
     drifts: tuple[Drift, ...]
 
 
-def no_epochs(n: int, count: int) -> Epochs:
-    """Begin without any epoch."""
-    none, last = np.zeros(count), np.zeros((LAST, count))
-    R = np.zeros((n, count + 1, count + 1))
-    return Epochs(R, np.zeros(n), 0.0, last, last + np.inf, 0, none, none, none, none, none, 0.0)
-
-
 def begin(settings: Settings, hypotheses: int) -> State:
     """Make the state before the first sample."""
     n, P = settings.n, settings.count
-    R = np.zeros((n + 1, P + 1, P + 1))
+    R, rows = np.zeros((n + 1, P + 1, P + 1)), np.zeros(n + 1)
+    lags = (np.zeros((LAGS, n)),) * 2 + (np.zeros((LAGS + 1, n)),) * 2
     state = State(
         samples=0,
         motion=np.zeros((settings.histories[0], 5 * n)),
         columns=np.zeros((settings.histories[1], len(settings.acting[0]) + 2 * n)),
-        information=Information(R, np.zeros(n + 1)),
+        information=Information(R, rows),
         values=np.zeros(P),
         std=np.full(P, np.inf),
         weights=np.ones(n),
-        correlation=Correlation(
-            np.zeros((LAGS, n)), np.zeros((LAGS, n)), np.zeros((LAGS + 1, n)), np.zeros((LAGS + 1, n))
-        ),
+        correlation=Correlation(*lags),
         detector=Detector(np.zeros(P), np.zeros((P, P)), np.zeros(hypotheses), 0.0, -1, 0, np.ones(n)),
-        checkpoints=np.tile(R, (CHECKPOINTS, 1, 1, 1)),
-        checkpoint_rows=np.zeros((CHECKPOINTS, n + 1)),
+        checkpoints=checkpoints_of(Information(R, rows)),
         changes=(),
-        epochs=no_epochs(n, P),
+        epochs=no_epochs(settings),
         drifts=(),
     )
     return restarted(settings, state)
+
+
+def checkpoints_of(information: Information) -> Information:
+    """Forget all checkpoints before this information."""
+    return Information(*(np.array([x] * CHECKPOINTS) for x in information))
+
+
+def no_epochs(settings: Settings) -> Epochs:
+    """Begin without any epoch, as behind a sudden change."""
+    n, P = settings.n, settings.count
+    none, last = np.zeros(P), np.zeros((3, P))
+    R = np.zeros((n, P + 1, P + 1))
+    return Epochs(R, np.zeros(n), 0.0, last, last + np.inf, 0, none, none, none, none, none, 0.0)
 
 
 def restarted(settings: Settings, state: State) -> State:

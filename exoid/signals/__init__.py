@@ -16,7 +16,7 @@ from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
-from .readers import register_format
+from .readers import ReadOptions, register_format
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
@@ -41,6 +41,7 @@ __all__ = [
     "PelvisPose",
     "Poses",
     "Preparation",
+    "ReadOptions",
     "Recording",
     "Recordings",
     "Smoothed",

@@ -12,7 +12,8 @@ from exoid.errors import ExoidError
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
-from .readers import BASE_POSITION, Table, TextTable
+from .readers import Table
+from .readers.text import BASE_POSITION
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -88,7 +89,7 @@ def log_of_base(base: BaseMotion) -> LogPart:
 
 def _said_position(table: Table) -> tuple[float, ...] | None:
     """Position that a line of a text file gives."""
-    texts = table.base_positions if isinstance(table, TextTable) else ()
+    texts = getattr(table, "said", {}).get(BASE_POSITION, ())
     if not texts:
         return None
     try:

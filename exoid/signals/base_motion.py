@@ -66,7 +66,7 @@ class BaseMotion:
         checks.refuse_shape(self.specific_force, (samples, 3), "specific_force of the base")
         checks.refuse_shape(self.position, (3,), "position of the sensor on the base")
         checks.refuse_not_finite(self.columns, BASE_COLUMNS, SourceLocation())
-        checks.refuse_absurd(self.columns, BASE_COLUMNS, SourceLocation())
+        checks.refuse_implausible("", self.columns, BASE_COLUMNS, SourceLocation())
         if not (np.abs(self.position) <= FARTHEST).all():
             raise ExoidError(
                 f"the sensor of the base is at {_point(self.position)} m of the root link",

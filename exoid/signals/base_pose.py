@@ -65,7 +65,7 @@ class BasePose:
         checks.refuse_shape(self.position, (samples, 3), "position of the base")
         checks.refuse_shape(self.quaternion, (samples, 4), "quaternion")
         checks.refuse_not_finite(self.columns, POSE_COLUMNS, SourceLocation())
-        checks.refuse_absurd(self.columns, POSE_COLUMNS, SourceLocation())
+        checks.refuse_implausible("", self.columns, POSE_COLUMNS, SourceLocation())
         object.__setattr__(self, "quaternion", checks.as_numbers(continuous(self.quaternion), "quaternion"))
 
     @cached_property

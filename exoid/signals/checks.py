@@ -1,4 +1,4 @@
-"""Checks of a recording: each function raises one kind of `ExoidError`, or does nothing."""
+"""Checks of a recording: each function raises one kind of error, or does nothing."""
 
 from __future__ import annotations
 
@@ -9,26 +9,16 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.leg.torso import TorsoMotion
 
-from .source_location import SourceLocation
+from .source_location import Evidence, SourceLocation
 
 FEWEST_SAMPLES = 10
 """Smallest number of samples of a recording."""
+
 LARGEST_ANGLE = 2.0 * np.pi
 """Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
-LARGEST_VALUE = 1e9
-"""Largest plausible angle, velocity, acceleration or torque of a leg, in SI units."""
-LARGEST_CURRENT = 500.0
-TEMPERATURES = (-60.0, 220.0)
-"""Largest plausible current of a leg's motor [A]; larger ones are in mA."""
-LARGEST_TIME = 1e11
-"""Largest time stamp in seconds (3000 years); larger stamps are milli-, micro- or nanoseconds."""
-SHORTEST_INTERVAL = 1e-9
-"""Shortest median interval of time stamps [s]; shorter ones are not in seconds."""
-SMALLEST_MOTION = 1e-3
-"""RMS excursion [rad] below which angle and velocity are not compared, as it may be noise."""
 
 
 def as_numbers(values: ArrayLike, name: str) -> FloatArray:
@@ -40,7 +30,7 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
             raise TypeError(f"its elements are {raw.dtype}")
         numbers = np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError) as problem:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{name} is not an array of real numbers: {problem}",
             remedy=f"pass {name} as a float array in SI units",
         ) from None
@@ -52,19 +42,24 @@ def as_mask(values: ArrayLike) -> BoolArray:
     """Copy a mask to a read-only array of bools; numbers must be 0 or 1."""
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise ExoidError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
+        raise BadArgumentError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask
 
 
+def as_names(names: Sequence[str], argument: str) -> tuple[str, ...]:
+    """Refuse a string where several names are expected."""
+    if isinstance(names, str):
+        raise BadArgumentError(f"{argument} is the string {names!r}", remedy=f"pass {argument}=({names!r},)")
+    return tuple(names)
+
+
 def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> tuple[str, ...]:
     """Check that names are names of joints."""
-    if isinstance(names, str):
-        raise ExoidError(f"{argument} is the string {names!r}", remedy=f"pass {argument}=({names!r},)")
-    for name in names:
+    for name in as_names(names, argument):
         if name not in joints:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{argument} names {name!r}, which is not in the recording",
                 remedy=f"its joints are {', '.join(map(str, joints))}",
             )
@@ -76,51 +71,89 @@ def with_zero_torque(
 ) -> FloatArray:
     """Set the torque of passive joints to zero."""
     out = np.full(shape, np.nan) if tau is None else tau.copy()
-    for joint in passive:
-        if out.shape != shape:
-            break  # the check of shapes says so
+    for joint in passive if out.shape == shape else ():  # the check of shapes refuses any other
         column = out[:, joints.index(joint)]
         if not np.isnan(column).all() and np.ptp(column) > 0.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"joint {joint} is declared passive, and its torque goes from {column.min():.4g} N·m to "
                 f"{column.max():.4g} N·m",
                 remedy=f"leave it out of passive if an actuator drives it, or drop tau_{joint} if that is noise",
                 command=f"leave it out of --passive if an actuator drives it; give --unmeasured {joint} too if the "
                 "column is noise",
+                joints=(joint,),
             )
         column[:] = 0.0
     out.flags.writeable = False
     return out
 
 
-def refuse_milliamperes(current: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse currents that are so large that they must be in another unit."""
-    if current.size and np.abs(current).max() > LARGEST_CURRENT:
-        row, column = np.unravel_index(int(np.abs(current).argmax()), current.shape)
-        name = columns[column]
-        raise ExoidError(
-            f"a current of {current[row, column]:.6g} A (limit {LARGEST_CURRENT:g} A) looks like mA",
-            where=where.cell(int(row), name),
+def _cell(
+    rank: FloatArray | BoolArray, values: FloatArray, columns: Sequence[str], where: SourceLocation
+) -> tuple[float, str, Evidence]:
+    """Value, name and place of the cell of the highest rank."""
+    row, column = np.unravel_index(int(rank.argmax()), rank.shape)
+    name = columns[int(column)]
+    return float(values[row, column]), name, where.evidence(int(row), name)
+
+
+def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+    """Refuse NaN and infinity."""
+    bad = ~np.isfinite(values)
+    if bad.any():
+        value, _, place = _cell(bad, values, columns, where)
+        raise UnreadableInputError(
+            f"{value} is not a finite number ({np.count_nonzero(bad)} such values in all)",
+            **place,
+            remedy="drop those rows, or fill them by a documented method",
+        )
+
+
+def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+    """Refuse values that no leg has: arithmetic would overflow, currents in mA, and temperatures that are none."""
+    size = np.abs(values)
+    if size.size and size.max() > 1e9:
+        value, _, place = _cell(size, values, columns, where)
+        raise UnreadableInputError(
+            f"{value:.6g} is not plausible for a leg (limit 1e+09, SI)",
+            **place,
+            remedy="check unit and logger, or drop those rows",
+        )
+    if field == "current" and size.size and size.max() > 500.0:
+        value, name, place = _cell(size, values, columns, where)
+        raise UnreadableInputError(
+            f"a current of {value:.6g} A (limit 500 A) looks like mA",
+            **place,
             remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="mA")}} where the file is read, or '
             "divide by 1000",
             command=f"give its unit: --column {name}=HEADER:mA",
         )
-
-
-def refuse_no_celsius(temperature: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse temperatures that no drive has: kelvins, tenths of degrees, or the reading of a broken sensor."""
-    lowest, highest = TEMPERATURES
-    wrong = (temperature < lowest) | (temperature > highest)
-    if wrong.any():
-        row, column = np.unravel_index(int(wrong.argmax()), wrong.shape)
-        name, value = columns[column], temperature[row, column]
+    # Kelvins, tenths of degrees, or the reading of a broken sensor
+    wrong = (values < -60.0) | (values > 220.0)
+    if field == "temperature" and wrong.any():
+        value, name, place = _cell(wrong, values, columns, where)
         looks = " looks like K" if 233.0 < value < 500.0 else " is not that of a drive"
-        raise ExoidError(
-            f"a temperature of {value:.6g} °C (limits {lowest:g} °C and {highest:g} °C){looks}",
-            where=where.cell(int(row), name),
+        raise UnreadableInputError(
+            f"a temperature of {value:.6g} °C (limits -60 °C and 220 °C){looks}",
+            **place,
             remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="K")}} or its scale where the file '
             "is read, or leave out a broken sensor",
             command=f"give its unit or scale: --column {name}=HEADER:K, or {name}=HEADER:0.1",
+        )
+
+
+def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where: SourceLocation) -> None:
+    """Refuse angles that look like degrees."""
+    if not largest > 0.0:
+        raise BadArgumentError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
+    size = np.abs(q)
+    if size.size and size.max() > largest:
+        value, _, place = _cell(size, q, columns, where)
+        raise UnreadableInputError(
+            f"an angle of {value:.6g} rad (limit {largest:.4g} rad) looks like degrees",
+            **place,
+            remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
+            "if the joint really turns that far, largest_angle=math.inf",
+            command="give --degrees; if the joint really turns that far, wrap its angle, or use Python",
         )
 
 
@@ -129,11 +162,15 @@ def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
     pairs = list(segments)
     times = as_numbers(pairs, "segments") if pairs else np.zeros((0, 2))
     if times.ndim != 2 or times.shape[1] != 2 or not len(times):
-        raise ExoidError("segments are not pairs of start and stop", remedy="pass [(start, stop), ...] in seconds")
+        raise BadArgumentError(
+            "segments are not pairs of start and stop", remedy="pass [(start, stop), ...] in seconds"
+        )
     wrong = ~(times[:, 0] < times[:, 1]) | ~np.isfinite(times).all(axis=1)
     if wrong.any():
         start, stop = times[int(wrong.argmax())]
-        raise ExoidError(f"a segment from {start:.6g} s to {stop:.6g} s", remedy="give start before stop, in seconds")
+        raise BadArgumentError(
+            f"a segment from {start:.6g} s to {stop:.6g} s", remedy="give start before stop, in seconds"
+        )
     return times
 
 
@@ -141,16 +178,20 @@ def refuse_names(names: tuple[object, ...], kind: str = "joint") -> None:
     """Refuse names of joints or links that are not unique, printable strings that can head a column."""
     for name in names:
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{kind} name {name!r} is not a printable, non-empty string without outer spaces",
                 remedy="pass joint_names as a tuple such as ('hip', 'knee')"
                 if kind == "joint"
                 else f"name each {kind} as the URDF does",
             )
         if set(name) & set(',;"'):
-            raise ExoidError(f'{kind} name {name!r} contains one of , ; "', remedy="rename it: names head CSV columns")
+            raise BadArgumentError(
+                f'{kind} name {name!r} contains one of , ; "', remedy="rename it: names head CSV columns"
+            )
         if names.count(name) > 1:
-            raise ExoidError(f"{kind} name {name!r} occurs {names.count(name)} times", remedy=f"name each {kind} once")
+            raise BadArgumentError(
+                f"{kind} name {name!r} occurs {names.count(name)} times", remedy=f"name each {kind} once"
+            )
 
 
 def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: str) -> None:
@@ -162,49 +203,26 @@ def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: s
         remedy = f"for one joint pass {name}[:, np.newaxis]; arrays are (samples, joints)"
     elif len(shape) == 2 and values.shape == shape[::-1]:
         remedy = f"pass {name}.T; arrays are (samples, joints)"
-    raise ExoidError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
+    raise BadArgumentError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
 
 
 def refuse_too_few(samples: int, where: SourceLocation) -> None:
     """Refuse a recording of fewer than `FEWEST_SAMPLES` samples."""
     if samples < FEWEST_SAMPLES:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"too few samples: {samples}, at least {FEWEST_SAMPLES} are needed",
-            where=where.file,
+            **where.evidence(),
             remedy="record longer, or pass the whole log",
             command="record longer, or leave out --start and --stop",
         )
 
 
-def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse NaN and infinity."""
-    bad = ~np.isfinite(values)
-    if bad.any():
-        row, column = np.unravel_index(int(bad.argmax()), values.shape)
-        raise ExoidError(
-            f"{values[row, column]} is not a finite number ({np.count_nonzero(bad)} such values in all)",
-            where=where.cell(int(row), columns[column]),
-            remedy="drop those rows, or fill them by a documented method",
-        )
-
-
-def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse values beyond `LARGEST_VALUE`, with which arithmetic would overflow."""
-    if values.size and np.abs(values).max() > LARGEST_VALUE:
-        row, column = np.unravel_index(int(np.abs(values).argmax()), values.shape)
-        raise ExoidError(
-            f"{values[row, column]:.6g} is not plausible for a leg (limit {LARGEST_VALUE:.0e}, SI)",
-            where=where.cell(int(row), columns[column]),
-            remedy="check unit and logger, or drop those rows",
-        )
-
-
 def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
     """Refuse time stamps that do not strictly increase, or cannot be seconds."""
-    if np.abs(time).max() > LARGEST_TIME:
-        raise ExoidError(
+    if np.abs(time).max() > 1e11:  # 3000 years
+        raise UnreadableInputError(
             f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
-            where=where.row(int(np.abs(time).argmax())),
+            **where.evidence(int(np.abs(time).argmax())),
             remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them',
             command="give their unit: --column time=HEADER:ms, or us, or ns",
         )
@@ -213,32 +231,16 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
         row = int(wrong.argmax()) + 1
         before, stamp = time[row - 1], time[row]
         kind = "is repeated" if stamp == before else "runs backwards"
-        raise ExoidError(
+        raise UnreadableInputError(
             f"time {kind}: {float(stamp)!r} s after {float(before)!r} s",
-            where=where.row(row),
+            **where.evidence(row),
             remedy="drop repeated rows; split a log of several runs and pass the parts separately",
         )
-    if np.median(np.diff(time)) < SHORTEST_INTERVAL:
-        raise ExoidError(
+    if np.median(np.diff(time)) < 1e-9:
+        raise UnreadableInputError(
             f"the median interval of {np.median(np.diff(time)):.3g} s is too short for a log",
-            where=where.file,
+            **where.evidence(),
             remedy="give time in seconds",
-        )
-
-
-def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: SourceLocation) -> None:
-    """Refuse angles that look like degrees."""
-    if not largest > 0.0:
-        raise ExoidError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
-    size = np.abs(q)
-    if size.size and size.max() > largest:
-        row, column = np.unravel_index(int(size.argmax()), q.shape)
-        raise ExoidError(
-            f"an angle of {q[row, column]:.6g} rad (limit {largest:.4g} rad) looks like degrees",
-            where=where.cell(int(row), columns[column]),
-            remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
-            "if the joint really turns that far, largest_angle=math.inf",
-            command="give --degrees; if the joint really turns that far, wrap its angle, or use Python",
         )
 
 
@@ -251,18 +253,19 @@ def refuse_velocity_in_other_unit(
     for joint, angle, velocity in zip(joints, q.T, v.T, strict=True):
         travelled = scipy.integrate.cumulative_trapezoid(velocity, time)
         angle_size, travelled_size = float(np.std(angle[1:])), float(np.std(travelled))
-        if min(angle_size, travelled_size) < SMALLEST_MOTION:
+        if min(angle_size, travelled_size) < 1e-3:  # rad; it may be noise
             continue
         correlation = float(np.corrcoef(angle[1:], travelled)[0, 1])
         ratio = travelled_size / angle_size
         if correlation < 0.9 or abs(abs(np.log(ratio)) - np.log(180.0 / np.pi)) > np.log(1.2):
             continue
         culprit, mend = ("v", "np.deg2rad(v)") if ratio > 1.0 else ("q", "np.deg2rad(q)")
-        raise ExoidError(
+        raise UnreadableInputError(
             f"v of joint {joint} is {ratio:.3g} times the rate of its q: {culprit} looks like degrees",
-            where=where.file,
+            **where.evidence(),
             remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
             command="write both in rad and rad/s, or both in degrees and give --degrees",
+            joints=(joint,),
         )
 
 
@@ -271,7 +274,7 @@ def refuse_moving_torso(torso: TorsoMotion | None) -> None:
     if torso is not None and any(
         np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)
     ):
-        raise ExoidError(
+        raise NotSupportedError(
             "the torso moves during the recording",
             remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
         )

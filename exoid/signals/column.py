@@ -11,7 +11,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .readers.table import header_in
 from .units import is_unit, refuse_other_unit, zero_of
 
 SYNTAX = "write NAME=HEADER, NAME=HEADER:SCALE, NAME=HEADER:SCALE:ZERO, and :UNIT behind them"
@@ -118,6 +117,14 @@ class Column:
     def is_plain(self) -> bool:
         """Whether cells are taken as they are."""
         return self.unit is None and self.scale == 1.0 and self.zero == 0.0
+
+
+def header_in(headers: Collection[str], text: str) -> str:
+    """Find the longest beginning of ``HEADER:SCALE:ZERO:UNIT`` that is a header, as headers may contain colons."""
+    beginning = text
+    while beginning not in headers and ":" in beginning:
+        beginning = beginning.rpartition(":")[0]
+    return beginning if beginning in headers else text
 
 
 def as_text(column: str | Column) -> str:

@@ -12,7 +12,8 @@ from exoid.errors import ExoidError
 
 from .csv_writer import LogPart
 from .external import External
-from .readers import WRENCH, Table, TextTable
+from .readers import Table
+from .readers.text import WRENCH
 from .wrench import ORIGIN, WRENCH_PARTS, Wrench
 from .wrench_frame import WrenchFrame, as_frames, frame_of_link
 
@@ -165,7 +166,7 @@ def _contact(name: str, values: FloatArray, file: str) -> BoolArray:
 def _said_frames(table: Table) -> dict[str, WrenchFrame]:
     """Axes and points that lines of a text file give."""
     found: dict[str, WrenchFrame] = {}
-    for text in table.wrenches if isinstance(table, TextTable) else ():
+    for text in getattr(table, "said", {}).get(WRENCH, ()):
         try:
             link, frame = frame_of_link(text)
         except ExoidError as error:

@@ -4,112 +4,106 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
 from exoid.leg.payload import Payload, as_payloads
 
-from . import checks
-from .base_log import base_columns, matrix_headers
+from . import checks, timebase
+from .base_log import base_columns, matrix_headers, read_base
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column
-from .external_log import external_columns, is_external, wrench_headers
-from .readers import QUANTITIES, TRANSLATIONS, Table, TextTable
-from .source import Source
+from .external_log import external_columns, is_external, read_external, wrench_headers
+from .quantities import QUANTITIES
+from .readers import ReadOptions, Table
+from .readers.opensim import TRANSLATIONS
+from .readers.text import PAYLOAD
 from .source_location import SourceLocation
 from .units import refuse_silent_unit
 
-FIELDS = {"i": "current", "f": "force", "tm": "motor_torque", "qm": "motor_angle", "temp": "temperature"}
-"""Field of a recording for each quantity whose name differs."""
-
-PARTIAL = ("tau", "i", "f", "tm", "qm", "temp")
-"""Quantities that need not be measured at all joints."""
-
-PARTIAL_PREFIXES = tuple(f"{quantity}_" for quantity in PARTIAL)
-
-OF_NO_JOINT = ("time", *BASE_COLUMNS, *POSE_COLUMNS)
-"""Columns that are of no joint; others are those of wrenches and contacts."""
-
-KINEMATIC = ("q", "v", "a", "qm")
-"""Quantities that may be in degrees."""
-
-
-class Log(NamedTuple):
-    """Checked content of a log file in SI units."""
-
-    time: FloatArray  # time stamps [s], (N,), strictly increasing
-    # arrays by field of a recording, (N, n) each: "q", and those of "v", "a", "tau" and of the drives that the
-    # file has. Columns of torque and drives are NaN throughout where the file has none for a joint
-    arrays: Mapping[str, FloatArray]
-    joint_names: tuple[str, ...]  # names of the n columns
-    source: Source  # file name and SHA-256
-    where: SourceLocation  # location of the rows in the file
-    base: Mapping[str, FloatArray]  # columns of the base in SI units, (N,) each; empty for a base that was not recorded
-    # columns of wrenches and contacts in SI units, (N,) each; empty if none was recorded
-    external: Mapping[str, FloatArray]
+PARTIAL = tuple(f"{quantity.prefix}_" for quantity in QUANTITIES if quantity.partial)
+ANGULAR = tuple(f"{quantity.prefix}_" for quantity in QUANTITIES if quantity.angular)
 
 
 def read_log(
-    table: Table,
-    joint_names: Sequence[str] | None = None,
-    columns: Mapping[str, str | Column] | None = None,
-    angle_unit: Literal["rad", "deg"] = "rad",
-    largest_angle: float = checks.LARGEST_ANGLE,
-    unmeasured: Sequence[str] = (),
-) -> Log:
-    """Take ``time``, ``q_<joint>`` and further channels from a table; see `Recording.from_file`."""
-    if angle_unit not in ("rad", "deg"):
-        raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
+    table: Table, joint_names: Sequence[str] | None, columns: Mapping[str, str | Column] | None, options: ReadOptions
+) -> dict[str, Any]:
+    """Take the fields of a recording from a table, and check them; see `Recording.from_file`."""
     given = {name: _column(name, column, table) for name, column in (columns or {}).items()}
     headers = _own_names(table, {name: column.header for name, column in given.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
-    headers = {name: header for name, header in headers.items() if name not in _left_out(joints, unmeasured)}
-    present = _present(table, headers, joints)
+    left_out = _left_out(joints, options.get("unmeasured", ()))
+    headers = {name: header for name, header in headers.items() if name not in left_out}
+    of_joints = _of_joints(table, headers, joints)
     of_base, of_links = base_columns(table, headers), external_columns(headers, table.file)
-    names = ("time", *(name for of_quantity in present.values() for name in of_quantity), *of_base, *of_links)
+    names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    numbers = _numbers(table, names, headers, given, angle_unit == "deg" or _says_degrees(table))
-    missing = np.array([name.startswith(PARTIAL_PREFIXES) for name in names]) & np.isnan(numbers).all(axis=0)
+    degrees = options.get("angle_unit") == "deg" or _says_degrees(table)
+    numbers = _numbers(table, names, headers, given, degrees)
+    missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
     checks.refuse_not_finite(numbers[:, ~missing], kept, where)
     time = numbers[:, 0]
     checks.refuse_time_disorder(time, where)
-    checks.refuse_absurd(numbers[:, ~missing][:, 1:], kept[1:], where)
+    checks.refuse_implausible("", numbers[:, ~missing][:, 1:], kept[1:], where)
     found = dict(zip(names, numbers.T, strict=True))
-    nothing = np.full(len(time), np.nan)
-    arrays = {
-        FIELDS.get(quantity, quantity): np.column_stack([found.get(f"{quantity}_{joint}", nothing) for joint in joints])
-        for quantity in present
-    }
-    arrays = {field: values for field, values in arrays.items() if not np.isnan(values).all()}
+    arrays = _arrays(found, joints, of_joints)
+    largest_angle = options.get("largest_angle", checks.LARGEST_ANGLE)
     checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
     if "v" in arrays:
         checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)
-    base, external = ({name: found[name] for name in part} for part in (of_base, of_links))
-    return Log(time, arrays, joints, table.source, where, base, external)
+    payloads = payloads_of(table, options.get("payloads"))
+    if options.get("resample", True) and not timebase.is_uniform(time):
+        timebase.refuse_gaps(time, where)
+    mask, links = options.get("mask"), {name: found[name] for name in of_links}
+    return {
+        "time": time,
+        **arrays,
+        "joint_names": joints,
+        "source": table.source,
+        "mask": None if mask is None else read_mask(table, mask),
+        "largest_angle": largest_angle,
+        "passive": checks.as_joints(options.get("passive", ()), joints, "passive"),
+        "payloads": payloads,
+        "base": read_base(table, time, {name: found[name] for name in of_base}, options.get("base_position")),
+        **read_external(table, links, options.get("wrench_frames")),
+    }
+
+
+def _arrays(
+    found: Mapping[str, FloatArray], joints: Sequence[str], of_joints: Mapping[str, Sequence[str]]
+) -> dict[str, FloatArray]:
+    """Arrays by field, (N, n) each; columns that the file does not have are NaN throughout."""
+    nothing = np.full(len(found["time"]), np.nan)
+    arrays = {
+        quantity.field: np.column_stack([found.get(f"{quantity.prefix}_{joint}", nothing) for joint in joints])
+        for quantity in QUANTITIES
+        if quantity.prefix in of_joints
+    }
+    return {field: values for field, values in arrays.items() if not np.isnan(values).all()}
 
 
 def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
     """Find the payloads that were on the leg: those that were given, or those that the file names."""
-    named = table.payloads if isinstance(table, TextTable) else ()
     try:
-        found = tuple(Payload.from_text(text) for text in named)
+        found = tuple(Payload.from_text(text) for text in getattr(table, "said", {}).get(PAYLOAD, ()))
     except ExoidError as error:
         if given is not None:  # a remark of the user's own, and the payloads
             return as_payloads(given)
         remedy = f"{error.remedy}; or pass payloads=, () for none"
         command = f"{error.remedy}; or give --payload"
-        raise ExoidError(error.what, where=f"{table.file}, line '# payload:'", remedy=remedy, command=command) from None
+        where = f"{table.file}, line '{PAYLOAD}'"
+        raise UnreadableInputError(error.what, where=where, remedy=remedy, command=command, file=table.file) from None
     if given is None:
         return found
     payloads = as_payloads(given)
     if found and found != payloads:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the file names other payloads ({', '.join(map(str, found))}) than were given",
             where=table.file,
             remedy="leave out payloads, or correct the line '# payload:' of the file",
@@ -122,18 +116,18 @@ def read_mask(table: Table, column: str) -> BoolArray:
     """Read which samples count from a column of 0 and 1."""
     if column not in table.header:
         missing = _missing(column, "it is to be the mask", table)
-        raise ExoidError(missing.what, where=missing.where, remedy="name a column of 0 and 1 as mask")
-    try:
-        return checks.as_mask(table.numbers([column])[:, 0])
-    except ExoidError as error:
-        raise ExoidError(error.what, where=f"{table.file}, column {column}", remedy=error.remedy) from None
+        missing.remedy, missing.command = "name a column of 0 and 1 as mask", ""
+        raise missing
+    values = table.numbers([column])[:, 0]
+    with within(f"{table.file}, column {column}"):
+        return checks.as_mask(values)
 
 
 def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
     """Map exoid's column names to headers of the file: by ``columns``, and by equal name for the others."""
     for name, header in columns.items():
-        if not _is_of_no_joint(name) and not name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES)):
-            raise ExoidError(
+        if not _is_of_no_joint(name) and not name.startswith(tuple(f"{each.prefix}_" for each in QUANTITIES)):
+            raise UnreadableInputError(
                 f"a header is given for {name!r}, which is not an exoid column",
                 where=table.file,
                 remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>, i_<joint>, f_<joint>, "
@@ -144,7 +138,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             raise _missing(header, f"to be read as {name}", table, name)
         rivals = [other for other, used in columns.items() if used == header]
         if len(rivals) > 1 and not _may_share(rivals):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"column {header!r} is to be read as {' and '.join(rivals)}",
                 where=table.file,
                 remedy="map each exoid column to a different header",
@@ -155,7 +149,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
 
 
 def _is_of_no_joint(name: str) -> bool:
-    return name in OF_NO_JOINT or is_external(name)
+    return name in ("time", *BASE_COLUMNS, *POSE_COLUMNS) or is_external(name)
 
 
 def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
@@ -166,7 +160,7 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
     joints = _named([name[2:] for name in sorted(angles, key=lambda name: table.header.index(headers[name]))])
     for name, header in headers.items():
         if name != header and not _is_of_no_joint(name) and name.partition("_")[2] not in joints:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"columns names {name!r}, but no column gives the angle of that joint",
                 where=table.file,
                 remedy=f"joints with an angle are {', '.join(joints)}; map q_<joint> too",
@@ -176,33 +170,31 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
-    if isinstance(joint_names, str):
-        raise ExoidError(f"joint_names is the string {joint_names!r}", remedy=f"pass joint_names=({joint_names!r},)")
-    names = tuple(joint_names)
+    names = checks.as_names(joint_names, "joint_names")
     checks.refuse_names(names)
     if not names:
-        raise ExoidError("joint_names is empty", remedy="name at least one joint")
+        raise BadArgumentError("joint_names is empty", remedy="name at least one joint")
     return names
 
 
-def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> dict[str, list[str]]:
-    """Columns of each quantity that the file has for these joints: q, others of all joints, torques of some."""
+def _of_joints(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> dict[str, list[str]]:
+    """Columns of each quantity that the file has for these joints, by prefix: q, others of all joints, some torques."""
     if "time" not in headers:
         raise _missing("time", "no time stamps", table)
-    present = {}
+    found = {}
     for quantity in QUANTITIES:
-        wanted = [f"{quantity}_{joint}" for joint in joints]
+        wanted = [f"{quantity.prefix}_{joint}" for joint in joints]
         absent = [name for name in wanted if name not in headers]
-        if quantity == "q" and absent:
+        if quantity.field == "q" and absent:
             raise _missing(absent[0], "no angle for that joint", table)
-        if quantity in PARTIAL:
+        if quantity.partial:
             if absent:
-                _refuse_nameless(quantity, absent, headers, table)
+                _refuse_nameless(quantity.prefix, absent, headers, table)
         elif 0 < len(absent) < len(joints):
             raise _missing(absent[0], "other joints have one; joint_names selects joints", table)
         if len(absent) < len(joints):
-            present[quantity] = [name for name in wanted if name in headers]
-    return present
+            found[quantity.prefix] = [name for name in wanted if name in headers]
+    return found
 
 
 def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str, str], table: Table) -> None:
@@ -223,11 +215,11 @@ def _column(name: str, column: str | Column, table: Table) -> Column:
 
 def _left_out(joints: Sequence[str], unmeasured: Sequence[str]) -> set[str]:
     """Torque columns that are not read."""
-    if isinstance(unmeasured, str):
-        raise ExoidError(f"unmeasured is the string {unmeasured!r}", remedy=f"pass unmeasured=({unmeasured!r},)")
-    for joint in unmeasured:
+    for joint in checks.as_names(unmeasured, "unmeasured"):
         if joint not in joints:
-            raise ExoidError(f"unmeasured names {joint!r}", remedy=f"joints of the log are {', '.join(joints)}")
+            raise UnreadableInputError(
+                f"unmeasured names {joint!r}", remedy=f"joints of the log are {', '.join(joints)}"
+            )
     return {f"tau_{joint}" for joint in unmeasured}
 
 
@@ -243,24 +235,15 @@ def _numbers(
             refuse_silent_unit(column.header, name, table.file, degrees=degrees)
         if not column.is_plain:
             numbers[:, place] = column.read(name, numbers[:, place], table.file)
-        if (
-            degrees
-            and column.unit is None
-            and name.partition("_")[0] in KINEMATIC
-            and not _is_in_m(table, column.header)
-        ):
+        is_in_m = _says_degrees(table) and column.header.removesuffix("/value").endswith(TRANSLATIONS)
+        if degrees and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
             numbers[:, place] = np.deg2rad(numbers[:, place])
     return numbers
 
 
 def _says_degrees(table: Table) -> bool:
     """Whether the file itself says that its angles are in degrees."""
-    return isinstance(table, TextTable) and table.in_degrees
-
-
-def _is_in_m(table: Table, header: str) -> bool:
-    """Whether a coordinate of an OpenSim file is a translation, beside angles in degrees."""
-    return _says_degrees(table) and header.removesuffix("/value").endswith(TRANSLATIONS)
+    return bool(getattr(table, "in_degrees", False))
 
 
 def _may_share(names: Sequence[str]) -> bool:
@@ -269,7 +252,7 @@ def _may_share(names: Sequence[str]) -> bool:
     if set(quantities) == {"temp"}:
         return True
     same_joint = len(set(joints)) == 1 and len(set(quantities)) == len(names)
-    return same_joint and set(quantities) <= set(PARTIAL) - {"temp"}
+    return same_joint and {f"{quantity}_" for quantity in quantities} <= set(PARTIAL) - {"temp_"}
 
 
 def _missing(column: str, why: str, table: Table, name: str | None = None) -> ExoidError:
@@ -277,11 +260,13 @@ def _missing(column: str, why: str, table: Table, name: str | None = None) -> Ex
     close = get_close_matches(column, table.header, n=3, cutoff=0.4)
     nearest = f"; closest: {', '.join(close)}" if close else ""
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
-    return ExoidError(
+    return UnreadableInputError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
         where=table.file,
         remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
         if name is None
         else "pass columns={exoid's name: <header in the file>}",
+        file=table.file,
+        column=name or column,
         command=f"rename it in the file or give its header: --column {name or column}=HEADER",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -19,8 +19,11 @@ from .base_pose import turn_upright
 from .column import Column
 from .opensim_forces import UP, read_opensim_forces
 from .pose_motion import STANDARD_CUTOFF
-from .readers import Table, TextTable, open_table
+from .readers import ReadOptions, Table, open_table
 from .recording import Recording
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 PELVIS_TURNS = ("pelvis_tilt", "pelvis_list", "pelvis_rotation")
 """Angles of the pelvis in the order of gait2392 and its successors: about z, then the new x, then the new y."""
@@ -53,6 +56,7 @@ def read_opensim(
     pelvis: bool | None = None,
     at: Sequence[float] = (0.0, 0.0, 0.0),
     cutoff: float = STANDARD_CUTOFF,
+    **options: Unpack[ReadOptions],
 ) -> Recording:
     """Read a trial: joint angles, and if given the base motion of the pelvis and the wrenches on the feet.
 
@@ -65,6 +69,7 @@ def read_opensim(
         pelvis: Whether the base moves with the pelvis; None if the file has its six columns.
         at: Position of the pelvis' origin in the axes of the root link [m], (3,).
         cutoff: −3 dB frequency of the differentiator of the pelvis [Hz], see :meth:`BaseMotion.from_pose`.
+        **options: Options of :class:`exoid.signals.ReadOptions` for the kinematics.
 
     Returns:
         The recording.
@@ -86,7 +91,7 @@ def read_opensim(
             where=os.fsdecode(path),
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
         )
-    recording = Recording.from_file(path, columns=columns)
+    recording = Recording.from_file(path, None, columns, **options)
     table = open_table(path)
     if pelvis is None:
         pelvis = set(PELVIS_TURNS + PELVIS_PLACES) <= set(table.header)
@@ -136,7 +141,7 @@ def _pelvis_of(table: Table) -> PelvisPose:
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers).all(axis=1)))
         raise ExoidError(f"{table.row_name} {row} of the pelvis has no number", where=table.file, remedy="fill the gap")
-    degrees = isinstance(table, TextTable) and table.in_degrees
+    degrees = getattr(table, "in_degrees", False)
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))

@@ -6,13 +6,12 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
-from exoid.leg.payload import Payload
+from exoid.errors import BadArgumentError
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
@@ -22,15 +21,16 @@ from .contact_checks import refuse_contradictions
 from .csv_writer import LogPart, write_parts
 from .external import interpolate, select_rows
 from .external_log import log_of_external
-from .from_table import LogOptions, fields_of
-from .quantities import PREFIXES, UNITS, USUAL
-from .readers import PAYLOAD, ReadOptions, Table, open_table, read_text_table
+from .log import read_log
+from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
+from .readers import ReadOptions, open_table
+from .readers.options import refuse_unknown_options
+from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns
 from .source_location import SourceLocation
-from .wrench_frame import WrenchFrame
 
-SMOOTH = ("q", "v", "motor_angle")
-"""Quantities without jumps, which a cubic spline interpolates."""
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -178,7 +178,7 @@ class Recording(RecordingData):
         names = (joint_names,) if isinstance(joint_names, str) else tuple(joint_names)
         for name in names:
             if name not in self.joint_names:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"no joint {name!r} in the recording; it has: {', '.join(self.joint_names)}",
                     where=self._file,
                     remedy="select among those, or read the log with columns={'q_<joint>': <header>}",
@@ -228,7 +228,7 @@ class Recording(RecordingData):
         for start, stop in checks.as_segments(segments):
             first, last = np.searchsorted(self.time, [start, stop])
             if first == last:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"no sample in the segment from {start:.6g} s to {stop:.6g} s",
                     where=self._file,
                     remedy=f"the recording lasts from {self.time[0]:.6g} s to {self.time[-1]:.6g} s",
@@ -263,11 +263,11 @@ class Recording(RecordingData):
         high = np.inf if stop is None else stop
         for limit in (low, high):
             if not isinstance(limit, float | int | np.floating | np.integer) or np.isnan(limit):
-                raise ExoidError(f"a limit of {limit!r} s", where=where, remedy="give seconds, or None")
+                raise BadArgumentError(f"a limit of {limit!r} s", where=where, remedy="give seconds, or None")
         first, last = np.searchsorted(self.time, [low, high])
         if last - first < checks.FEWEST_SAMPLES:
             begins, ends = self.time[[0, -1]].tolist()
-            raise ExoidError(
+            raise BadArgumentError(
                 f"too few samples: {max(0, last - first)} from {low:g} s to {high:g} s, at least "
                 f"{checks.FEWEST_SAMPLES} are needed; its time stamps are {begins:g} s to {ends:g} s",
                 where=where,
@@ -297,7 +297,7 @@ class Recording(RecordingData):
         own = self.sample_rate
         new = own if rate is None else float(rate)
         if not 0.99 * own <= new <= 100.0 * own:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
                 remedy="keep the rate: a lower one aliases fast signals",
             )
@@ -305,9 +305,10 @@ class Recording(RecordingData):
         rows = timebase.uncrowded(self.time)
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
+        smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
         arrays = {
-            quantity: timebase.interpolate_measured(time, values[rows], grid, smooth=quantity in SMOOTH)
-            for quantity, values in self._arrays().items()
+            field: timebase.interpolate_measured(time, values[rows], grid, smooth=smooth[field])
+            for field, values in self._arrays().items()
         }
         mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
         base = None if self.base is None else self.base.interpolated(time, grid, rows)
@@ -329,7 +330,7 @@ class Recording(RecordingData):
         Raises:
             ExoidError: The file cannot be written.
         """
-        arrays = {PREFIXES.get(quantity, quantity): values for quantity, values in self._arrays().items()}
+        arrays = {PREFIXES[quantity]: values for quantity, values in self._arrays().items()}
         there = {prefix: np.flatnonzero(~absent_columns(values)) for prefix, values in arrays.items()}
         parts = [
             LogPart(["time"], [self.time], [f"{PAYLOAD} {payload}" for payload in self.payloads]),
@@ -349,17 +350,7 @@ class Recording(RecordingData):
         path: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
         columns: Mapping[str, str | Column] | None = None,
-        *,
-        angle_unit: Literal["rad", "deg"] = "rad",
-        largest_angle: float = checks.LARGEST_ANGLE,
-        resample: bool = True,
-        mask: str | None = None,
-        names: Sequence[str] | None = None,
-        passive: Sequence[str] = (),
-        unmeasured: Sequence[str] = (),
-        payloads: Sequence[Payload] | None = None,
-        base_position: Sequence[float] | None = None,
-        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
+        **options: Unpack[ReadOptions],
     ) -> Recording:
         """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``, of drives and base.
 
@@ -376,20 +367,7 @@ class Recording(RecordingData):
             joint_names: Joints to read, in order; None for those of the ``q_`` columns, in the file's order.
             columns: Header in the file of each exoid column whose name differs, or the header with scale, zero and
                 unit, e.g. ``{"time": "t", "tau_hip": Column("current", scale=0.118)}``.
-            angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.
-            largest_angle: Limit of the angles [rad], beyond which they count as degrees.
-            resample: Whether to resample uneven time stamps, as `resampled` does.
-            mask: Header of a column of 0 and 1; only samples with 1 count, see :attr:`mask`.
-            names: Names of the columns of a file without a header line, "" for one that is not read.
-            passive: Joints without an actuator, whose torque is zero, see :attr:`passive`.
-            unmeasured: Joints whose torque column is not read, such as that of a dead channel.
-            payloads: Payloads on the leg; None for those that lines ``# payload: …`` of the file name, see
-                :meth:`to_csv`.
-            base_position: Position of the sensor of ``base_gyro_x…z`` and ``base_acc_x…z`` in the axes of the root link
-                [m], (3,); None for that of the line ``# base position: …``, or else the origin of the root link.
-            wrench_frames: Axes of the wrench on each link and the point its moment is about [m], such as
-                ``{"left_foot": "link@0,0,-0.08"}`` or ``{"left_foot": "world"}``; None for those of the lines
-                ``# wrench: left_foot:world``, or else axes and origin of the link.
+            **options: Options of :class:`exoid.signals.ReadOptions`, such as ``angle_unit="deg"``.
 
         Returns:
             The recording.
@@ -397,9 +375,7 @@ class Recording(RecordingData):
         Raises:
             ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
-        declared = (passive, unmeasured, payloads, base_position, wrench_frames)
-        said = LogOptions(joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
-        return cls._from_table(read_text_table(path, names), said)
+        return cls._read(path, joint_names, columns, options, "csv")
 
     @classmethod
     def from_file(
@@ -407,20 +383,7 @@ class Recording(RecordingData):
         path: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
         columns: Mapping[str, str | Column] | None = None,
-        *,
-        angle_unit: Literal["rad", "deg"] = "rad",
-        largest_angle: float = checks.LARGEST_ANGLE,
-        resample: bool = True,
-        topic: str | None = None,
-        stamps: Literal["header", "received"] = "header",
-        mask: str | None = None,
-        names: Sequence[str] | None = None,
-        format: str | None = None,
-        passive: Sequence[str] = (),
-        unmeasured: Sequence[str] = (),
-        payloads: Sequence[Payload] | None = None,
-        base_position: Sequence[float] | None = None,
-        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
+        **options: Unpack[ReadOptions],
     ) -> Recording:
         """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
@@ -440,21 +403,7 @@ class Recording(RecordingData):
             path: The file, or the folder of a rosbag2.
             joint_names: See :meth:`from_csv`.
             columns: See :meth:`from_csv`.
-            angle_unit: See :meth:`from_csv`.
-            largest_angle: See :meth:`from_csv`.
-            resample: See :meth:`from_csv`.
-            topic: Topic of joint states, for a bag with several.
-            stamps: Time stamps of a bag: "header", when the joints were measured, or "received", when the message was
-                recorded.
-            mask: See :meth:`from_csv`; not for bags, which have no such column.
-            names: See :meth:`from_csv`; only for text.
-            format: Logger of an actuator, and the joint that it drives: "dephy:ankle" or "moteus:knee". With None the
-                header tells it, and the joint is the only one of ``joint_names``.
-            passive: See :meth:`from_csv`.
-            unmeasured: See :meth:`from_csv`.
-            payloads: See :meth:`from_csv`; only text names any.
-            base_position: See :meth:`from_csv`.
-            wrench_frames: See :meth:`from_csv`.
+            **options: Options of :class:`exoid.signals.ReadOptions`, such as ``topic="/joints"``.
 
         Returns:
             The recording.
@@ -465,14 +414,20 @@ class Recording(RecordingData):
         Example:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
-        headers = {name: as_text(column) for name, column in (columns or {}).items()}
-        table = open_table(path, ReadOptions(joint_names, headers, topic, stamps, names, format))
-        declared = (passive, unmeasured, payloads, base_position, wrench_frames)
-        said = LogOptions(joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
-        return cls._from_table(table, said)
+        return cls._read(path, joint_names, columns, options)
 
     @classmethod
-    def _from_table(cls, table: Table, said: LogOptions) -> Recording:
-        recording = cls(**fields_of(table, said))
+    def _read(
+        cls,
+        path: str | os.PathLike[str],
+        joint_names: Sequence[str] | None,
+        columns: Mapping[str, str | Column] | None,
+        options: ReadOptions,
+        kind: str | None = None,
+    ) -> Recording:
+        refuse_unknown_options(options)
+        headers = {name: as_text(column) for name, column in (columns or {}).items()}
+        table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+        recording = cls(**read_log(table, joint_names, columns, options))
         refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
-        return recording.resampled() if said.resample else recording
+        return recording.resampled() if options.get("resample", True) else recording

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -16,7 +17,7 @@ from . import checks
 from .base_checks import refuse_unfit_base
 from .base_motion import BaseMotion
 from .external import External, as_external, refuse_world_axes_without_pose
-from .quantities import OF_SOME_JOINTS, PREFIXES, UNITS
+from .quantities import QUANTITIES
 from .source import Source
 from .source_location import SourceLocation
 from .wrench import Wrench
@@ -54,37 +55,31 @@ class RecordingData:
         self._check()
 
     def _freeze(self) -> None:
-        if isinstance(self.joint_names, str):
-            names = repr(self.joint_names)
-            raise ExoidError(f"joint_names is the string {names}", remedy=f"pass joint_names=({names},)")
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
-        if self.payloads != ():
-            object.__setattr__(self, "payloads", as_payloads(self.payloads))
-        for name in ("time", *UNITS):
-            values = getattr(self, name)
-            if values is not None or name in ("time", "q"):
-                object.__setattr__(self, name, checks.as_numbers(values, name))
-        for name in OF_SOME_JOINTS:
-            values = getattr(self, name)
-            if values is not None and values.size and np.isnan(values).all():
-                object.__setattr__(self, name, None)
+        joints = checks.as_names(self.joint_names, "joint_names")
+        frozen: dict[str, object] = {"joint_names": joints, "time": checks.as_numbers(self.time, "time")}
+        for each in QUANTITIES:
+            values = getattr(self, each.field)
+            if values is not None or each.field == "q":
+                numbers = checks.as_numbers(values, each.field)
+                frozen[each.field] = None if each.partial and numbers.size and np.isnan(numbers).all() else numbers
         for name in ("passive", "computed"):
-            object.__setattr__(self, name, checks.as_joints(getattr(self, name), self.joint_names, name))
+            frozen[name] = checks.as_joints(getattr(self, name), joints, name)
+        samples = np.size(self.time)
         if self.passive:
-            shape = (self.time.size, len(self.joint_names))
-            tau = checks.with_zero_torque(self.tau, self.passive, self.joint_names, shape)
-            object.__setattr__(self, "tau", tau)
+            measured: Any = frozen.get("tau")
+            frozen["tau"] = checks.with_zero_torque(measured, self.passive, joints, (samples, len(joints)))
         if self.mask is not None:
-            object.__setattr__(self, "mask", checks.as_mask(self.mask))
-        external = as_external(self.wrenches, self.contacts, self.time.size, self._file)
-        for name, values_by_link in external.items():
-            object.__setattr__(self, name, values_by_link)
+            frozen["mask"] = checks.as_mask(self.mask)
+        if self.payloads != ():
+            frozen["payloads"] = as_payloads(self.payloads)
+        for name, value in {**frozen, **as_external(self.wrenches, self.contacts, samples, self._file)}.items():
+            object.__setattr__(self, name, value)
 
     def _check(self) -> None:
         where, names, samples = SourceLocation(), self.joint_names, self.time.size
         checks.refuse_names(names)
         if not names:
-            raise ExoidError("joint_names is empty", remedy="name each column of q")
+            raise BadArgumentError("joint_names is empty", remedy="name each column of q")
         checks.refuse_shape(self.time, (samples,), "time")
         for quantity, values in self._arrays().items():
             checks.refuse_shape(values, (samples, len(names)), quantity)
@@ -92,15 +87,13 @@ class RecordingData:
         if self.mask is not None:
             checks.refuse_shape(self.mask, (samples,), "mask")
         checks.refuse_not_finite(self.time[:, np.newaxis], ("time",), where)
-        for quantity, values in self._arrays().items():
-            there = ~absent_columns(values) if quantity in OF_SOME_JOINTS else np.ones(len(names), dtype=np.bool_)
-            columns = tuple(np.array([f"{PREFIXES.get(quantity, quantity)}_{name}" for name in names])[there].tolist())
-            checks.refuse_not_finite(values[:, there], columns, where)
-            checks.refuse_absurd(values[:, there], columns, where)
-            if quantity == "current":
-                checks.refuse_milliamperes(values[:, there], columns, where)
-            elif quantity == "temperature":
-                checks.refuse_no_celsius(values[:, there], columns, where)
+        for each in QUANTITIES:
+            values = getattr(self, each.field)
+            if values is not None:
+                there = ~absent_columns(values) if each.partial else np.ones(len(names), dtype=np.bool_)
+                columns = [f"{each.prefix}_{name}" for name, is_there in zip(names, there, strict=True) if is_there]
+                checks.refuse_not_finite(values[:, there], columns, where)
+                checks.refuse_implausible(each.field, values[:, there], columns, where)
         checks.refuse_time_disorder(self.time, where)
         checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
         checks.refuse_moving_torso(self.torso)
@@ -120,7 +113,7 @@ class RecordingData:
         return {"wrenches": self.wrenches, "contacts": self.contacts}
 
     def _arrays(self) -> dict[str, FloatArray]:
-        arrays = {name: getattr(self, name) for name in UNITS}
+        arrays = {each.field: getattr(self, each.field) for each in QUANTITIES}
         return {name: values for name, values in arrays.items() if values is not None}
 
 

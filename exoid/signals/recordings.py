@@ -8,17 +8,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, NamedTuple, overload
 
-from exoid.errors import ExoidError
-from exoid.leg.payload import Payload
+from exoid.errors import UnreadableInputError
 
-from . import checks
 from .column import Column
 from .poses import Poses
-from .readers import READERS
+from .readers import READERS, ReadOptions
+from .readers.options import refuse_unknown_options
 from .recording import Recording
-from .wrench_frame import WrenchFrame
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class RecordingFile(NamedTuple):
@@ -26,10 +27,6 @@ class RecordingFile(NamedTuple):
 
     path: Path  # the file
     read: Callable[[Path], Recording]  # function that reads the file
-
-    def load(self) -> Recording:
-        """Read the file."""
-        return self.read(self.path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,18 +52,7 @@ class Recordings(Sequence[Recording | Poses]):
         folder: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
         columns: Mapping[str, str | Column] | None = None,
-        *,
-        angle_unit: Literal["rad", "deg"] = "rad",
-        largest_angle: float = checks.LARGEST_ANGLE,
-        topic: str | None = None,
-        stamps: Literal["header", "received"] = "header",
-        mask: str | None = None,
-        names: Sequence[str] | None = None,
-        passive: Sequence[str] = (),
-        unmeasured: Sequence[str] = (),
-        payloads: Sequence[Payload] | None = None,
-        base_position: Sequence[float] | None = None,
-        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
+        **options: Unpack[ReadOptions],
     ) -> Recordings:
         """Find the logs in a folder, without its subfolders; ``part.10.csv`` comes after ``part.9.csv``.
 
@@ -74,17 +60,7 @@ class Recordings(Sequence[Recording | Poses]):
             folder: The folder.
             joint_names: See :meth:`Recording.from_file`, which reads each file.
             columns: See :meth:`Recording.from_file`.
-            angle_unit: See :meth:`Recording.from_file`.
-            largest_angle: See :meth:`Recording.from_file`.
-            topic: See :meth:`Recording.from_file`.
-            stamps: See :meth:`Recording.from_file`.
-            mask: See :meth:`Recording.from_file`.
-            names: See :meth:`Recording.from_file`.
-            passive: See :meth:`Recording.from_file`.
-            unmeasured: See :meth:`Recording.from_file`.
-            payloads: See :meth:`Recording.from_file`; those of every file.
-            base_position: See :meth:`Recording.from_file`; that in every file.
-            wrench_frames: See :meth:`Recording.from_file`; those in every file.
+            **options: Options of :class:`exoid.signals.ReadOptions`, for every file.
 
         Returns:
             The recordings; no file is read yet.
@@ -92,40 +68,14 @@ class Recordings(Sequence[Recording | Poses]):
         Raises:
             ExoidError: There is no such folder, or no log in it.
         """
-        return Recordings.from_files(
-            logs_in(folder),
-            joint_names,
-            columns,
-            angle_unit=angle_unit,
-            largest_angle=largest_angle,
-            topic=topic,
-            stamps=stamps,
-            mask=mask,
-            names=names,
-            passive=passive,
-            unmeasured=unmeasured,
-            payloads=payloads,
-            base_position=base_position,
-            wrench_frames=wrench_frames,
-        )
+        return Recordings.from_files(logs_in(folder), joint_names, columns, **options)
 
     @staticmethod
     def from_files(
         paths: Iterable[str | os.PathLike[str]],
         joint_names: Sequence[str] | None = None,
         columns: Mapping[str, str | Column] | None = None,
-        *,
-        angle_unit: Literal["rad", "deg"] = "rad",
-        largest_angle: float = checks.LARGEST_ANGLE,
-        topic: str | None = None,
-        stamps: Literal["header", "received"] = "header",
-        mask: str | None = None,
-        names: Sequence[str] | None = None,
-        passive: Sequence[str] = (),
-        unmeasured: Sequence[str] = (),
-        payloads: Sequence[Payload] | None = None,
-        base_position: Sequence[float] | None = None,
-        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
+        **options: Unpack[ReadOptions],
     ) -> Recordings:
         """Make a sequence of files.
 
@@ -133,37 +83,13 @@ class Recordings(Sequence[Recording | Poses]):
             paths: The files, in order.
             joint_names: See :meth:`Recording.from_file`, which reads each file.
             columns: See :meth:`Recording.from_file`.
-            angle_unit: See :meth:`Recording.from_file`.
-            largest_angle: See :meth:`Recording.from_file`.
-            topic: See :meth:`Recording.from_file`.
-            stamps: See :meth:`Recording.from_file`.
-            mask: See :meth:`Recording.from_file`.
-            names: See :meth:`Recording.from_file`.
-            passive: See :meth:`Recording.from_file`.
-            unmeasured: See :meth:`Recording.from_file`.
-            payloads: See :meth:`Recording.from_file`; those of every file.
-            base_position: See :meth:`Recording.from_file`; that in every file.
-            wrench_frames: See :meth:`Recording.from_file`; those in every file.
+            **options: Options of :class:`exoid.signals.ReadOptions`, for every file.
 
         Returns:
             The recordings; no file is read yet.
         """
-        read = partial(
-            Recording.from_file,
-            joint_names=joint_names,
-            columns=columns,
-            angle_unit=angle_unit,
-            largest_angle=largest_angle,
-            topic=topic,
-            stamps=stamps,
-            mask=mask,
-            names=names,
-            passive=passive,
-            unmeasured=unmeasured,
-            payloads=payloads,
-            base_position=base_position,
-            wrench_frames=wrench_frames,
-        )
+        refuse_unknown_options(options)
+        read = partial(Recording.from_file, joint_names=joint_names, columns=columns, **options)
         return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 
     def watched(self, watch: Callable[[Path], None]) -> Recordings:
@@ -186,7 +112,13 @@ class Recordings(Sequence[Recording | Poses]):
         Returns:
             The changed recordings; poses stay as they are.
         """
-        return replace(self, items=tuple(changed_item(change, item) for item in self.items))
+        changed = (
+            RecordingFile(item.path, partial(_read_and_change, item.read, change))
+            if isinstance(item, RecordingFile)
+            else (change(item) if isinstance(item, Recording) else item)
+            for item in self.items
+        )
+        return replace(self, items=tuple(changed))
 
     def at_rest(self, index: int) -> bool:
         """Tell whether an item is poses, without reading it.
@@ -215,7 +147,7 @@ class Recordings(Sequence[Recording | Poses]):
         item = self.items[index]
         if not isinstance(item, RecordingFile):
             return item
-        recording = item.load()
+        recording = item.read(item.path)
         if self.watch is not None:
             self.watch(item.path)
         return recording
@@ -228,15 +160,6 @@ class Recordings(Sequence[Recording | Poses]):
         return f"Recordings({len(self)})"
 
 
-def changed_item(
-    change: Callable[[Recording], Recording], item: RecordingFile | Recording | Poses
-) -> RecordingFile | Recording | Poses:
-    """Change one recording, or let it be changed when its file is read."""
-    if isinstance(item, RecordingFile):
-        return RecordingFile(item.path, partial(_read_and_change, item.read, change))
-    return change(item) if isinstance(item, Recording) else item
-
-
 def _read_and_change(
     read: Callable[[Path], Recording], change: Callable[[Recording], Recording], path: Path
 ) -> Recording:
@@ -246,25 +169,27 @@ def _read_and_change(
 def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     """List the logs in a folder; numbers in their names are sorted by value."""
     path = Path(folder)
+
+    def is_log(file: Path) -> bool:
+        """Tell whether a file has an ending that a reader is registered for."""
+        return file.suffix.lower().removeprefix(".") in READERS and not file.name.startswith(".") and file.is_file()
+
+    def by_number(file: Path) -> list[tuple[int, str]]:
+        """Sort key by which numbers in names are ordered by value."""
+        parts = re.split(r"(\d+)", file.name)
+        return [(int(part), "") if k % 2 else (0, part) for k, part in enumerate(parts)]
+
     try:
-        files = sorted(filter(_is_log, path.iterdir()), key=_natural)
+        files = sorted(filter(is_log, path.iterdir()), key=by_number)
     except (FileNotFoundError, NotADirectoryError):
-        raise ExoidError("no such folder", where=str(path), remedy="check the path") from None
+        raise UnreadableInputError("no such folder", where=str(path), remedy="check the path") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         remedy = "check the path and its rights"
-        raise ExoidError(f"the folder cannot be read ({reason})", where=str(path), remedy=remedy) from None
+        raise UnreadableInputError(f"the folder cannot be read ({reason})", where=str(path), remedy=remedy) from None
     if not files:
         known = ", ".join(f".{ending}" for ending in READERS)
-        raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")
+        raise UnreadableInputError(
+            "no logs in the folder", where=str(path), remedy=f"give them names that end in {known}"
+        )
     return files
-
-
-def _is_log(path: Path) -> bool:
-    return path.suffix.lower().removeprefix(".") in READERS and not path.name.startswith(".") and path.is_file()
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sort key by which numbers in names are ordered by value."""
-    parts = re.split(r"(\d+)", path.name)
-    return [(int(part), "") if k % 2 else (0, part) for k, part in enumerate(parts)]

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+class Evidence(TypedDict):
+    """Arguments of an error that say where it is."""
+
+    where: str
+    file: str
+    column: str
 
 
 @dataclass(frozen=True)
@@ -20,17 +29,11 @@ class SourceLocation:
     headers: Mapping[str, str] = field(default_factory=dict)
     row_name: str = "line"  # word for a row of the file: "line", "row" or "message"
 
-    def row(self, row: int) -> str:
-        """Name a row: "row 17" (from 0) of an array, or "log.csv, line 19" of a file."""
-        if self.lines is not None:
-            return f"{self.file}, {self.row_name} {self.lines[row]}"
-        return f"{self.file}, row {row}" if self.file else f"row {row}"
-
-    def column(self, column: str) -> str:
-        """Name a column by its header in the file, followed by exoid's name if that differs."""
+    def evidence(self, row: int | None = None, column: str = "") -> Evidence:
+        """Name a cell: "row 17" (from 0) of an array, or "log.csv, line 19, column pos1 (q_hip)" of a file."""
+        numbered = row is not None and self.lines is not None
+        place = f"{self.row_name} {self.lines[row]}" if numbered else f"row {row}"  # type: ignore[index]
         header = self.headers.get(column, column)
-        return column if header == column else f"{header} ({column})"
-
-    def cell(self, row: int, column: str) -> str:
-        """Name one value."""
-        return f"{self.row(row)}, column {self.column(column)}"
+        named = f"column {header}" if header == column else f"column {header} ({column})"
+        parts = (self.file, place if row is not None else "", named if column else "")
+        return {"where": ", ".join(filter(None, parts)), "file": self.file, "column": column}

@@ -7,7 +7,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 from .source_location import SourceLocation
 
@@ -49,9 +49,9 @@ def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
     gaps = np.flatnonzero(intervals > limit)
     if gaps.size:
         row = int(gaps[0]) + 1
-        raise ExoidError(
+        raise UnreadableInputError(
             f"a gap of {intervals[row - 1]:.4g} s before this row (limit {limit:.4g} s; {gaps.size} in all)",
-            where=where.row(row),
+            **where.evidence(row),
             remedy="split the log there and pass the parts as several recordings",
         )
 

@@ -11,48 +11,22 @@ from matplotlib.ticker import MaxNLocator
 from exoid._typing import FloatArray
 
 from .colours import MEASURED, PREDICTED, joint_colour
-from .style import legend_above
+from .style import decorate, decorate_column
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
-    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5).
-
-    Args:
-        ax: Axes to draw on.
-        time: Time [s], (N,).
-        measured: Right side of doc. 1, eq. (29) [N·m], (N,).
-        fitted: Left side of doc. 1, eq. (29) [N·m], (N,).
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5)."""
     ax.plot(time, measured, color=MEASURED, lw=2.0, label="measured less known terms")
     ax.plot(time, fitted, color=PREDICTED, lw=0.9, label="fitted")
-    ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "time [s]", f"inertial {label} torque [N·m]")
 
 
 def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: float, label: str) -> Axes:
-    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign).
-
-    Args:
-        ax: Axes to draw on.
-        velocity: Joint velocity [rad/s], (N,).
-        friction: Measured torque less all other terms [N·m], (N,).
-        c0: Fitted Coulomb friction [N·m].
-        label: Name of the joint.
-
-    Returns:
-        The axes.
-    """
+    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign)."""
     ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
     fastest = float(np.abs(velocity).max())
     ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=PREDICTED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
-    ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]")
 
 
 def plot_torques(
@@ -62,44 +36,18 @@ def plot_torques(
     predictions: Sequence[tuple[str, FloatArray, str]],
     labels: Sequence[str],
 ) -> Sequence[Axes]:
-    """Plot measured and predicted torque of each joint (doc. 1, Fig. 7; doc. 2, Fig. 3).
-
-    Args:
-        axes: Axes to draw on, one for each joint.
-        time: Time [s], (N,).
-        measured: Measured torque [N·m], (N, n).
-        predictions: Name, torque [N·m], (N, n), and colour of each model.
-        labels: Names of the joints.
-
-    Returns:
-        The axes.
-    """
-    for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
+    """Plot measured and predicted torque of each joint (doc. 1, Fig. 7; doc. 2, Fig. 3)."""
+    for joint, ax in enumerate(axes):
         ax.plot(time, measured[:, joint], color=MEASURED, lw=2.4, label="measured")
         for name, torque, colour in predictions:
             ax.plot(time, torque[:, joint], color=colour, lw=0.9, label=name)
-        ax.set(ylabel=f"{label} torque [N·m]")
         ax.yaxis.set_label_coords(-0.14, 0.5)  # the same for all
-    legend_above(axes[0])
-    axes[-1].set(xlabel="time [s]")
-    return axes
+    return decorate_column(axes, [f"{label} torque [N·m]" for label in labels])
 
 
 def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[str]) -> Axes:
-    """Plot reference angles over time (doc. 2, Fig. 6).
-
-    Args:
-        ax: Axes to draw on.
-        time: Time [s], (N,).
-        q: Angles [rad], (N, n).
-        labels: Names of the joints.
-
-    Returns:
-        The axes.
-    """
+    """Plot reference angles over time (doc. 2, Fig. 6)."""
     for joint, label in enumerate(labels):
         ax.plot(time, np.rad2deg(q[:, joint]), color=joint_colour(joint), label=label)
     ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    ax.set(xlabel="time [s]", ylabel="flexion [deg]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "time [s]", "flexion [deg]")

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.control.wearer import GaitProfile
 
-from .colours import GUIDE, MEASURED, WEARER, joint_colour
-from .style import legend_above
+from .colours import MEASURED, WEARER, joint_colour
+from .style import decorate, draw_band
 
 
 def plot_interaction(
@@ -28,27 +28,15 @@ def plot_interaction(
     Returns:
         The axes.
     """
-    ax.fill_between(time, torque - band, torque + band, color=WEARER, alpha=0.3, lw=0, label="95 % band")
+    draw_band(ax, time, torque, band, WEARER)
     if truth is not None:
         ax.plot(time, truth, color=MEASURED, lw=0.8, label="truth")
     ax.plot(time, torque, color=WEARER, lw=1.0, label="torque of the wearer")
-    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
-    ax.set(xlabel="time [s]", ylabel=f"{label} torque [N·m]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True)
 
 
 def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tuple[str, ...]) -> tuple[Axes, Axes]:
-    """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait.
-
-    Args:
-        axes: Axes for the torque and for the power.
-        profile: Torque and power by phase.
-        labels: Names of the joints, (n,).
-
-    Returns:
-        The axes.
-    """
+    """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait."""
     above, below = axes
     percent = 100.0 * profile.phase
     for joint, label in enumerate(labels):
@@ -57,9 +45,6 @@ def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tup
         above.fill_between(percent, mean - spread, mean + spread, color=colour, alpha=0.2, lw=0)
         above.plot(percent, mean, color=colour, label=label)
         below.plot(percent, profile.power[:, joint], color=colour)
-    for ax in axes:
-        ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
-    above.set(ylabel="torque of the wearer [N·m]")
-    below.set(xlabel="phase [%]", ylabel="power on the leg [W]")
-    legend_above(above)
+    decorate(above, "", "torque of the wearer [N·m]", zero=True)
+    decorate(below, "phase [%]", "power on the leg [W]", zero=True)
     return axes

@@ -21,9 +21,6 @@ MARKERS = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
 DIVERGING = LinearSegmentedColormap.from_list("exoid", ["#8C510A", "#FFFFFF", "#01665E"])
 """Colours from −1 (brown) through 0 to 1 (green) that colour-blind readers can distinguish."""
 
-LONGEST = 20
-"""Largest number of letters of a name beside an axis."""
-
 
 def plot_parameters(
     ax: Axes,
@@ -109,4 +106,4 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
 
 def _short(name: str) -> str:
     """Shorten the name of a sum to its first summand, which is unique; base parameters of arms have long names."""
-    return name if len(name) <= LONGEST else f"{name.split(' ', maxsplit=1)[0]} + …"
+    return name if len(name) <= 20 else f"{name.split(' ', maxsplit=1)[0]} + …"

@@ -11,26 +11,14 @@ from exoid.experiments.excitation import Plan, Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 
 from .colours import GUIDE, MEASURED, joint_colour
-from .style import legend_above
+from .style import decorate, decorate_column
 
-IDENTIFIABILITY_MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASURED)}
+MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASURED)}
 """Marker and its filling for each class of identifiability."""
-
-LARGEST = 10.0
-"""Largest relative standard deviation that is drawn, also for parameters that cannot be identified."""
 
 
 def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) -> Sequence[Axes]:
-    """Plot angles, velocities and expected torques of one period of a plan, with limits as dotted lines.
-
-    Args:
-        axes: Three axes to draw on, one above the other.
-        plan: The plan.
-        motion: Index of the plan's motion.
-
-    Returns:
-        The axes.
-    """
+    """Plot angles, velocities and expected torques of one period of a plan, with limits as dotted lines."""
     recording = plan.recordings[motion]
     shown = recording.time <= plan.motions[motion].period + 1e-9
     limits = plan.limits
@@ -41,7 +29,7 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
         ("velocity [rad/s]", v, -limits.velocity, limits.velocity),
         ("torque [N·m]", tau, -limits.torque, limits.torque),
     )
-    for ax, (label, values, lower, upper) in zip(axes, quantities, strict=True):
+    for ax, (_, values, lower, upper) in zip(axes, quantities, strict=True):
         for joint, name in enumerate(plan.model.leg.joint_labels):
             ax.plot(recording.time[shown], values[shown, joint], color=joint_colour(joint), label=name)
         bottom, top = ax.get_ylim()
@@ -50,28 +38,16 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
             for limit in (lower[joint], upper[joint]):
                 if bottom - margin <= limit <= top + margin:
                     ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
-        ax.set(ylabel=label)
         ax.yaxis.set_label_coords(-0.13, 0.5)
-    legend_above(axes[0])
-    axes[-1].set(xlabel="time [s]")
-    return axes
+    return decorate_column(axes, [label for label, *_ in quantities])
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:
-    """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class.
-
-    Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
-
-    Args:
-        ax: Axes to draw on.
-        precision: Predicted precision of a plan or an assessment.
-
-    Returns:
-        The axes.
-    """
-    relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, LARGEST), LARGEST)
+    """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class."""
+    # Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
+    relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, np.inf), 10.0)  # of 1000 %
     rows, grades = np.arange(len(relative))[::-1], np.array(precision.identifiability)
-    for grade, (marker, filling) in IDENTIFIABILITY_MARKERS.items():
+    for grade, (marker, filling) in MARKERS.items():
         if len(of_grade := np.flatnonzero(grades == grade)):
             x, y = 100.0 * relative[of_grade], rows[of_grade]
             ax.plot(x, y, marker, ms=4, mec=MEASURED, mfc=filling, ls="none", label=grade)
@@ -83,6 +59,4 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
     ax.grid(visible=True, axis="y")
-    ax.set(xlabel="predicted standard deviation [% of scale]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "predicted standard deviation [% of scale]", "")

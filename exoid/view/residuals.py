@@ -8,14 +8,8 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.regression import Trend
 
-from .colours import GUIDE, MEASURED, PREDICTED, RESIDUAL, joint_colour
-from .style import draw_samples, legend_above
-
-BINS = 24
-"""Number of bins of the mean residual."""
-
-FEWEST = 10
-"""Smallest number of samples in a bin whose mean is drawn."""
+from .colours import MEASURED, PREDICTED, RESIDUAL, joint_colour
+from .style import decorate, draw_samples
 
 
 def plot_prediction(
@@ -40,23 +34,18 @@ def plot_prediction(
         The axes.
     """
     if band is not None:
-        ax.fill_between(time, band[:, 0], band[:, 1], color=PREDICTED, alpha=0.25, lw=0, label="95 % band")
+        ax.fill_between(time, band[:, 0], band[:, 1], color=PREDICTED, alpha=0.3, lw=0, label="95 % band")
     ax.plot(time, measured, color=MEASURED, lw=2.2, label="measured")
     ax.plot(time, predicted, color=PREDICTED, lw=0.9, label="predicted")
     ax.plot(time, measured - predicted, color=RESIDUAL, lw=0.6, label="residual", zorder=1)
-    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
-    ax.set(xlabel="time [s]", ylabel=f"{label} torque [N·m]")
-    legend_above(ax, columns=2)
-    return ax
+    return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True, columns=2)
 
 
 def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray) -> Axes:
     """Plot the residual torque of one joint over time on its own scale, within the prediction band."""
-    ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.25, lw=0)
+    ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.3, lw=0)
     ax.plot(time, residual, color=RESIDUAL, lw=0.6)
-    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
-    ax.set(xlabel="time [s]", ylabel="residual [N·m]")
-    return ax
+    return decorate(ax, "time [s]", "residual [N·m]", zero=True)
 
 
 def plot_residual_trend(
@@ -94,13 +83,23 @@ def plot_residual_trend(
             color=MEASURED,
             label="mean ± 2 std of noise",
         )
-        legend_above(ax)
-    elif bins := [rows for rows in np.array_split(np.argsort(x, kind="stable"), BINS) if len(rows) >= FEWEST]:
+    elif bins := [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]:
         centres = [x[rows].mean() for rows in bins]
         mean = np.array([residual[rows].mean() for rows in bins])
         error = 2.0 * np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
         ax.errorbar(centres, mean, yerr=error, fmt="o-", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
-        legend_above(ax)
-    ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
-    ax.set(xlabel=xlabel, ylabel=f"{label} residual [N·m]")
+    return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
+
+
+def plot_friction_fit(
+    ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
+) -> Axes:
+    """Plot measured and modelled friction torque of one joint over its velocity."""
+    # Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
+    # velocity.
+    draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
+    draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
+    decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
+    for handle in ax.get_legend().legend_handles:  # type: ignore[union-attr]
+        handle.set(markersize=5, alpha=1.0)  # type: ignore[union-attr]
     return ax

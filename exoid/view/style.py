@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -10,11 +11,10 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
+from .colours import GUIDE, PREDICTED
+
 COLUMN = 3.5
 """Width of a column [inches]."""
-
-MAX_POINTS = 4000
-"""Largest number of samples that a scatter plot draws."""
 
 SETTINGS: Any = {
     "font.size": 8,
@@ -50,7 +50,31 @@ def legend_above(ax: Axes, columns: int = 3) -> None:
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.1, columnspacing=1.2)
 
 
-def decimation(count: int, most: int = MAX_POINTS) -> slice:
+def decorate(ax: Axes, xlabel: str, ylabel: str, *, zero: bool = False, columns: int = 3) -> Axes:
+    """Name the axes, draw the zero line if it is wanted, and put the legend, if there is one, above."""
+    if zero:
+        ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
+    ax.set(xlabel=xlabel, ylabel=ylabel)
+    if ax.get_legend_handles_labels()[1]:
+        legend_above(ax, columns)
+    return ax
+
+
+def decorate_column(axes: Sequence[Axes], ylabels: Sequence[str], columns: int = 3) -> Sequence[Axes]:
+    """Name axes that stand one above the other and share their time; the first has the legend."""
+    for ax, label in zip(axes, ylabels, strict=True):
+        ax.set(ylabel=label)
+    legend_above(axes[0], columns)
+    axes[-1].set(xlabel="time [s]")
+    return axes
+
+
+def draw_band(ax: Axes, time: FloatArray, centre: FloatArray, half: FloatArray, colour: str = PREDICTED) -> None:
+    """Draw the 95 % band around a line."""
+    ax.fill_between(time, centre - half, centre + half, color=colour, alpha=0.3, lw=0, label="95 % band")
+
+
+def decimation(count: int, most: int) -> slice:
     """Return the slice that decimates ``count`` samples to at most ``most``."""
     return slice(0, count, max(1, -(-count // most)))
 
@@ -58,6 +82,6 @@ def decimation(count: int, most: int = MAX_POINTS) -> slice:
 def draw_samples(
     ax: Axes, x: FloatArray, y: FloatArray, colour: str, *, size: float, alpha: float = 0.5, label: str | None = None
 ) -> None:
-    """Draw samples as dots, decimated to :data:`MAX_POINTS`."""
-    shown = decimation(len(x))
+    """Draw samples as dots, not more than a figure can show."""
+    shown = decimation(len(x), 4000)
     ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True, label=label)

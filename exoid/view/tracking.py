@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
-from exoid.control import Tracking
+from exoid.control import LawReplay, Tracking
 
-from .colours import GUIDE, LAW_COLOURS, joint_colour
-from .style import legend_above
+from .colours import GUIDE, LAW_COLOURS, MEASURED, PREDICTED, joint_colour
+from .style import decorate, decorate_column
 
 
 def plot_tracking_errors(
@@ -82,9 +82,8 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
     ax.margins(x=0.15)
     ax.set_axisbelow(True)
     ax.grid(visible=False, axis="y")
-    ax.set(xscale="log", xlabel="peak error [deg]")
-    legend_above(ax)
-    return ax
+    ax.set_xscale("log")
+    return decorate(ax, "peak error [deg]", "")
 
 
 def _plot_runs(
@@ -97,12 +96,21 @@ def _plot_runs(
     width: float | None = None,
 ) -> Sequence[Axes]:
     """Plot one quantity of each joint, (N, n), over the time since settling."""
-    for joint, (ax, name) in enumerate(zip(axes, names, strict=True)):
+    for joint, ax in enumerate(axes):
         for colour, (label, run) in zip(cycle(colours), runs.items(), strict=False):
             settled = run.time >= run.settle
             time, value = run.time[settled] - run.settle, values(run)[settled, joint]
             ax.plot(time, value, color=colour, lw=width, label=label)
-        ax.set(ylabel=f"{name} {quantity}")
-    legend_above(axes[0], columns=2)
-    axes[-1].set(xlabel="time [s]")
-    return axes
+    return decorate_column(axes, [f"{name} {quantity}" for name in names], columns=2)
+
+
+def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
+    """Plot commanded and recorded torque of each joint, with the limits."""
+    for joint, ax in enumerate(axes):
+        if np.isfinite(replay.recorded[:, joint]).all():
+            ax.plot(replay.time, replay.recorded[:, joint], color=MEASURED, lw=0.8, label="recorded")
+        ax.plot(replay.time, replay.commanded[:, joint], color=PREDICTED, lw=0.8, label=replay.law)
+        if np.isfinite(replay.limit[joint]):
+            for limit in (-replay.limit[joint], replay.limit[joint]):
+                ax.axhline(limit, color=GUIDE, lw=0.8, ls="--")
+    return decorate_column(axes, [f"{name} torque [N·m]" for name in replay.joint_names])

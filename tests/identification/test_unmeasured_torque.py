@@ -19,8 +19,8 @@ from exoid.estimate import predict_motion
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.torques import TorqueModel
-from exoid.view.report.recording_prediction import predict_recording
-from exoid.view.report.text import error_table, summary
+from exoid.view.report.fit import error_table, predict_recording
+from exoid.view.report.identification import summary
 
 DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
 

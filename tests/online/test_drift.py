@@ -106,8 +106,3 @@ def test_drifts_are_saved_and_resumed(tmp_path):
     resumed.update(*(x[7777:] for x in motion), tau[7777:])
     assert whole.drifts
     assert resumed.drifts == whole.drifts
-
-
-def test_an_epoch_without_duration_is_refused():
-    with pytest.raises(exoid.ExoidError, match="epoch"):
-        estimator(epoch=0.0)

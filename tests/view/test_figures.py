@@ -7,31 +7,28 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.control import LawReplay, Tracking
-from exoid.lab.stability import GainMargins, Lyapunov, plot_gain_margins, plot_lyapunov
+from exoid.lab.stability import plot_gain_margins, plot_lyapunov
 from exoid.lab.stability.figure import CYCLING_COLOURS
+from exoid.lab.stability.gain_margin import GainMargins
+from exoid.lab.stability.lyapunov import Lyapunov
 from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
-    plot_approaches,
     plot_correlation,
-    plot_coverage,
-    plot_excitation,
-    plot_friction,
-    plot_inertial_torque,
-    plot_law_replay,
     plot_law_torques,
     plot_parameters,
     plot_peak_errors,
     plot_prediction,
-    plot_reference,
     plot_residual_trend,
-    plot_stiffness,
-    plot_torques,
     plot_tracking_errors,
 )
 from exoid.view.colours import MEASURED, joint_colour
+from exoid.view.coverage import plot_coverage, plot_excitation
+from exoid.view.dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
+from exoid.view.statics import plot_approaches, plot_stiffness
 from exoid.view.style import COLUMN
+from exoid.view.tracking import plot_law_replay
 
 NAMES = ("hip", "knee", "ankle")
 TIME = np.linspace(0.0, 4.0, 50)

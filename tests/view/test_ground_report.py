@@ -12,8 +12,9 @@ from exoid import Viscous
 from exoid.estimate.ground_prediction import GroundForce
 from exoid.tools.tables import DataTable
 from exoid.view.ground import plot_ground_force
-from exoid.view.report import Picture, identification_report
-from exoid.view.report.ground_pictures import _centre_half, ground_blocks
+from exoid.view.report import identification_report
+from exoid.view.report.ground import _centre_half, ground_blocks
+from exoid.view.report.page import Picture
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,8 @@ from worn import log, push, swing, unworn_estimate
 import exoid
 from exoid import ExoidError
 from exoid.control.wearer.gait import profile
-from exoid.view import plot_gait_profile, plot_interaction, scene
+from exoid.view import plot_interaction, scene
+from exoid.view.interaction import plot_gait_profile
 from exoid.view.report import interaction_report
 
 

@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
-from exoid.view import paper, plot_planned_motion, plot_precision
+from exoid.view import paper
+from exoid.view.plans import plot_planned_motion, plot_precision
 
 LEG = exoid.load_leg("cuhk")
 

@@ -13,10 +13,9 @@ from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
-from exoid.view.report import EmbeddedPage, Page, Section, Text, draw_picture, identification_report
-from exoid.view.report.pictures import prediction_pictures
-from exoid.view.report.recording_prediction import predict_recording
-from exoid.view.report.text import trend_notes
+from exoid.view.report import identification_report
+from exoid.view.report.fit import predict_recording, torque_pictures, trend_notes
+from exoid.view.report.page import EmbeddedPage, Page, Section, Text, draw_picture
 
 
 @pytest.fixture(scope="module")
@@ -166,9 +165,9 @@ def test_a_leg_without_friction_terms_has_no_friction_section(swing):
 def test_bands_contain_95_percent_of_new_torques(swing):
     """On data of the same leg; far fewer on data of another leg."""
     data, estimate = swing
-    np.testing.assert_allclose(predict_recording(estimate, data.test).coverage, 0.95, atol=0.03)
+    np.testing.assert_allclose(predict_recording(estimate, data.test).validation.coverage, 0.95, atol=0.03)
     loaded = replace(data.test, tau=data.test.tau + np.array([1.0, 0.5, 0.2]))
-    assert (predict_recording(estimate, loaded).coverage < 0.1).all()
+    assert (predict_recording(estimate, loaded).validation.coverage < 0.1).all()
 
 
 def test_modelled_and_measured_friction_are_those_of_the_leg():
@@ -199,7 +198,7 @@ def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
         name: np.column_stack([np.interp(time, fast.time, x) for x in getattr(fast, name).T]) for name in ("q", "tau")
     }
     thick = exoid.Recording(time, columns["q"], tau=columns["tau"], joint_names=fast.joint_names)
-    thin, thick = (list(prediction_pictures(estimate, predict_recording(estimate, each))) for each in (fast, thick))
+    thin, thick = (list(torque_pictures(estimate, predict_recording(estimate, each))) for each in (fast, thick))
     assert all(len(more.svg) < 1.5 * len(less.svg) for more, less in zip(thick, thin, strict=True))
 
 

@@ -14,7 +14,7 @@ from exoid import Leg
 from exoid.estimate import predict_motion
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
-from exoid.view.report import EmbeddedPage, Page, Section
+from exoid.view.report.page import EmbeddedPage, Page, Section
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 UNRESOLVED = "Failed to load resource: net::ERR_NAME_NOT_RESOLVED"

@@ -315,6 +315,6 @@ def _stacked(q: FloatArray, v: ArrayLike | None, tau: ArrayLike | None) -> Float
     """Angles, velocities (zeros where there are none) and torques, (N, 3, n)."""
     parts = [np.atleast_2d(np.zeros_like(q) if x is None else np.asarray(x, dtype=np.float64)) for x in (q, v, tau)]
     if len({part.shape for part in parts}) > 1:
-        shapes = ", ".join(str(np.shape(x)) for x in (q, v, tau))
+        shapes = ", ".join(str(part.shape[1:]) for part in parts)
         raise BadArgumentError(f"readings of shapes {shapes}", remedy="give one value for each joint")
     return np.stack(parts, axis=1)

@@ -9,22 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData
 from exoid.estimate.validation_checks import effective_share
-from exoid.regression.every_row import each_row
+from exoid.regression.every_row import make_rows
 from exoid.regression.model import RegressorModel
-from exoid.regression.rows import prepare
-from exoid.signals import Preparation, Recording
-
-STEP = 0.02
-"""Step of the logarithm of a stiffness or damping for its derivative."""
-
-ITERATIONS = 4
-"""Steps from the stated cuffs."""
-
-FAR = 3.0
-"""Standard deviations from the stated value beyond which a note says so."""
+from exoid.regression.row_data import Rows
+from exoid.signals import Recording
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,36 +38,21 @@ class Cuffs:
 
     def __post_init__(self) -> None:
         """Check the values and forbid changes."""
-        k, d = self.stiffness, self.damping
+        k, d, stds = self.stiffness, self.damping, (self.stiffness_std, self.damping_std)
         if not (np.isfinite(k).all() and np.isfinite(d).all() and k.min() > 0.0 and d.min() >= 0.0):
-            raise ExoidError(
-                f"cuffs of {k.tolist()} N·m/rad and {d.tolist()} N·m·s/rad",
-                remedy="give a positive stiffness, such as 1000",
-            )
-        if not all((np.isfinite(each) & (each >= 0.0)).all() for each in (self.stiffness_std, self.damping_std)):
-            raise ExoidError(
+            what = f"cuffs of {k.tolist()} N·m/rad and {d.tolist()} N·m·s/rad"
+            raise BadArgumentError(what, remedy="give a positive stiffness, such as 1000")
+        if not all((np.isfinite(each) & (each >= 0.0)).all() for each in stds):
+            raise BadArgumentError(
                 "a relative standard deviation of the cuffs that is negative or not finite",
                 remedy="give a number such as 0.2, or 0 for cuffs that are known exactly",
             )
-        for array in (k, d, self.stiffness_std, self.damping_std):
+        for array in (k, d, *stds):
             array.flags.writeable = False
 
     @classmethod
     def of(cls, joint_names: tuple[str, ...], stiffness: ArrayLike, damping: ArrayLike, std: float) -> Cuffs:
-        """Make cuffs from one number or one for each joint.
-
-        Args:
-            joint_names: Names of the joints, (n,).
-            stiffness: Stiffness [N·m/rad], one or (n,).
-            damping: Damping [N·m·s/rad], one or (n,).
-            std: Relative standard deviation of both.
-
-        Returns:
-            The cuffs.
-
-        Raises:
-            ExoidError: A value is impossible.
-        """
+        """Make cuffs from one number or one for each joint; zero damping counts as known."""
         n = len(joint_names)
         k, d = (np.array(np.broadcast_to(np.asarray(x, dtype=np.float64), n)) for x in (stiffness, damping))
         return cls(joint_names, k, d, np.full(n, float(std)), np.where(d > 0.0, float(std), 0.0))
@@ -104,19 +80,15 @@ class FoundCuffs(NamedTuple):
 
     cuffs: Cuffs  # the cuffs
     limb_covariance: FloatArray  # covariance of the limb's parameters due to the errors of the cuffs, (P, P)
-    far: tuple[str, ...]  # joints whose cuffs differ from what was stated by more than `FAR` standard deviations
+    far: tuple[str, ...]  # joints whose cuffs differ from what was stated by more than three standard deviations
 
 
-class LimbLogs(NamedTuple):
-    """Logs of the limb for given cuffs, on one grid of times."""
-
-    measured: Callable[[Cuffs], Recording]  # function that bends the cuffs by the torque of the log
-    # function that bends them by the torque that the limb needs, with parameters β, if it moves as the leg
-    # does. Noise of the torque is not part of it
-    predicted: Callable[[Cuffs, FloatArray], Recording]
+LimbLog = Callable[[Cuffs, FloatArray | None], Recording]
+"""Log of the limb in some cuffs. The torque of the log bends them, or, given β, the torque that a limb needs which
+moves as the leg does: noise of the torque is not part of that."""
 
 
-def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs: LimbLogs) -> FoundCuffs:
+def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, log_of: LimbLog) -> FoundCuffs:
     """Estimate cuffs and limb together, with the stated cuffs as prior."""
     # The limb obeys −τ_w = W(q_l(θ)) β, with θ the logarithms of stiffness and damping. About θ,
     #
@@ -131,8 +103,7 @@ def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs:
     # values. Errors δ of the leg's own parameters add W_leg δ to −τ_w; they are not fitted, but their effect is part of
     # the covariance of θ.
     spread = np.concatenate([stated.stiffness_std, stated.damping_std])
-    free = np.flatnonzero(spread)
-    values = np.concatenate([stated.stiffness, stated.damping])
+    free, values = np.flatnonzero(spread), np.concatenate([stated.stiffness, stated.damping])
     spread, centre = spread[free], np.log(values[free])
 
     def cuffs_at(theta: FloatArray, std: FloatArray) -> Cuffs:
@@ -140,47 +111,29 @@ def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs:
         at[free], widths[free] = np.exp(theta), std
         return Cuffs(stated.joint_names, *np.split(at, 2), *np.split(widths, 2))
 
-    def rows_at(theta: FloatArray, beta: FloatArray | None = None, model: RegressorModel = limb.model) -> _Rows:
-        cuffs = cuffs_at(theta, spread)
-        log = logs.measured(cuffs) if beta is None else logs.predicted(cuffs, beta)
-        return _rows(model, log, limb.preparation)
+    def rows_at(theta: FloatArray, beta: FloatArray | None = None, model: RegressorModel = limb.model) -> Rows:
+        return make_rows(model, log_of(cuffs_at(theta, spread), beta), limb.preparation)
 
     def with_slopes(theta: FloatArray, beta: FloatArray, given: FloatArray | None = None) -> FloatArray:
-        W = rows_at(theta, given).W
-        slopes = [(rows_at(theta + STEP * unit, given).W - W) @ beta / STEP for unit in np.eye(len(free))]
+        W, step = rows_at(theta, given).W, 0.02
+        slopes = [(rows_at(theta + step * unit, given).W - W) @ beta / step for unit in np.eye(len(free))]
         return np.concatenate([W, np.stack(slopes, axis=-1)], axis=-1)
 
-    theta, beta, counts = centre, limb.values, _independent(limb, logs.measured(stated))
-    tau = rows_at(theta).tau
-    for _ in range(ITERATIONS):
+    rate, joints = log_of(stated, None).sample_rate, range(len(limb.joint_names))
+    shares = np.array([effective_share(limb, joint) for joint in joints])
+    counts = limb.preparation.independent_fraction(rate) * shares
+    theta, beta, tau = centre, limb.values, rows_at(centre).tau
+    for _ in range(4):
         A, Z = with_slopes(theta, beta), with_slopes(theta, beta, beta)
         weights = np.sqrt(counts) / (tau - A[..., : len(beta)] @ beta).std(axis=0)
-        found = _step(A, Z, tau, weights, theta, centre, spread)
+        found = _step(_stacked(A, weights), _stacked(Z, weights), (tau * weights).ravel(), theta, centre, spread)
         theta, beta = found.theta, found.beta
     of_leg = found.gain @ _stacked(rows_at(theta, model=alone.model).W, weights)  # error of θ by errors of the leg
     covariance = found.covariance + of_leg @ alone.covariance @ of_leg.T
-    beyond = free[np.abs(theta - centre) > FAR * spread]
+    beyond = free[np.abs(theta - centre) > 3.0 * spread]
     far = dict.fromkeys(stated.joint_names[k % len(stated.joint_names)] for k in beyond)
-    slope = found.slope
-    return FoundCuffs(cuffs_at(theta, np.sqrt(np.diag(covariance))), slope @ covariance @ slope.T, tuple(far))
-
-
-def _independent(limb: EstimateData, log: Recording) -> FloatArray:
-    """Share of the samples behind the filter that are independent, (n,)."""
-    shares = [effective_share(limb, joint) for joint in range(len(limb.joint_names))]
-    return limb.preparation.independent_fraction(log.sample_rate) * np.array(shares)
-
-
-class _Rows(NamedTuple):
-    """Columns and torque of a log behind the filter, (N, n, P) and (N, n)."""
-
-    W: FloatArray
-    tau: FloatArray
-
-
-def _rows(model: RegressorModel, log: Recording, preparation: Preparation) -> _Rows:
-    parts = list(each_row(model, prepare(model, log, preparation, every=True)))
-    return _Rows(np.concatenate([part.W for part in parts]), np.concatenate([part.tau for part in parts]))
+    cuffs = cuffs_at(theta, np.sqrt(np.diag(covariance)))
+    return FoundCuffs(cuffs, found.slope @ covariance @ found.slope.T, tuple(far))
 
 
 def _stacked(columns: FloatArray, weights: FloatArray) -> FloatArray:
@@ -199,23 +152,17 @@ class _Step(NamedTuple):
 
 
 def _step(
-    columns: FloatArray,
-    instruments: FloatArray,
-    tau: FloatArray,
-    weights: FloatArray,
-    theta: FloatArray,
-    centre: FloatArray,
-    spread: FloatArray,
+    A: FloatArray, Z: FloatArray, tau: FloatArray, theta: FloatArray, centre: FloatArray, spread: FloatArray
 ) -> _Step:
-    """Solve τ = W β + D δθ, columns (W, D), with instruments and the prior θ + δθ ~ N(centre, spread²)."""
-    A, Z, P = _stacked(columns, weights), _stacked(instruments, weights), columns.shape[-1] - len(theta)
+    """Solve τ = W β + D δθ, A = (W, D), with instruments Z and the prior θ + δθ ~ N(centre, spread²)."""
+    P = A.shape[1] - len(theta)
     prior, pull = np.zeros((A.shape[1],) * 2), np.zeros(A.shape[1])
     prior[P:, P:] = np.diag(spread**-2.0)
     pull[P:] = (centre - theta) / spread**2
     scale = 1.0 / np.linalg.norm(Z, axis=0)
     each = np.outer(scale, scale)
     inverse = np.linalg.inv((Z.T @ A + prior) * each) * each
-    found = inverse @ (Z.T @ (tau * weights).ravel() + pull)
+    found = inverse @ (Z.T @ tau + pull)
     covariance = inverse @ (Z.T @ Z + prior) @ inverse.T
     slope = np.asarray(-np.linalg.solve(Z[:, :P].T @ A[:, :P], Z[:, :P].T @ A[:, P:]))
     return _Step(theta + found[P:], found[:P], covariance[P:, P:], inverse[P:] @ Z.T, slope)

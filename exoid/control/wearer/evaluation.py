@@ -69,8 +69,9 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
             where=source_of(recording),
             remedy="check units and spikes of the angles (exoid check)",
         )
-    sliding = np.ma.median(np.ma.masked_where(share >= SETTLED, np.abs(friction)), axis=0)
-    level = np.where(np.ma.getmaskarray(sliding), np.abs(friction).max(axis=0), np.ma.getdata(sliding))
+    size, level = np.where(share < SETTLED, np.abs(friction), np.nan), np.abs(friction).max(axis=0)
+    slides = ~np.isnan(size).all(axis=0)
+    level[slides] = np.nanmedian(size[:, slides], axis=0)
     variance = variance + (level * share) ** 2 / 3.0  # uniform between −c and c
     used, motion = prepared.inside, prepared.motion
     ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData, compare
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.rig.anthropometry import limb_of
+from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 from exoid.torques.payloads import payload_parameters
 
@@ -21,7 +22,6 @@ from .cuffs import Cuffs
 
 HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
 """Columns of :meth:`LimbComparison.rows`; that of expected values follows if there are any."""
-
 
 CUFF_HEADERS = ("cuff", "stiffness [N·m/rad]", "± std", "damping [N·m·s/rad]", "± std")
 """Columns of the table of cuffs."""
@@ -68,17 +68,9 @@ class LimbComparison(Report):
         Returns:
             Value, standard deviation, interval, unit and expected value of each parameter, by name.
         """
-        columns = (self.names, self.values, self.std, self.interval, self.units, self.expected)
-        return {
-            name: {
-                "value": float(value),
-                "std": float(std),
-                "interval": interval.tolist(),
-                "unit": unit,
-                "expected": None if np.isnan(expected) else float(expected),
-            }
-            for name, value, std, interval, unit, expected in zip(*columns, strict=True)
-        }
+        keys = ("value", "std", "interval", "unit", "expected")
+        columns = zip(self.names, self.values, self.std, self.interval, self.units, self.expected, strict=True)
+        return {name: json_value(dict(zip(keys, each, strict=True))) for name, *each in columns}
 
     def __repr__(self) -> str:
         """Write the values."""
@@ -157,7 +149,7 @@ def compare_limb(
     compared = compare(alone, worn)
     rigid = {*alone.model.leg.parameter_names} & {*compared.names}
     if not rigid:
-        raise ExoidError(
+        raise BadArgumentError(
             f"no rigid-body parameter is in both estimates: {', '.join(compared.names)}",
             remedy="identify the same leg alone and worn",
         )
@@ -174,12 +166,8 @@ def late_torque_notes(*estimates: EstimateData) -> tuple[str, ...]:
     """Say that torques of a log are late, an error of parameters that intervals do not contain."""
     # Half a millisecond is enough, as of a torque that is held over a control period of 1 ms: errors of X and Y of the
     # leg alone are then two to four times their standard deviations.
-    late = [
-        finding.value
-        for estimate in estimates
-        for finding in estimate.findings
-        if finding.kind == "torque-delay" and finding.severity != "info"
-    ]
+    findings = [finding for estimate in estimates for finding in estimate.findings]
+    late = [each.value for each in findings if each.kind == "torque-delay" and each.severity != "info"]
     if not late:
         return ()
     return (

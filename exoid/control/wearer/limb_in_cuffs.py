@@ -9,25 +9,19 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import Estimate, EstimateData
 from exoid.identification import identify
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 
-from .cuffs import Cuffs, LimbLogs, estimate_cuffs
+from .cuffs import Cuffs, estimate_cuffs
 from .interaction import Interaction, interaction
 from .limb import LimbComparison, late_torque_notes
 
 SETTLED = 0.5
 """Time that is left out at the beginning, in which the filter of the cuffs settles [s]."""
-
-SHARE = 0.5
-"""Cut-off of the limb's identification over that of the interaction, whose low-pass its torque has passed already."""
-
-CUFF_STD = 0.2
-"""Default relative standard deviation of stiffness and damping of the cuffs."""
 
 
 def limb_recording(
@@ -51,8 +45,7 @@ def limb_recording(
         ExoidError: A stiffness is not positive, a damping is negative, or see :func:`.interaction`.
     """
     cuffs, felt = Cuffs.of(estimate.joint_names, stiffness, damping, 0.0), interaction(estimate, recording)
-    leg = _leg_log(estimate, recording, felt)
-    return _bent_by(leg, felt.torque, cuffs).between(float(leg.time[0]) + SETTLED)
+    return _bent(_leg_log(estimate, recording, felt), felt.torque, cuffs)
 
 
 def identify_limb(
@@ -61,7 +54,7 @@ def identify_limb(
     stiffness: ArrayLike,
     damping: ArrayLike = 0.0,
     *,
-    cuff_std: float = CUFF_STD,
+    cuff_std: float = 0.2,
     expected: Mapping[str, float] | None = None,
 ) -> LimbComparison:
     """Identify X, Y and J of a passive limb in cuffs, and the cuffs as far as the log determines them.
@@ -86,41 +79,34 @@ def identify_limb(
         ExoidError: The base moves, the motion does not determine the limb, or see :func:`limb_recording`.
     """
     if recording.base is not None:
-        raise ExoidError("a limb on a base that moves", remedy="hold the base, or use exoid.wearer.compare_limb")
+        remedy = "hold the base, or use exoid.wearer.compare_limb"
+        raise NotSupportedError("a limb on a base that moves", remedy=remedy)
     cuffs, felt = Cuffs.of(estimate.joint_names, stiffness, damping, cuff_std), interaction(estimate, recording)
+    leg, names = _leg_log(estimate, recording, felt), estimate.model.leg.parameter_names
+    own = estimate.preparation.describe().get("cutoff")
+    cutoff = 0.5 * own if isinstance(own, float) else None  # the torque has passed the interaction's low-pass already
 
-    leg = _leg_log(estimate, recording, felt)
+    def identified(log: Recording) -> Estimate:
+        return identify(estimate.model.leg, log, terms=(), check=False, cutoff=cutoff)
 
-    def log_of(some: Cuffs) -> Recording:
-        return _bent_by(leg, felt.torque, some).between(float(leg.time[0]) + SETTLED)
-
-    found, count = _identified(estimate, log_of(cuffs)), len(estimate.model.leg.parameter_names)
-    covariance, notes = estimate.covariance[:count, :count], late_torque_notes(estimate)
+    found = identified(_bent(leg, felt.torque, cuffs))
+    covariance, notes = estimate.covariance[: len(names), : len(names)], late_torque_notes(estimate)
     if not cuffs.known:
         q, v, a, _ = found.preparation.kinematics(leg)
         W = estimate.model.leg.regressor(q, v, a, leg.torso)
 
-        def predicted(some: Cuffs, beta: FloatArray) -> Recording:
-            return _bent_by(leg, -(W @ beta), some).between(float(leg.time[0]) + SETTLED)
+        def log_of(some: Cuffs, beta: FloatArray | None) -> Recording:
+            return _bent(leg, felt.torque if beta is None else -(W @ beta), some)
 
-        of_cuffs = estimate_cuffs(cuffs, found, estimate, LimbLogs(log_of, predicted))
-        cuffs, covariance = of_cuffs.cuffs, covariance + of_cuffs.limb_covariance
-        found = _identified(estimate, log_of(cuffs))
-        far = ", ".join(of_cuffs.far)
-        notes += (f"the cuffs of {far} differ much from what was stated: check them",) if far else ()
+        cuffs, of_cuffs, far = estimate_cuffs(cuffs, found, estimate, log_of)
+        covariance = covariance + of_cuffs
+        found = identified(log_of(cuffs, None))
+        notes += (f"the cuffs of {', '.join(far)} differ much from what was stated: check them",) if far else ()
     std = np.sqrt(np.diag(found.covariance + covariance))
-    half = half_width(0.95, np.minimum(found.dof_each, estimate.dof_each[:count])) * std
-    names = estimate.model.leg.parameter_names
+    half = half_width(0.95, np.minimum(found.dof_each, estimate.dof_each[: len(names)])) * std
     beside = np.array([(expected or {}).get(name, np.nan) for name in names], dtype=np.float64)
     interval = np.column_stack([found.values - half, found.values + half])
     return LimbComparison(names, found.units, found.values.copy(), std, interval, beside, notes, cuffs)
-
-
-def _identified(estimate: EstimateData, log: Recording) -> Estimate:
-    """Identify the limb from its log."""
-    own = estimate.preparation.describe().get("cutoff")
-    cutoff = SHARE * own if isinstance(own, float) else None
-    return identify(estimate.model.leg, log, terms=(), check=False, cutoff=cutoff)
 
 
 def _leg_log(estimate: EstimateData, recording: Recording, felt: Interaction) -> Recording:
@@ -128,7 +114,7 @@ def _leg_log(estimate: EstimateData, recording: Recording, felt: Interaction) ->
     even = for_leg(estimate.model, recording).resampled()
     rate = even.sample_rate
     if np.isnan(felt.torque).any() or np.ptp(np.diff(felt.time)) > 0.5 / rate:
-        raise ExoidError(
+        raise BadArgumentError(
             "the torque of the limb is not known at all joints and times",
             where=felt.source,
             remedy="pass one segment of a recording with all torques",
@@ -137,14 +123,11 @@ def _leg_log(estimate: EstimateData, recording: Recording, felt: Interaction) ->
     return Recording(felt.time, even.q[used], tau=-felt.torque, joint_names=felt.joint_names, torso=even.torso)
 
 
-def _bent_by(leg: Recording, torque: FloatArray, cuffs: Cuffs) -> Recording:
-    """Angles of the limb where a torque bends the cuffs."""
-    columns = zip(torque.T, cuffs.stiffness, cuffs.damping, strict=True)
-    return replace(leg, q=leg.q + np.column_stack([_bent(x, k, d, leg.sample_rate) for x, k, d in columns]))
-
-
-def _bent(torque: FloatArray, stiffness: float, damping: float, rate: float) -> FloatArray:
-    """Pass a torque through 1 / (k + d s), by the bilinear transform."""
-    b, a = scipy.signal.bilinear([1.0], [damping, stiffness], rate) if damping else ([1.0 / stiffness], [1.0])
-    begin = scipy.signal.lfilter_zi(b, a) * torque[0] if damping else np.zeros(0)
-    return np.asarray(scipy.signal.lfilter(b, a, torque, zi=begin)[0])
+def _bent(leg: Recording, torque: FloatArray, cuffs: Cuffs) -> Recording:
+    """Log of the limb where a torque (N, n) bends the cuffs by τ / (k + d s) (bilinear transform), once it settled."""
+    q = leg.q.copy()
+    for j, (k, d) in enumerate(zip(cuffs.stiffness, cuffs.damping, strict=True)):
+        b, a = scipy.signal.bilinear([1.0], [d, k], leg.sample_rate) if d else ([1.0 / k], [1.0])
+        begin = scipy.signal.lfilter_zi(b, a) * torque[0, j] if d else np.zeros(0)
+        q[:, j] += scipy.signal.lfilter(b, a, torque[:, j], zi=begin)[0]
+    return replace(leg, q=q).between(float(leg.time[0]) + SETTLED)

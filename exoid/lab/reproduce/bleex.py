@@ -35,30 +35,18 @@ JOINT_PREPARATION = Smoothed(cutoff=8.0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SideReplay:
-    """One leg, identified by several methods.
+    """One leg, identified by several methods."""
 
-    Attributes:
-        leg: Leg with CAD inertias.
-        truth: True parameters of the rig by name.
-        data: Measurements.
-        sequential: Estimate by the document's procedure.
-        one_sided: Estimate by the same procedure from A⁺ alone, without averaging.
-        coarse: Estimate by the same procedure with an encoder of 2^12 counts.
-        joint: Estimate from all rows at once, torso tilts included.
-        upright_condition: Condition number of the joint estimate without the tilts.
-        cad: Parameters of Table V, without friction and stiffness.
-        nrmse: Torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each.
-    """
-
-    leg: Leg
-    truth: Mapping[str, float]
-    data: Measurements
-    sequential: SequentialEstimate
-    one_sided: SequentialEstimate
-    coarse: SequentialEstimate
-    joint: Estimate
-    upright_condition: float
-    cad: Mapping[str, float]
+    leg: Leg  # leg with CAD inertias
+    truth: Mapping[str, float]  # true parameters of the rig by name
+    data: Measurements  # measurements
+    sequential: SequentialEstimate  # estimate by the document's procedure
+    one_sided: SequentialEstimate  # estimate by the same procedure from A⁺ alone, without averaging
+    coarse: SequentialEstimate  # estimate by the same procedure with an encoder of 2^12 counts
+    joint: Estimate  # estimate from all rows at once, torso tilts included
+    upright_condition: float  # condition number of the joint estimate without the tilts
+    cad: Mapping[str, float]  # parameters of Table V, without friction and stiffness
+    # torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each
     nrmse: Mapping[str, FloatArray]
 
     def __repr__(self) -> str:
@@ -68,17 +56,11 @@ class SideReplay:
 
 @dataclass(frozen=True, eq=False)
 class BleexReplay:
-    """Replay of document 1 for both legs.
+    """Replay of document 1 for both legs."""
 
-    Attributes:
-        left: Left leg.
-        right: Right leg.
-        seed: Seed of poses and noise.
-    """
-
-    left: SideReplay
-    right: SideReplay
-    seed: int
+    left: SideReplay  # left leg
+    right: SideReplay  # right leg
+    seed: int  # seed of poses and noise
 
 
 def reproduce_bleex(

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from exoid.signals import Approaches, FiniteDifference
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
-from exoid.view import plot_approaches, plot_friction, plot_inertial_torque, plot_stiffness, plot_torques
 from exoid.view.colours import CAD, IDENTIFIED
+from exoid.view.dynamics import plot_friction, plot_inertial_torque, plot_torques
+from exoid.view.statics import plot_approaches, plot_stiffness
 
 from .bleex import BleexReplay, SideReplay
 from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json

@@ -70,36 +70,24 @@ J2_FACTOR = 5.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CuhkReplay:
-    """One leg, identified by Table II and by a multisine.
+    """One leg, identified by Table II and by a multisine."""
 
-    Attributes:
-        leg: Leg of the anthropometric plant.
-        truth: True parameters of the rig by name; J1 includes the rotor of the hip, as no motion separates the two.
-        table_ii: Estimate by document 2's five steps and its exponential moving average.
-        table_ii_zero_phase: Estimate by the same steps with a filter without delay.
-        multisine: Estimate from a motion of 0.2 to 1 Hz.
-        no_rotor: Estimate from the same motion without the rotor term.
-        nrmse: Torque error of "table_ii", "multisine", "no_rotor" and "truth" on an independent multisine, (2,) each.
-        residual_ratio: Residual with J2 five times too large over that of the truth, (2,) each, on the document's
-            validation motion ("document") and on the independent multisine ("multisine").
-        validation: Recording of the document's validation motion.
-        predicted: Torque of the multisine estimate on ``validation`` [N·m], filtered like ``measured``, (N, 2).
-        measured: Measured torque on ``validation`` [N·m], (N, 2).
-        seed: Seed of motions and noise.
-    """
-
-    leg: Leg
+    leg: Leg  # leg of the anthropometric plant
+    # true parameters of the rig by name; J1 includes the rotor of the hip, as no motion separates the two
     truth: Mapping[str, float]
-    table_ii: SequentialEstimate
-    table_ii_zero_phase: SequentialEstimate
-    multisine: Estimate
-    no_rotor: Estimate
+    table_ii: SequentialEstimate  # estimate by document 2's five steps and its exponential moving average
+    table_ii_zero_phase: SequentialEstimate  # estimate by the same steps with a filter without delay
+    multisine: Estimate  # estimate from a motion of 0.2 to 1 Hz
+    no_rotor: Estimate  # estimate from the same motion without the rotor term
+    # torque error of "table_ii", "multisine", "no_rotor" and "truth" on an independent multisine, (2,) each
     nrmse: Mapping[str, FloatArray]
+    # residual with J2 five times too large over that of the truth, (2,) each, on the document's validation
+    # motion ("document") and on the independent multisine ("multisine")
     residual_ratio: Mapping[str, FloatArray]
-    validation: Recording
-    predicted: FloatArray
-    measured: FloatArray
-    seed: int
+    validation: Recording  # recording of the document's validation motion
+    predicted: FloatArray  # torque of the multisine estimate on `validation` [N·m], filtered like `measured`, (N, 2)
+    measured: FloatArray  # measured torque on `validation` [N·m], (N, 2)
+    seed: int  # seed of motions and noise
 
     def __repr__(self) -> str:
         """Write the torque errors."""

@@ -61,22 +61,15 @@ DOCUMENT_DEG = {"pd": (15.0, 12.0), "pd_gravity_friction": (10.0, 5.0)}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackingReplay:
-    """Control laws on the CUHK-EXO with payload.
+    """Control laws on the CUHK-EXO with payload."""
 
-    Attributes:
-        estimate: Model of the laws, identified from noisy data of the same rig.
-        laws: Runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr.
-        wrong: Runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
-            document's Table III as printed; empty unless requested.
-        rotor: Reflected inertia of each rotor [kg·m²].
-        seed: Seed of motion and noise.
-    """
-
-    estimate: Estimate
-    laws: Mapping[str, Tracking]
+    estimate: Estimate  # model of the laws, identified from noisy data of the same rig
+    laws: Mapping[str, Tracking]  # runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr
+    # runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
+    # document's Table III as printed; empty unless requested
     wrong: Mapping[str, Tracking]
-    rotor: float
-    seed: int
+    rotor: float  # reflected inertia of each rotor [kg·m²]
+    seed: int  # seed of motion and noise
 
     def __repr__(self) -> str:
         """Write the peak error of each law."""

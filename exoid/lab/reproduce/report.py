@@ -13,8 +13,7 @@ from exoid.estimate import Estimate
 from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import DataTable, Report, with_error
 from exoid.view import paper
-from exoid.view.report import Page, Picture, Section, Text
-from exoid.view.report.page import Block
+from exoid.view.report.page import Block, Page, Picture, Text
 from exoid.view.style import COLUMN
 
 from .sequential import SequentialEstimate
@@ -81,8 +80,7 @@ class ReplayReport(Report):
             for drawing in self.drawings.values()
         ]
         contents: dict[str, Sequence[Block]] = {"Findings": findings[1:], "Figures": pictures, "Tables": self.tables}
-        sections = [Section(title, blocks) for title, blocks in contents.items() if blocks]
-        return Page(self.title, [line for line in (self.about, self.findings[0][0]) if line], sections)
+        return Page.of(self.title, [line for line in (self.about, self.findings[0][0]) if line], contents)
 
 
 def estimate_cells(

@@ -77,82 +77,40 @@ class Disturbed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StanceReplay:
-    """One virtual BLEEX, identified from swing, with stance and force plates, and with stance alone.
+    """One virtual BLEEX, identified from swing, with stance and force plates, and with stance alone."""
 
-    Attributes:
-        leg: The machine with its true inertias.
-        truth: True parameters by name. On a held torso J1 includes the rotor of the hip.
-        estimates: "swing", "plates" and "no plates".
-        refused: Why swing does not tell the torso.
-        forces: Ground forces that the estimate without plates predicts.
-        walk: Walking.
-        wrong: Stance with wrong labels.
-        slipping: Stance with slipping feet.
-        seed: Seed of phases, bias and noise.
-    """
-
-    leg: Leg
-    truth: Mapping[str, float]
-    estimates: Mapping[str, Estimate]
-    refused: str
-    forces: tuple[ForceError, ...]
-    walk: WalkReplay
-    wrong: Disturbed
-    slipping: Disturbed
-    seed: int
+    leg: Leg  # the machine with its true inertias
+    truth: Mapping[str, float]  # true parameters by name. On a held torso J1 includes the rotor of the hip
+    estimates: Mapping[str, Estimate]  # "swing", "plates" and "no plates"
+    refused: str  # why swing does not tell the torso
+    forces: tuple[ForceError, ...]  # ground forces that the estimate without plates predicts
+    walk: WalkReplay  # walking
+    wrong: Disturbed  # stance with wrong labels
+    slipping: Disturbed  # stance with slipping feet
+    seed: int  # seed of phases, bias and noise
 
     def __repr__(self) -> str:
         """Write what was identified."""
         return f"StanceReplay(seed {self.seed}: {', '.join(self.estimates)})"
 
     def true_value(self, way: str, name: str) -> float:
-        """Look up the truth of a parameter of an estimate.
-
-        Args:
-            way: "swing", "plates" or "no plates".
-            name: Name of the parameter.
-
-        Returns:
-            Its true value. On a held torso J1 includes the rotor of the hip, as no motion separates the two.
-        """
+        """Look up the truth of a parameter of an estimate."""
         rotor = self.truth[f"Ia_{name[3:]}_hip"] if way == "swing" and name.startswith("J1_") else 0.0
         return self.truth[name] + rotor
 
     def errors(self, way: str) -> FloatArray:
-        """Compute the errors of all parameters of an estimate.
-
-        Args:
-            way: "swing", "plates" or "no plates".
-
-        Returns:
-            Estimate less truth, in the order of its names, (P,).
-        """
+        """Compute the errors of all parameters of an estimate."""
         estimate = self.estimates[way]
         return np.asarray(estimate.values - np.array([self.true_value(way, name) for name in estimate.names]))
 
     def coverage(self, way: str) -> float:
-        """Compute the share of the parameters whose true value is in its 95 % interval.
-
-        Args:
-            way: "swing", "plates" or "no plates".
-
-        Returns:
-            Share, 0 to 1.
-        """
+        """Compute the share of the parameters whose true value is in its 95 % interval."""
         estimate = self.estimates[way]
         half = 0.5 * np.diff(estimate.interval(0.95), axis=1)[:, 0]
         return float(np.mean(np.abs(self.errors(way)) <= half))
 
     def largest(self, way: str, symbol: str) -> float:
-        """Find the largest relative error among parameters.
-
-        Args:
-            way: "swing", "plates" or "no plates".
-            symbol: "M", or "X" or "J" for those of all segments of the legs.
-
-        Returns:
-            Largest |error| over the true value; NaN where the estimate has no such parameter.
-        """
+        """Find the largest relative error among parameters."""
         names, errors = self.estimates[way].names, self.errors(way)
         return relative_error(names, errors, self.truth, symbol)
 

@@ -12,7 +12,7 @@ from exoid.estimate.finding import Finding
 from exoid.tools.json_values import attributes, json_value, named
 from exoid.tools.tables import DataTable
 from exoid.view.colours import MEASURED, PREDICTED
-from exoid.view.style import legend_above
+from exoid.view.style import draw_band, legend_above
 
 from .report import Drawing, ReplayReport, estimate_cells, estimate_json
 from .stance import Disturbed, ForceError, StanceReplay, WalkReplay, relative_error
@@ -166,10 +166,10 @@ def _draw_forces(figure: Figure, replay: StanceReplay) -> None:
 
 def _plot_force(ax: Axes, each: ForceError) -> None:
     shown = each.time - each.time[0] < 6.0  # a squat and a shift
-    time, low, high = each.time[shown], each.predicted - each.half, each.predicted + each.half
+    time, predicted = each.time[shown], each.predicted[shown]
     ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")
-    ax.fill_between(time, low[shown], high[shown], color=PREDICTED, alpha=0.35, lw=0, label="95 % band", zorder=2)
-    ax.plot(time, each.predicted[shown], color=PREDICTED, label="from joint torques")
+    draw_band(ax, time, predicted, each.half[shown])
+    ax.plot(time, predicted, color=PREDICTED, label="from joint torques")
     ax.set_ylabel("vertical force [N]")
     ax.set_title(f"{each.motion}, {each.link.replace('_', ' ')}", loc="right")
 

@@ -13,8 +13,9 @@ from exoid.control import LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
-from exoid.view import plot_law_replay, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.view import plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.colours import LAW_COLOURS
+from exoid.view.tracking import plot_law_replay
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
 from .report import Drawing, ReplayReport

@@ -17,7 +17,7 @@ from exoid.estimate import Estimate
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.lab.stability import Amplification, largest_amplification
-from exoid.lab.stability.worn import AmplifiedLaw
+from exoid.lab.stability.worn.amplification import AmplifiedLaw
 from exoid.rig import Plant, Reference, Sensors, Wearer
 
 from .wear_models import WornModels, worn_models
@@ -52,17 +52,11 @@ SAMPLES = 400
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Felt:
-    """What the wearer feels with one controller.
+    """What the wearer feels with one controller."""
 
-    Attributes:
-        model: One of :data:`MODELS`.
-        amplification: Amplification α; None where the leg is off.
-        run: The run, whose first stride is not evaluated.
-    """
-
-    model: str
-    amplification: float | None
-    run: Tracking
+    model: str  # one of `MODELS`
+    amplification: float | None  # amplification α; None where the leg is off
+    run: Tracking  # the run, whose first stride is not evaluated
 
     @property
     def rms(self) -> FloatArray:
@@ -78,26 +72,17 @@ class Felt:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WearStudy:
-    """What a wearer feels in one leg.
+    """What a wearer feels in one leg."""
 
-    Attributes:
-        name: Name of the leg.
-        joint_names: Names of the joints, (n,).
-        felt: What is felt with each of :data:`MODELS`.
-        largest: Largest stable amplification with "cad", "identified" and "truth".
-        floor: RMS of 1/α of the true leg's inertia and friction over the intended stride, with the α of "truth"
-            [N·m], (n,): what is felt with an exact model, without lag and noise.
-        period: Period of the stride [s].
-        seed: Seed of noise and draws.
-    """
-
-    name: str
-    joint_names: tuple[str, ...]
-    felt: Mapping[str, Felt]
-    largest: Mapping[str, Amplification]
+    name: str  # name of the leg
+    joint_names: tuple[str, ...]  # names of the joints, (n,)
+    felt: Mapping[str, Felt]  # what is felt with each of `MODELS`
+    largest: Mapping[str, Amplification]  # largest stable amplification with "cad", "identified" and "truth"
+    # RMS of 1/α of the true leg's inertia and friction over the intended stride, with the α of "truth" [N·m],
+    # (n,): what is felt with an exact model, without lag and noise
     floor: FloatArray
-    period: float
-    seed: int
+    period: float  # period of the stride [s]
+    seed: int  # seed of noise and draws
 
     @property
     def floor_of_all(self) -> float:

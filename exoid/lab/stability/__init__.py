@@ -1,32 +1,18 @@
 """Stability of a leg under a controller: document 2's proof and its limits; a worn leg with a wrong model."""
 
-from .equilibrium import Equilibrium, find_equilibrium
+from .equilibrium import find_equilibrium
 from .figure import plot_gain_margins, plot_lyapunov, plot_regulation_errors
-from .gain_margin import GainMargins, gain_margins, spectral_radius
-from .limit_cycle import LimitCycle, find_limit_cycle
-from .lyapunov import Lyapunov, lyapunov
-from .properties import ModelProperties, check_properties
-from .regulation import Regulation, Regulations, regulate
-from .worn import (
-    Amplification,
-    BetterExperiments,
-    StabilityProbability,
-    better_experiments,
-    largest_amplification,
-    stability_probability,
-)
+from .gain_margin import gain_margins
+from .limit_cycle import find_limit_cycle
+from .lyapunov import lyapunov
+from .properties import check_properties
+from .regulation import regulate
+from .worn.amplification import Amplification, largest_amplification
+from .worn.better_experiments import better_experiments
+from .worn.probability import stability_probability
 
 __all__ = [
     "Amplification",
-    "BetterExperiments",
-    "Equilibrium",
-    "GainMargins",
-    "LimitCycle",
-    "Lyapunov",
-    "ModelProperties",
-    "Regulation",
-    "Regulations",
-    "StabilityProbability",
     "better_experiments",
     "check_properties",
     "find_equilibrium",
@@ -38,6 +24,5 @@ __all__ = [
     "plot_lyapunov",
     "plot_regulation_errors",
     "regulate",
-    "spectral_radius",
     "stability_probability",
 ]

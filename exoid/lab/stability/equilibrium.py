@@ -19,25 +19,17 @@ STEP = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Rest position of a leg under a controller with a constant target.
+    """Rest position of a leg under a controller with a constant target."""
 
-    Without friction, the leg rests at the pose at which the controller's torque equals the static torque. With
-    friction, it can rest at any pose with |τ(θ, 0) − G(θ)| ≤ c0 at each joint. For exact gravity compensation this is
-    |θ_d − θ| ≤ c0 / Kp.
+    # Without friction, the leg rests at the pose at which the controller's torque equals the static torque. With
+    # friction, it can rest at any pose with |τ(θ, 0) − G(θ)| ≤ c0 at each joint. For exact gravity compensation this is
+    # |θ_d − θ| ≤ c0 / Kp.
 
-    Attributes:
-        plant: The true leg.
-        law: The controller.
-        target: Target θ_d [rad], (n,).
-        q: Rest position without friction [rad], (n,).
-        stiffness: Stiffness −∂(τ − G)/∂θ at ``q`` [N·m/rad], (n, n); Kp for exact gravity compensation.
-    """
-
-    plant: Plant
-    law: Law
-    target: FloatArray
-    q: FloatArray
-    stiffness: FloatArray
+    plant: Plant  # the true leg
+    law: Law  # the controller
+    target: FloatArray  # target θ_d [rad], (n,)
+    q: FloatArray  # rest position without friction [rad], (n,)
+    stiffness: FloatArray  # stiffness −∂(τ − G)/∂θ at `q` [N·m/rad], (n, n); Kp for exact gravity compensation
 
     @property
     def error(self) -> FloatArray:
@@ -50,26 +42,11 @@ class Equilibrium:
         return np.asarray(np.abs(np.linalg.inv(self.stiffness)) @ self.plant.static[:, 0])
 
     def imbalance(self, q: ArrayLike) -> FloatArray:
-        """Compute the torque that friction must balance at rest.
-
-        Args:
-            q: Angles [rad], (n,).
-
-        Returns:
-            Torque [N·m], (n,).
-        """
+        """Compute the torque that friction must balance at rest."""
         return _imbalance(ControlModel.of(self.plant), self.law, self.target, np.asarray(q, dtype=np.float64))
 
     def holds(self, q: ArrayLike, tolerance: float = 1e-6) -> bool:
-        """Tell whether stiction can hold the leg at a pose; exact, not to first order.
-
-        Args:
-            q: Angles [rad], (n,).
-            tolerance: Tolerance of the torque, as a share of static friction.
-
-        Returns:
-            Whether the imbalance of no joint exceeds its static friction.
-        """
+        """Tell whether stiction can hold the leg at a pose; exact, not to first order."""
         return bool((np.abs(self.imbalance(q)) <= (1.0 + tolerance) * self.plant.static[:, 0] + tolerance).all())
 
 

@@ -9,17 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid.view.colours import GUIDE, MEASURED, SHADES
-from exoid.view.style import legend_above
+from exoid.view.style import decorate
 
 from .gain_margin import GainMargins
 from .lyapunov import Lyapunov
 from .regulation import Regulation
-
-LOWEST = 1e-8
-"""Smallest V that is drawn, as a share of the initial V: at rest on the target, V is zero."""
-
-OFTEN = 0.05
-"""Share of the samples above which an increasing V is more than sampling noise."""
 
 CYCLING_COLOURS = ("#B5651D", "#C2A33E", "#7A1F1F")
 """Colours of runs whose V increases often, as on a limit cycle."""
@@ -41,10 +35,9 @@ def plot_lyapunov(ax: Axes, curves: Sequence[Lyapunov], labels: Sequence[str] | 
     """
     names = [curve.law for curve in curves] if labels is None else list(labels)
     for curve, name, colour in zip(curves, names, _colours(curves), strict=True):
-        ax.semilogy(curve.time, np.maximum(curve.value, LOWEST * curve.value[0]), color=colour, label=name)
-    ax.set(xlabel="time [s]", ylabel="V [J]")
-    legend_above(ax)
-    return ax
+        # At rest on the target V is zero, which no logarithmic axis can show.
+        ax.semilogy(curve.time, np.maximum(curve.value, 1e-8 * curve.value[0]), color=colour, label=name)
+    return decorate(ax, "time [s]", "V [J]")
 
 
 def plot_regulation_errors(ax: Axes, runs: Sequence[Regulation], joint: int, label: str) -> Axes:
@@ -63,9 +56,7 @@ def plot_regulation_errors(ax: Axes, runs: Sequence[Regulation], joint: int, lab
         ax.plot(run.run.time, np.rad2deg(run.run.error[:, joint]), color=colour, label=run.name)
     band = float(np.rad2deg(runs[-1].equilibrium.band[joint]))
     ax.axhspan(-band, band, color=GUIDE, alpha=0.5, lw=0.0, zorder=0, label="c0 / Kp")
-    ax.set(xlabel="time [s]", ylabel=f"{label} error [deg]")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "time [s]", f"{label} error [deg]")
 
 
 def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
@@ -82,12 +73,10 @@ def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
         label = f"delay of {delay} period{'' if delay == 1 else 's'}" if delay else "no delay"
         ax.loglog(margins.rates, column, marker="o", ms=3, color=colour, label=label)
     ax.axhline(1.0, color=GUIDE, lw=1.2, zorder=0)
-    ax.set(xlabel="rate of the law [Hz]", ylabel="largest stable scale of gains")
-    legend_above(ax)
-    return ax
+    return decorate(ax, "rate of the law [Hz]", "largest stable scale of gains")
 
 
 def _colours(curves: Sequence[Lyapunov]) -> list[str]:
-    """Colour of each run, by whether its V increases often."""
+    """Colour of each run, by whether its V increases more often than sampling noise explains."""
     settling, cycling = cycle((MEASURED, *SHADES)), cycle(CYCLING_COLOURS)
-    return [next(cycling if curve.share_increasing > OFTEN else settling) for curve in curves]
+    return [next(cycling if curve.share_increasing > 0.05 else settling) for curve in curves]

@@ -38,17 +38,11 @@ LawOf = Callable[[float, float], Law]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GainMargins:
-    """Factors by which the gains may grow before the sampled loop becomes unstable; prints itself.
+    """Factors by which the gains may grow before the sampled loop becomes unstable; prints itself."""
 
-    Attributes:
-        rates: Sampling rates [Hz], (R,).
-        delays: Delays in sampling periods, (D,).
-        margins: Largest stable scale of the gains, (R, D); 0 if none is stable, inf if all scales tried are.
-    """
-
-    rates: tuple[float, ...]
-    delays: tuple[int, ...]
-    margins: FloatArray
+    rates: tuple[float, ...]  # sampling rates [Hz], (R,)
+    delays: tuple[int, ...]  # delays in sampling periods, (D,)
+    margins: FloatArray  # largest stable scale of the gains, (R, D); 0 if none is stable, inf if all scales tried are
 
     def __repr__(self) -> str:
         """Name the rates."""
@@ -61,11 +55,7 @@ class GainMargins:
         return to_text(make_table(headers, rows), "Linearised without Coulomb friction; delay in sampling periods.")
 
     def to_json(self) -> dict[str, Any]:
-        """Convert to JSON types.
-
-        Returns:
-            Rates, delays and margins; None is a margin without bound.
-        """
+        """Convert to JSON types."""
         return {"rates_hz": list(self.rates), **attributes(self, "delays", "margins")}
 
 
@@ -110,20 +100,7 @@ def gain_margins(
 
 
 def spectral_radius(plant: Plant, law: Law, q: ArrayLike, delay: int = 0) -> float:
-    """Compute the spectral radius of one period of the linearised closed loop, which is stable below 1.
-
-    Args:
-        plant: The true leg, one rig, without its Coulomb friction.
-        law: Controller, sampled at its rate; its torque is held.
-        q: Pose and target [rad], (n,).
-        delay: Delay of the readings, in sampling periods.
-
-    Returns:
-        Largest modulus of the eigenvalues.
-
-    Raises:
-        ExoidError: The controller has no derivatives at rest, or the delay is not a whole number ≥ 0.
-    """
+    """Compute the spectral radius of one period of the linearised closed loop, which is stable below 1."""
     pose = np.array(q, dtype=np.float64).reshape(-1)
     return _radius(_hold(plant, pose, law.rate), _feedback(law, pose), delay)
 

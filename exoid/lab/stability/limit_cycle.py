@@ -18,17 +18,11 @@ LASTING = 0.9
 
 
 class LimitCycle(NamedTuple):
-    """Oscillation of the error of each joint in the last part of a run.
+    """Oscillation of the error of each joint in the last part of a run."""
 
-    Attributes:
-        peak_to_peak: Peak-to-peak amplitude [rad], (n,).
-        period: Mean time between upward crossings of the middle [s], (n,); NaN with fewer than two crossings.
-        lasting: Whether the oscillation of each joint does not decay, (n,).
-    """
-
-    peak_to_peak: FloatArray
-    period: FloatArray
-    lasting: FloatArray
+    peak_to_peak: FloatArray  # peak-to-peak amplitude [rad], (n,)
+    period: FloatArray  # mean time between upward crossings of the middle [s], (n,); NaN with fewer than two crossings
+    lasting: FloatArray  # whether the oscillation of each joint does not decay, (n,)
 
     @property
     def peak_to_peak_deg(self) -> FloatArray:

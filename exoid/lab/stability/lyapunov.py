@@ -19,23 +19,14 @@ TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Lyapunov:
-    """V = ½ θ̇ᵀ M(θ) θ̇ + ½ θ̃ᵀ Kp θ̃ with θ̃ = θ_d − θ (doc. 2, eq. (29)) along a run.
+    """V = ½ θ̇ᵀ M(θ) θ̇ + ½ θ̃ᵀ Kp θ̃ with θ̃ = θ_d − θ (doc. 2, eq. (29)) along a run."""
 
-    Attributes:
-        law: Name of the controller.
-        sample_rate: Sampling rate of the controller [Hz].
-        time: Time [s], (N,).
-        value: Lyapunov function V [J], (N,).
-        rate: Rate V̇ by eq. (30) under the torque held until that moment [W], (N,).
-        ideal_rate: Rate −θ̇ᵀ Kd θ̇ of eq. (32) [W], (N,).
-    """
-
-    law: str
-    sample_rate: float
-    time: FloatArray
-    value: FloatArray
-    rate: FloatArray
-    ideal_rate: FloatArray
+    law: str  # name of the controller
+    sample_rate: float  # sampling rate of the controller [Hz]
+    time: FloatArray  # time [s], (N,)
+    value: FloatArray  # lyapunov function V [J], (N,)
+    rate: FloatArray  # rate V̇ by eq. (30) under the torque held until that moment [W], (N,)
+    ideal_rate: FloatArray  # rate −θ̇ᵀ Kd θ̇ of eq. (32) [W], (N,)
 
     @property
     def largest_increase(self) -> float:
@@ -48,25 +39,11 @@ class Lyapunov:
         return float((np.diff(self.value) > TOLERANCE * self._scale).mean())
 
     def never_increases(self, tolerance: float = TOLERANCE) -> bool:
-        """Tell whether V never increases.
-
-        Args:
-            tolerance: Tolerance of an increase, as a share of the initial value.
-
-        Returns:
-            Whether no increase exceeds the tolerance.
-        """
+        """Tell whether V never increases."""
         return self.largest_increase <= tolerance
 
     def sampled(self) -> Lyapunov:
-        """Keep only the sampling instants of the controller.
-
-        Returns:
-            V and its rates at these instants.
-
-        Raises:
-            ExoidError: The log has no such moments.
-        """
+        """Keep only the sampling instants of the controller."""
         every = (len(self.time) - 1) / (self.time[-1] * self.sample_rate)
         if abs(every - round(every)) > 1e-6 * every or every < 0.5:
             raise ExoidError(

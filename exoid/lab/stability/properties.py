@@ -25,29 +25,17 @@ STEP = 2e-3
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelProperties:
-    """Evidence for or against doc. 2's Properties 1, 2 and 3 (sec. III-C); prints itself as a table.
+    """Evidence for or against doc. 2's Properties 1, 2 and 3 (sec. III-C); prints itself as a table."""
 
-    Attributes:
-        poses: Number of random poses and velocities.
-        asymmetry: Largest |M − Mᵀ| relative to |M|.
-        smallest_inertia: Smallest eigenvalue of M at any pose [kg·m²].
-        worst_pose: Pose of the smallest eigenvalue [rad], (n,).
-        skewness: Largest |P + Pᵀ| with P = ½ Ṁ − C, relative to the largest |Ṁ|; 0 for a constant M.
-        speeds: Speeds [rad/s], (S,).
-        coriolis: Largest spectral norm of C at these speeds [N·m·s/rad], (S,).
-        gravity: Largest gravity torque of any joint [N·m].
-        friction: Largest friction torque of any joint at these speeds [N·m], (S,).
-    """
-
-    poses: int
-    asymmetry: float
-    smallest_inertia: float
-    worst_pose: FloatArray
-    skewness: float
-    speeds: FloatArray
-    coriolis: FloatArray
-    gravity: float
-    friction: FloatArray
+    poses: int  # number of random poses and velocities
+    asymmetry: float  # largest |M − Mᵀ| relative to |M|
+    smallest_inertia: float  # smallest eigenvalue of M at any pose [kg·m²]
+    worst_pose: FloatArray  # pose of the smallest eigenvalue [rad], (n,)
+    skewness: float  # largest |P + Pᵀ| with P = ½ Ṁ − C, relative to the largest |Ṁ|; 0 for a constant M
+    speeds: FloatArray  # speeds [rad/s], (S,)
+    coriolis: FloatArray  # largest spectral norm of C at these speeds [N·m·s/rad], (S,)
+    gravity: float  # largest gravity torque of any joint [N·m]
+    friction: FloatArray  # largest friction torque of any joint at these speeds [N·m], (S,)
 
     @property
     def symmetric_positive_definite(self) -> bool:
@@ -75,11 +63,7 @@ class ModelProperties:
         return self.coriolis_bounded and self.friction_bounded
 
     def to_json(self) -> dict[str, Any]:
-        """Convert results and evidence to JSON types.
-
-        Returns:
-            Values by name.
-        """
+        """Convert results and evidence to JSON types."""
         results = ("symmetric_positive_definite", "skew_symmetric", "bounded")
         evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
         return attributes(self, *results, *evidence)

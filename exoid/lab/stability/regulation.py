@@ -44,21 +44,13 @@ LAST = 0.25
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Regulation:
-    """One run from rest towards a constant target.
+    """One run from rest towards a constant target."""
 
-    Attributes:
-        name: Friction compensation of this run.
-        run: The run.
-        lyapunov: Lyapunov function along the run, at every moment of the log.
-        equilibrium: Predicted rest position.
-        cycle: Oscillation at the end.
-    """
-
-    name: str
-    run: Tracking
-    lyapunov: Lyapunov
-    equilibrium: Equilibrium
-    cycle: LimitCycle
+    name: str  # friction compensation of this run
+    run: Tracking  # the run
+    lyapunov: Lyapunov  # lyapunov function along the run, at every moment of the log
+    equilibrium: Equilibrium  # predicted rest position
+    cycle: LimitCycle  # oscillation at the end
 
     @property
     def final_error_deg(self) -> FloatArray:
@@ -79,11 +71,7 @@ class Regulation:
         return "limit cycle" if self.cycle.exists else "still settling"
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the results of the run to JSON types.
-
-        Returns:
-            Values by name.
-        """
+        """Convert the results of the run to JSON types."""
         energy = self.lyapunov.sampled()
         return {
             "never_increases": energy.never_increases(),
@@ -96,43 +84,22 @@ class Regulation:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Regulations:
-    """Several regulation runs; prints itself as a table.
+    """Several regulation runs; prints itself as a table."""
 
-    Attributes:
-        runs: One run without any friction, then one for each compensated share.
-        kp: Gains Kp [N·m/rad], (n,).
-        kd: Gains Kd [N·m·s/rad], (n,).
-        rate: Sampling rate of the controller [Hz].
-    """
-
-    runs: tuple[Regulation, ...]
-    kp: FloatArray
-    kd: FloatArray
-    rate: float
+    runs: tuple[Regulation, ...]  # one run without any friction, then one for each compensated share
+    kp: FloatArray  # gains Kp [N·m/rad], (n,)
+    kd: FloatArray  # gains Kd [N·m·s/rad], (n,)
+    rate: float  # sampling rate of the controller [Hz]
 
     def __getitem__(self, name: str) -> Regulation:
-        """Look up a run by its name.
-
-        Args:
-            name: Name such as "× 0.5", or "no friction".
-
-        Returns:
-            The run.
-
-        Raises:
-            ExoidError: There is no run of that name.
-        """
+        """Look up a run by its name."""
         for run in self.runs:
             if run.name == name:
                 return run
         raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the table to JSON types.
-
-        Returns:
-            Gains, rate, and the results of each run by its name.
-        """
+        """Convert the table to JSON types."""
         return {
             **attributes(self, "kp", "kd"),
             "rate_hz": self.rate,

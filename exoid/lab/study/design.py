@@ -77,31 +77,19 @@ class LegText(NamedTuple):
 
 
 class TrackingCase(NamedTuple):
-    """A controller, and the source of its parameters.
+    """A controller, and the source of its parameters."""
 
-    Attributes:
-        law: Name of the controller.
-        knows: Source of the parameters: an estimator, "truth", or "nothing" for PD.
-    """
-
-    law: str
-    knows: str
+    law: str  # name of the controller
+    knows: str  # source of the parameters: an estimator, "truth", or "nothing" for PD
 
 
 class Chunk(NamedTuple):
-    """Some replicates of one protocol under one noise.
+    """Some replicates of one protocol under one noise."""
 
-    Attributes:
-        protocol: Index of the protocol.
-        noise: Index of the noise.
-        first: Number of the first replicate.
-        replicates: Number of replicates.
-    """
-
-    protocol: int
-    noise: int
-    first: int
-    replicates: int
+    protocol: int  # index of the protocol
+    noise: int  # index of the noise
+    first: int  # number of the first replicate
+    replicates: int  # number of replicates
 
 
 @dataclass(frozen=True)

@@ -32,31 +32,16 @@ CONTROL, STEP = 500.0, 2e-3
 
 
 class Outcomes(NamedTuple):
-    """Results of the replicates of a chunk; E estimators, R replicates, P parameters.
+    """Results of the replicates of a chunk; E estimators, R replicates, P parameters."""
 
-    Attributes:
-        values: Estimates, (E, R, P).
-        std: Standard deviations that the estimates state, (E, R, P).
-        inside: Whether 95 % intervals contain the truth, (E, R, P).
-        tracking: Metrics of the tracking task, see :func:`exoid.lab.study.tracking_runs.track_cases`, (D, R, 3, n).
-    """
-
-    values: FloatArray
-    std: FloatArray
-    inside: NDArray[np.bool_]
-    tracking: FloatArray
+    values: FloatArray  # estimates, (E, R, P)
+    std: FloatArray  # standard deviations that the estimates state, (E, R, P)
+    inside: NDArray[np.bool_]  # whether 95 % intervals contain the truth, (E, R, P)
+    tracking: FloatArray  # metrics of the tracking task, see `exoid.lab.study.tracking_runs.track_cases`, (D, R, 3, n)
 
 
 def run_chunk(study: Study, number: int) -> Outcomes:
-    """Record and identify the replicates of a chunk; the result is bit-identical in any process.
-
-    Args:
-        study: The study.
-        number: Number of the chunk.
-
-    Returns:
-        Results of the replicates.
-    """
+    """Record and identify the replicates of a chunk; the result is bit-identical in any process."""
     chunk, truth, model = study.chunks[number], np.array(study.truth), study.model
     shape = (len(study.estimators), chunk.replicates, len(truth))
     values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)

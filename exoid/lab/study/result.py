@@ -19,33 +19,19 @@ from .tracking_statistics import TrackingStatistics, statistics_table
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Combination:
-    """Statistics of one protocol, noise and estimator.
+    """Statistics of one protocol, noise and estimator."""
 
-    Attributes:
-        protocol: Name of the protocol.
-        noise: Name of the noise.
-        estimator: Name of the estimator.
-        names: Names of the parameters, (P,).
-        units: Units of the parameters, (P,).
-        bias: Mean error, (P,).
-        std: Standard deviation of the estimates, (P,).
-        stated: Root mean square of the standard deviations that the estimates state, (P,).
-        coverage: Share of 95 % intervals that contain the truth, (P,).
-        bound: Smallest standard deviation of an unbiased estimate (Cramér–Rao), (P,).
-        replicates: Number of identifications.
-    """
-
-    protocol: str
-    noise: str
-    estimator: str
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    bias: FloatArray
-    std: FloatArray
-    stated: FloatArray
-    coverage: FloatArray
-    bound: FloatArray
-    replicates: int
+    protocol: str  # name of the protocol
+    noise: str  # name of the noise
+    estimator: str  # name of the estimator
+    names: tuple[str, ...]  # names of the parameters, (P,)
+    units: tuple[str, ...]  # units of the parameters, (P,)
+    bias: FloatArray  # mean error, (P,)
+    std: FloatArray  # standard deviation of the estimates, (P,)
+    stated: FloatArray  # root mean square of the standard deviations that the estimates state, (P,)
+    coverage: FloatArray  # share of 95 % intervals that contain the truth, (P,)
+    bound: FloatArray  # smallest standard deviation of an unbiased estimate (Cramér–Rao), (P,)
+    replicates: int  # number of identifications
 
     @property
     def efficiency(self) -> FloatArray:
@@ -53,11 +39,7 @@ class Combination:
         return np.asarray(self.bound**2 / (self.std**2 + self.bias**2))
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the statistics to JSON types.
-
-        Returns:
-            Names, and statistics by parameter.
-        """
+        """Convert the statistics to JSON types."""
         figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
         rows = np.transpose([getattr(self, name) for name in figures])
         about = attributes(self, "protocol", "noise", "estimator", "replicates")
@@ -80,24 +62,15 @@ class Combination:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyResult:
-    """All combinations of a study; prints itself.
+    """All combinations of a study; prints itself."""
 
-    Attributes:
-        study: The study.
-        combinations: Statistics by protocol, noise and estimator.
-        laws: Tracking statistics by protocol, noise and case; empty without a tracking task.
-    """
-
-    study: Study
-    combinations: tuple[Combination, ...]
+    study: Study  # the study
+    combinations: tuple[Combination, ...]  # statistics by protocol, noise and estimator
+    # tracking statistics by protocol, noise and case; empty without a tracking task
     laws: tuple[TrackingStatistics, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """Convert all statistics to JSON types.
-
-        Returns:
-            Hash and settings of the study, and statistics of each combination and controller.
-        """
+        """Convert all statistics to JSON types."""
         return {
             **attributes(self.study, "sha256", "seed", "followed"),
             "combinations": [combination.to_json() for combination in self.combinations],

@@ -8,18 +8,20 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from exoid.errors import BadArgumentError
+
 from .design import TRUTH, Study, TrackingCase
 from .folder import Folder
 from .replicates import Outcomes
 from .result import Combination, StudyResult
 from .tracking_statistics import TrackingStatistics
-from .workers import Workers, run_serially
+from .workers import run_chunks
 
 
 def run_study(
     study: Study,
     folder: str | Path | None = None,
-    workers: Workers = run_serially,
+    workers: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> StudyResult:
     """Run the chunks of a study that are not finished, and combine all in the order of their numbers.
@@ -29,7 +31,8 @@ def run_study(
     Args:
         study: The study.
         folder: Folder of finished chunks; None to keep none.
-        workers: Function that runs chunks.
+        workers: Number of processes on this machine; None for joblib's backend, which is this process unless
+            ``joblib.parallel_config`` names another, such as "dask".
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -38,6 +41,8 @@ def run_study(
     Raises:
         ExoidError: The folder holds another study, or workers fail.
     """
+    if workers is not None and workers < 1:
+        raise BadArgumentError(f"{workers} workers", remedy="ask for at least one")
     kept = None if folder is None else Folder(Path(folder), study)
     chunks: dict[int, Outcomes] = {}
     for number in range(len(study.chunks)):
@@ -47,10 +52,10 @@ def run_study(
     left = [number for number in range(len(study.chunks)) if number not in chunks]
     report = progress or (lambda _: None)
     report(len(chunks) / len(study.chunks))
-    for done in workers(study, left) if left else ():
+    for number, outcomes in run_chunks(study, left, workers):
         if kept is not None:
-            kept.write(done.number, done.outcomes)
-        chunks[done.number] = done.outcomes
+            kept.write(number, outcomes)
+        chunks[number] = outcomes
         report(len(chunks) / len(study.chunks))
     with threadpool_limits(limits=1):  # as for the chunks
         return StudyResult(study, tuple(_combinations(study, chunks)), tuple(_laws(study, chunks)))

@@ -19,39 +19,25 @@ from .tracking_runs import MEASURES
 
 
 class Spread(NamedTuple):
-    """Spread of a metric over replicates, by joint, (n,) each; NaN if there are too few.
+    """Spread of a metric over replicates, by joint, (n,) each; NaN if there are too few."""
 
-    Attributes:
-        mean: Mean.
-        std: Standard deviation.
-        worst: Largest value.
-    """
-
-    mean: FloatArray
-    std: FloatArray
-    worst: FloatArray
+    mean: FloatArray  # mean
+    std: FloatArray  # standard deviation
+    worst: FloatArray  # largest value
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackingStatistics:
-    """Tracking by a controller with the estimates of one protocol, noise and estimator, with the truth or no model.
+    """Tracking by a controller with the estimates of one protocol, noise and estimator, with the truth or no model."""
 
-    Attributes:
-        protocol: Name of the protocol.
-        noise: Name of the noise.
-        law: Name of the controller.
-        knows: Source of its parameters: an estimator, "truth" or "nothing".
-        joint_labels: Labels of the joints, (n,).
-        runs: RMS and peak tracking error [deg] and RMS torque [N·m] of each replicate, (R, 3, n); NaN if it diverged.
-        best: The same with the true parameters and the same sensor noise; None for a controller without a model.
-    """
-
-    protocol: str
-    noise: str
-    law: str
-    knows: str
-    joint_labels: tuple[str, ...]
+    protocol: str  # name of the protocol
+    noise: str  # name of the noise
+    law: str  # name of the controller
+    knows: str  # source of its parameters: an estimator, "truth" or "nothing"
+    joint_labels: tuple[str, ...]  # labels of the joints, (n,)
+    # RMS and peak tracking error [deg] and RMS torque [N·m] of each replicate, (R, 3, n); NaN if it diverged
     runs: FloatArray
+    # the same with the true parameters and the same sensor noise; None for a controller without a model
     best: FloatArray | None
 
     @property
@@ -80,11 +66,7 @@ class TrackingStatistics:
         return int(np.isnan(self.runs).any(axis=(1, 2)).sum())
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the statistics to JSON types.
-
-        Returns:
-            Names, and statistics by joint.
-        """
+        """Convert the statistics to JSON types."""
         spreads: dict[str, Spread | None] = {name: getattr(self, name) for name in (*MEASURES, "excess_deg")}
         columns = {name: np.transpose(spread) for name, spread in spreads.items() if spread is not None}
         return {

@@ -12,12 +12,13 @@ from exoid.tools.registry import Registry
 from .mat import read_mat
 from .npz import read_npz
 from .opensim import read_opensim_table
+from .options import ReadRequest
 from .parquet import read_parquet
 from .rosbag import read_rosbag
-from .table import ReadOptions, Table
-from .text import TextTable, read_text_table
+from .table import Table
+from .text import read_text_table
 
-Reader = Callable[[str, ReadOptions], Table]
+Reader = Callable[[str, ReadRequest], Table]
 """Function that reads a log, of its path as the caller gave it and of the options."""
 
 AnyReader = TypeVar("AnyReader", bound=Reader)
@@ -28,7 +29,7 @@ REMEDY = "check that the file is complete, and of the format that the reader exp
 def _check(reader: Reader) -> None:
     """Refuse what cannot be called."""
     if not callable(reader):
-        raise ExoidError(f"{reader!r} is no reader of logs", remedy="pass a function of a path and exoid's ReadOptions")
+        raise ExoidError(f"{reader!r} is no reader of logs", remedy="pass a function of a path and exoid's ReadRequest")
 
 
 READERS: Registry[Reader] = Registry("log format", "exoid.formats", "exoid.signals.register_format", _check)
@@ -52,7 +53,7 @@ def register_format(ending: str, reader: AnyReader | None = None) -> AnyReader |
 
     Args:
         ending: End of the file's name after the last dot, in lower case, such as "lab".
-        reader: Function of the path as the caller gave it and of :class:`exoid.signals.readers.ReadOptions`. It returns
+        reader: Function of the path as the caller gave it and a :class:`exoid.signals.readers.ReadRequest`. It returns
             a :class:`exoid.signals.readers.Table` with columns such as ``time`` [s], ``q_<joint>`` [rad] and
             ``tau_<joint>`` [N·m], usually an :class:`exoid.signals.readers.ArrayTable`. None for a decorator.
 
@@ -80,34 +81,28 @@ def register_format(ending: str, reader: AnyReader | None = None) -> AnyReader |
     return reader
 
 
-def _read_text(file: str, options: ReadOptions) -> TextTable:
-    """Read text; its columns are chosen later."""
-    return read_text_table(file, options.names)
-
-
-register_format("bag", read_rosbag)
-register_format("csv", _read_text)
-register_format("db3", read_rosbag)
-register_format("mat", read_mat)
-register_format("mcap", read_rosbag)
-register_format("mot", read_opensim_table)
-register_format("npz", read_npz)
-register_format("parquet", read_parquet)
-register_format("sto", read_opensim_table)
-register_format("tsv", _read_text)
-register_format("txt", _read_text)
+for _reader, _endings in (
+    (read_text_table, ("csv", "tsv", "txt")),
+    (read_opensim_table, ("mot", "sto")),
+    (read_npz, ("npz",)),
+    (read_mat, ("mat",)),
+    (read_parquet, ("parquet",)),
+    (read_rosbag, ("bag", "db3", "mcap")),
+):
+    for _ending in _endings:
+        READERS.register(_ending, _reader)
 
 BUILT_IN = frozenset(READERS.registered)
 """Endings that exoid reads itself."""
 
 
-def read_as(ending: str, file: str, options: ReadOptions) -> Table:
+def read_as(ending: str, file: str, request: ReadRequest) -> Table:
     """Read a log by the reader of an ending."""
     reader = READERS.find(ending)
     if ending in BUILT_IN:
-        return reader(file, options)
+        return reader(file, request)
     with reading(file, f"a log of the format {ending!r}", REMEDY):
-        table = reader(file, options)
+        table = reader(file, request)
     if not isinstance(table, Table):
         raise ExoidError(
             f"the reader of the format {ending!r} returned {type(table).__name__}",

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 
 from .by_ending import BUILT_IN, READERS, read_as
 from .loggers import read_with_format
-from .table import ReadOptions, Table
+from .options import ReadRequest
+from .table import Table
 
 MARKS = {
     b"PAR1": "parquet",
@@ -25,12 +26,6 @@ MARKS = {
 }
 """Ending of the kind of file that begins with these bytes."""
 
-LONGEST_MARK = max(map(len, MARKS))
-
-BAGS = ("bag", "db3", "mcap")
-
-TEXTS = ("csv", "tsv", "txt")
-
 TEXT = "csv"
 """Kind of any other file; the text reader reports files that cannot be read."""
 
@@ -40,12 +35,13 @@ REFUSED = {
 }
 
 
-def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Table:
+def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None, kind: str | None = None) -> Table:
     """Open a log of any kind that exoid reads, or that :func:`register_format` registered.
 
     Args:
         path: The file, or the folder of a rosbag2.
-        options: What the caller requests.
+        request: What the caller requests.
+        kind: Ending of the kind of file; None to find it.
 
     Returns:
         The table.
@@ -53,20 +49,20 @@ def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None)
     Raises:
         ExoidError: The file is missing, damaged, or of no such kind.
     """
-    options, file = options or ReadOptions(), os.fsdecode(path)
-    kind = kind_of(Path(file), file)
-    if kind not in BAGS and (options.topic is not None or options.stamps != "header"):
+    request, file = request or {}, os.fsdecode(path)
+    kind, stamps = kind or kind_of(Path(file), file), request.get("stamps", "header")
+    if kind not in ("bag", "db3", "mcap") and (request.get("topic") is not None or stamps != "header"):
         what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
-        raise ExoidError(what, where=file, remedy="leave them out", command=command)
-    if kind not in TEXTS and options.names is not None:
+        raise BadArgumentError(what, where=file, remedy="leave them out", command=command)
+    if kind not in ("csv", "tsv", "txt") and request.get("names") is not None:
         what, command = "names are those of a text file without a header line", "leave out --names"
-        raise ExoidError(what, where=file, remedy="leave them out: this file names its columns", command=command)
-    if options.stamps not in ("header", "received"):
-        raise ExoidError(f"stamps is {options.stamps!r}", remedy='pass stamps="header" or stamps="received"')
+        raise BadArgumentError(what, where=file, remedy="leave them out: this file names its columns", command=command)
+    if stamps not in ("header", "received"):
+        raise BadArgumentError(f"stamps is {stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:
         what, remedy = REFUSED[kind]
-        raise ExoidError(what, where=file, remedy=remedy)
-    return read_with_format(read_as(kind, file, options), options)
+        raise NotSupportedError(what, where=file, remedy=remedy, file=file)
+    return read_with_format(read_as(kind, file, request), request)
 
 
 def kind_of(path: Path, file: str) -> str:
@@ -79,7 +75,7 @@ def kind_of(path: Path, file: str) -> str:
         if not path.is_file():
             return TEXT
         with path.open("rb") as opened:
-            first = opened.read(LONGEST_MARK)
+            first = opened.read(max(map(len, MARKS)))
     except (OSError, ValueError):
         return TEXT
     ending = path.suffix.lower().removeprefix(".")
@@ -94,6 +90,6 @@ def kind_of(path: Path, file: str) -> str:
 def _kind_of_folder(path: Path, file: str) -> str:
     if (path / "metadata.yaml").is_file():
         return "bag"
-    raise ExoidError(
+    raise UnreadableInputError(
         "is a directory, not a file", where=file, remedy="name a file in it; a folder is a log only if it is a rosbag2"
     )

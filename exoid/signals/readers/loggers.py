@@ -20,7 +20,8 @@ import numpy as np
 
 from exoid.errors import ExoidError
 
-from .table import ArrayTable, ReadOptions, Table
+from .options import ReadRequest
+from .table import ArrayTable, Table
 from .text import TextTable
 
 DEPHY_COUNTS = 16384
@@ -92,11 +93,11 @@ def logger_of(text: str) -> tuple[Logger, str | None]:
     return LOGGERS[name], joint.strip() or None
 
 
-def in_si(table: Table, options: ReadOptions) -> Table:
+def in_si(table: Table, request: ReadRequest) -> Table:
     """Turn the log of an actuator into exoid's columns, where the caller names the format or the header shows it."""
     # A header shows it where no columns are mapped and no column is exoid's own.
-    named, joint = (None, None) if options.format is None else logger_of(options.format)
-    if named is None and (options.columns or any(name.startswith("q_") for name in table.header)):
+    named, joint = (None, None) if (text := request.get("format")) is None else logger_of(text)
+    if named is None and (request.get("columns") or any(name.startswith("q_") for name in table.header)):
         return table
     logger = named or _recognised(table)
     if logger is None:
@@ -109,7 +110,7 @@ def in_si(table: Table, options: ReadOptions) -> Table:
             remedy="leave out the format, and map the columns",
             command="leave out --format, and map the columns with --column",
         )
-    return _converted(table, logger, _joint(table, logger, joint, options))
+    return _converted(table, logger, _joint(table, logger, joint, request))
 
 
 def _recognised(table: Table) -> Logger | None:
@@ -126,9 +127,9 @@ def _recognised(table: Table) -> Logger | None:
     return found[0] if found else None
 
 
-def _joint(table: Table, logger: Logger, named: str | None, options: ReadOptions) -> str:
+def _joint(table: Table, logger: Logger, named: str | None, request: ReadRequest) -> str:
     """Joint of the actuator: the one behind the format, or the only one that is requested."""
-    requested = options.joint_names
+    requested = request.get("joint_names")
     if named is not None:
         return named
     if requested is not None and not isinstance(requested, str) and len(requested) == 1:
@@ -154,13 +155,13 @@ def _converted(table: Table, logger: Logger, joint: str) -> ArrayTable:
     return ArrayTable(table.file, table.source, columns, lines, table.row_name)
 
 
-def read_with_format(table: Table, options: ReadOptions) -> Table:
+def read_with_format(table: Table, request: ReadRequest) -> Table:
     """Convert a table of text; refuse a format for any other."""
     if isinstance(table, TextTable):
-        return in_si(table, options)
-    if options.format is not None:
+        return in_si(table, request)
+    if request.get("format") is not None:
         raise ExoidError(
-            f"the format {options.format!r} is that of a text file",
+            f"the format {request['format']!r} is that of a text file",
             where=table.file,
             remedy="leave it out: this file says what it is",
             command="leave out --format",

@@ -16,7 +16,8 @@ from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
 from exoid.tools.reader_process.reading import reading
 
-from .table import ArrayTable, ReadOptions, to_columns
+from .options import ReadRequest, as_json
+from .table import ArrayTable, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
@@ -24,15 +25,15 @@ DEEPEST = 20
 """Largest nesting of structs."""
 
 
-def read_mat(file: str, options: ReadOptions) -> ArrayTable:
+def read_mat(file: str, request: ReadRequest) -> ArrayTable:
     """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
     with reading(file, "a MATLAB file", REMEDY):
-        columns = read_in_child(mat_columns, file, options=options.to_json()).arrays
+        columns = read_in_child(mat_columns, file, request=as_json(request)).arrays
         rows = len(next(iter(columns.values())))
         return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
 
 
-def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
+def mat_columns(file: str, request: ReadRequest) -> Content:
     """Read the columns in this process, which scipy's compiled reader may end."""
     path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
@@ -42,7 +43,7 @@ def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
         refuse_expansion(sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), path, file)
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        return Content(to_columns(_flat(variables, file), file, ReadOptions(**options)))
+        return Content(to_columns(_flat(variables, file), file, request))
 
 
 def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:

@@ -10,7 +10,7 @@ import numpy as np
 from exoid.errors import ExoidError
 
 from .bounds import refuse_columns
-from .table import ReadOptions
+from .options import ReadRequest
 from .text import TextTable, read_text, refuse_repeated, split_lines
 
 END = "endheader"
@@ -32,7 +32,7 @@ ANSWERS = {"yes": True, "no": False, "true": True, "false": False, "1": True, "0
 REMEDY = "write the file again, or correct its header"
 
 
-def read_opensim_table(file: str, options: ReadOptions) -> TextTable:
+def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
     """Read a motion or storage file of OpenSim, or of SIMM."""
     # The header states `nRows` and `nColumns` (`datarows` and `datacolumns` of SIMM; OpenSim 4 leaves both out)
     # and `inDegrees`. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs

@@ -18,7 +18,8 @@ from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
 from exoid.tools.reader_process.reading import reading
 
 from .bounds import refuse_columns
-from .table import ReadOptions, as_column, needs
+from .options import ReadRequest
+from .table import as_column, needs
 
 REMEDY = "check that the writer closed it; write it again"
 
@@ -48,7 +49,7 @@ class ParquetTable:
         return table
 
 
-def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
+def read_parquet(file: str, request: ReadRequest) -> ParquetTable:
     """Read the header of a Parquet file."""
     if find_spec("polars") is None:
         raise needs("polars", "Parquet", file)

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.signals.column import header_in
 from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, most_memory, read_in_child, refuse_expansion, size_on_disk
 from exoid.tools.reader_process.reading import reading
 
-from .table import ArrayTable, ReadOptions, header_in, needs
+from .options import ReadRequest, as_json
+from .table import ArrayTable, needs
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -39,7 +41,7 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
+def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where given, ``v_`` and ``tau_``."""
     # Time starts at the first message. Messages may list their joints in any order. Messages without any
     # requested joint are skipped. A field that is empty or NaN in all messages was not measured. Message
@@ -47,24 +49,24 @@ def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
     if find_spec("rosbags") is None:
         raise needs("rosbags", "bags", file)
     with reading(file, "a bag", REMEDY):
-        columns = dict(read_in_child(bag_columns, file, options=options.to_json()).arrays)
+        columns = dict(read_in_child(bag_columns, file, request=as_json(request)).arrays)
         numbers = columns.pop(NUMBER)
         return ArrayTable(file, Source.of(Path(file)), columns, numbers, "message")
 
 
-def bag_columns(file: str, options: Mapping[str, Any]) -> Content:
+def bag_columns(file: str, request: ReadRequest) -> Content:
     """Read the columns in this process, whose memory a compressed bag may fill."""
     with reading(file, "a bag", REMEDY):
-        return Content(_columns(file, ReadOptions(**options)))
+        return Content(_columns(file, request))
 
 
-def _columns(file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
-    messages = list(_messages(Path(file), file, options))
+def _columns(file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
+    messages = list(_messages(Path(file), file, request))
     if not messages:
         raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
-    joints, messages = _common_joints(messages, file, options)
+    joints, messages = _common_joints(messages, file, request)
     numbers = np.array([message.number for message in messages])
-    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, file, options)}
+    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, file, request)}
     for symbol, field in FIELDS.items():
         values = _matrix(messages, joints, field, file)
         if values is not None:
@@ -72,7 +74,7 @@ def _columns(file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
     return columns
 
 
-def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]:
+def _messages(path: Path, file: str, request: ReadRequest) -> Iterator[_Message]:
     """Joint states of the topic, numbered from 0."""
     from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
@@ -81,7 +83,9 @@ def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     decode = store.deserialize_ros1 if first else store.deserialize_cdr
     with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
-        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, options.topic)
+        topic = _topic(
+            {connection.topic: connection.msgtype for connection in bag.connections}, file, request.get("topic")
+        )
         chosen = [connection for connection in bag.connections if connection.topic == topic]
         size, room = 0, most_memory(size_on_disk(path))
         for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
@@ -90,7 +94,7 @@ def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]
                 refuse_expansion(size, path, file)
             state: Any = decode(raw, JOINT_STATE)
             stamp = state.header.stamp
-            since = received if options.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
+            since = received if request["stamps"] == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
             fields = (np.array(getattr(state, field), dtype=np.float64) for field in FIELDS.values())
             yield _Message(number, since, tuple(state.name), *fields)
 
@@ -111,7 +115,7 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
     return asked if asked is not None else fit[0]
 
 
-def _common_joints(messages: list[_Message], file: str, options: ReadOptions) -> tuple[tuple[str, ...], list[_Message]]:
+def _common_joints(messages: list[_Message], file: str, request: ReadRequest) -> tuple[tuple[str, ...], list[_Message]]:
     """Joints to read, and the messages with these joints."""
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
@@ -121,7 +125,7 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
                 where=f"{file}, message {number}",
                 remedy="correct the publisher",
             )
-    if options.joint_names is None:
+    if request["joint_names"] is None:
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise ExoidError(
@@ -133,7 +137,9 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
     headers = [f"q_{joint}" for joint in every]
-    asked = {header_in(headers, options.columns.get(f"q_{joint}", f"q_{joint}"))[2:] for joint in options.joint_names}
+    asked = {
+        header_in(headers, request["columns"].get(f"q_{joint}", f"q_{joint}"))[2:] for joint in request["joint_names"]
+    }
     joints = tuple(joint for joint in every if joint in asked) or tuple(every)
     kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
     for message in kept:
@@ -147,10 +153,10 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
     return joints, kept
 
 
-def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> FloatArray:
+def _seconds(messages: Sequence[_Message], file: str, request: ReadRequest) -> FloatArray:
     """Time since the first message [s]."""
     stamps = np.array([message.stamp for message in messages], dtype=np.int64)
-    if options.stamps == "header" and not stamps.any():
+    if request["stamps"] == "header" and not stamps.any():
         raise ExoidError(
             "the headers have no time stamps",
             where=file,

@@ -3,84 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
+from exoid.signals.column import header_in
+from exoid.signals.quantities import QUANTITIES
 from exoid.signals.source import Source
 from exoid.tools.reader_process import refuse_expansion
 
 from .bounds import refuse_columns
+from .options import ReadRequest
 
-QUANTITIES = ("q", "v", "a", "tau", "i", "f", "tm", "qm", "temp")
-"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m],
-``i_`` [A], ``f_`` [N], of motors ``tm_`` [N·m] and ``qm_`` [rad], and ``temp_`` [°C]."""
-
-MATRICES = {"current": "i", "force": "f", "motor_torque": "tm", "motor_angle": "qm", "temperature": "temp"}
-"""Prefix of the columns of matrices with other names; any other has that of :data:`QUANTITIES`."""
-
-OF_DRIVES = ("i", "f", "tm", "qm", "temp", *MATRICES)
-"""Matrices that are of other things than joints where their width does not fit, such as forces of a force plate."""
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """Options of the caller that some formats need before a file can be read.
-
-    Attributes:
-        joint_names: Joints to read; None for those in the file.
-        columns: Name in the file of each exoid column whose name differs; it may be followed by a scale, a zero and a
-            unit, behind colons (:func:`header_in`).
-        topic: Topic of a bag; None for the only one of joint states.
-        stamps: Time stamps of a bag: "header", or "received" when the message was recorded.
-        names: Names of the columns of a text file without a header line; None where it has one.
-        format: Logger of an actuator and its joint, such as "moteus:knee"; None for what the header shows.
-    """
-
-    joint_names: Sequence[str] | None = None
-    columns: Mapping[str, str] = field(default_factory=dict)
-    topic: str | None = None
-    stamps: Literal["header", "received"] = "header"
-    names: Sequence[str] | None = None
-    format: str | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Describe the options by name, as values of JSON.
-
-        Returns:
-            Arguments that make equal options.
-        """
-        joints = self.joint_names
-        return {
-            "joint_names": joints if joints is None or isinstance(joints, str) else list(joints),
-            "columns": dict(self.columns),
-            "topic": self.topic,
-            "stamps": self.stamps,
-            "names": None if self.names is None else list(self.names),
-            "format": self.format,
-        }
-
-
-def header_in(headers: Collection[str], text: str) -> str:
-    """Find the header at the beginning of ``HEADER:SCALE:ZERO:UNIT``; headers may contain colons themselves.
-
-    Args:
-        headers: Headers of the file.
-        text: Header, and perhaps more.
-
-    Returns:
-        The longest beginning of the text, up to a colon or its end, that is a header; all of it if there is none.
-    """
-    beginning = text
-    while beginning not in headers and ":" in beginning:
-        beginning = beginning.rpartition(":")[0]
-    return beginning if beginning in headers else text
+MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.field, quantity.prefix)}
+"""Quantity of the columns of a matrix, by its name."""
 
 
 @runtime_checkable
@@ -152,7 +94,7 @@ class ArrayTable:
         shapes = {values.shape for values in columns.values()}
         if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
             found = ", ".join(f"{name} {values.shape}" for name, values in list(columns.items())[:20])
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"columns are not of one length: {found}", where=self.file, remedy="give each one number a sample"
             )
         object.__setattr__(self, "columns", columns)
@@ -182,18 +124,20 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
         first = ticks[0] if values.dtype.kind == "M" and len(ticks) else 0
         return np.where(missing, np.nan, (ticks - first) / 1e9)
     if values.dtype.kind not in "biuf":
-        raise ExoidError(f"holds {values.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
+        raise UnreadableInputError(
+            f"holds {values.dtype}, not real numbers", where=where, remedy="write numbers in SI units"
+        )
     return np.asarray(values, dtype=np.float64)
 
 
-def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
+def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
     """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples."""
     # A matrix q becomes `q_<joint>`, with the joints of the array `joint_names` or of the caller. Any other matrix
     # becomes `name[0]`, `name[1]`, …. Arrays of another length are left out.
-    time = header_in(arrays, options.columns.get("time", "time"))
+    time = header_in(arrays, request.get("columns", {}).get("time", "time"))
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
-        raise ExoidError(
+        raise UnreadableInputError(
             f"no array {time!r} of time stamps; the file has: {exists}",
             where=file,
             remedy="rename it in the file or pass columns={'time': <name in the file>}",
@@ -201,20 +145,22 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptio
         )
     samples = arrays[time].size
     if samples != max(arrays[time].shape, default=1):
-        raise ExoidError(f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample")
+        raise UnreadableInputError(
+            f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample"
+        )
     if not samples:
-        raise ExoidError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
+        raise UnreadableInputError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
     refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()), file)
     named = _joint_names(arrays, file)
-    for name, prefix in MATRICES.items():
-        if {name, prefix} <= arrays.keys() and arrays[name].ndim == arrays[prefix].ndim == 2:
-            raise ExoidError(f"both {name} and {prefix} are there", where=file, remedy="write one of them")
+    for name, prefix, *_ in QUANTITIES:
+        if name != prefix and {name, prefix} <= arrays.keys() and arrays[name].ndim == arrays[prefix].ndim == 2:
+            raise UnreadableInputError(f"both {name} and {prefix} are there", where=file, remedy="write one of them")
     columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
     for name, values in arrays.items():
         matrix = None if name in (time, "joint_names") else _samples_first(values, samples)
         if matrix is None:
             continue
-        labels = _labels(name, matrix.shape[1], named, options.joint_names, file)
+        labels = _labels(name, matrix.shape[1], named, request.get("joint_names"), file)
         columns.update(zip(labels, matrix.T, strict=True))
     return columns
 
@@ -233,7 +179,7 @@ def _joint_names(arrays: Mapping[str, NDArray[Any]], file: str) -> tuple[str, ..
     if names is None:
         return None
     if names.dtype.kind != "U":
-        raise ExoidError(
+        raise UnreadableInputError(
             f"joint_names holds {names.dtype}, not text", where=file, remedy="write an array of strings, one per joint"
         )
     return tuple(str(name).strip() for name in np.atleast_1d(names).reshape(-1))
@@ -243,16 +189,16 @@ def _labels(
     name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None, file: str
 ) -> Sequence[str]:
     """Names of the columns of one array."""
-    if name in QUANTITIES or name in MATRICES:
-        if named is not None and len(named) != width and name not in OF_DRIVES:
-            raise ExoidError(
+    if name in MATRICES:
+        if named is not None and len(named) != width and not MATRICES[name].of_drive:
+            raise UnreadableInputError(
                 f"{name} has {width} columns, but joint_names has {len(named)}: {', '.join(named[:20])}",
                 where=file,
                 remedy="give every joint one column, (samples, joints)",
             )
         joints = named if named is not None else asked
         if joints is not None and not isinstance(joints, str) and len(joints) == width:
-            return [f"{MATRICES.get(name, name)}_{joint}" for joint in joints]
+            return [f"{MATRICES[name].prefix}_{joint}" for joint in joints]
     return [name] if width == 1 else [f"{name}[{k}]" for k in range(width)]
 
 

@@ -4,25 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from exoid.errors import ExoidError
-from exoid.estimate import Estimate, predict_motion
-from exoid.signals import Recording
-from exoid.view.scenes import scene
+import numpy as np
 
-from . import text
-from .advice import advice
-from .ground_pictures import ground_blocks
-from .page import Block, EmbeddedPage, Page, Section, Text
-from .pictures import (
-    SHOWN_SECONDS,
+from exoid.actuators import describe_actuators
+from exoid.errors import BadArgumentError, ExoidError
+from exoid.estimate import Estimate, predict_motion
+from exoid.estimate.text import assumptions, influences
+from exoid.estimate.verdict import verdict_line
+from exoid.signals import Recording
+from exoid.tools.tables import DataTable
+
+from .blocks import SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
+from .fit import (
+    RecordingPrediction,
     excitation_pictures,
-    friction_pictures,
-    parameter_pictures,
-    prediction_pictures,
-    residual_pictures,
-    shown_part,
+    friction_blocks,
+    predict_recording,
+    residual_blocks,
+    torque_blocks,
 )
-from .recording_prediction import RecordingPrediction, predict_recording
+from .ground import ground_blocks
+from .page import Block, Page, Text
+from .parameters import IDENTIFIABILITY, advice, parameter_blocks
 
 
 def identification_report(
@@ -46,51 +49,55 @@ def identification_report(
         ExoidError: There is no recording, or one lacks torque or a joint of the leg.
     """
     if not recordings:
-        raise ExoidError("a report without recordings", remedy="pass those that the estimate was made from")
+        raise BadArgumentError("a report without recordings", remedy="pass those that the estimate was made from")
     if other_values is None:
         leg = estimate.model.leg
         other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
     fitted = [predict_recording(estimate, recording) for recording in recordings]
     tested = [predict_recording(estimate, recording) for recording in held_out]
     contents: dict[str, Iterator[Block]] = {
-        "Parameters": _parameters(estimate, other_values),
-        "Findings": text.finding_blocks(estimate),
-        "Measured and predicted torque": _torque(estimate, tested or fitted, bool(tested)),
+        "Parameters": parameter_blocks(estimate, other_values),
+        "Findings": finding_blocks(estimate.findings),
+        "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
-        "Friction": _friction(estimate, fitted),
-        "Residuals": _residuals(estimate, fitted),
+        "Friction": friction_blocks(estimate, fitted),
+        "Residuals": residual_blocks(estimate, fitted),
         "Replay": _replay(estimate, (tested or fitted)[0].recording),
         "Excitation": excitation_pictures(estimate, fitted),
         "What to record next": advice(estimate, [each.recording for each in fitted]),
         "Inputs and settings": _inputs_and_settings(estimate),
     }
-    sections = [Section(title, blocks) for title, content in contents.items() if (blocks := list(content))]
-    title = f"{estimate.model.leg.description.name}: identified from {_count(len(estimate.inputs), 'recording')}"
-    return Page(title, text.summary(estimate, tested), sections)
+    count = len(estimate.inputs)
+    recorded = f"{count} recording{'' if count == 1 else 's'}"
+    return Page.of(
+        f"{estimate.model.leg.description.name}: identified from {recorded}", summary(estimate, tested), contents
+    )
 
 
-def _parameters(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
-    yield text.parameter_table(estimate, other_values)
-    yield from parameter_pictures(estimate, other_values)
-
-
-def _torque(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
-    yield text.error_table(estimate, predictions, held_out)
-    yield Text([text.BAND_NOTE])
-    yield from prediction_pictures(estimate, predictions[0])
-
-
-def _friction(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
-    if pictures := list(friction_pictures(estimate, predictions)):
-        yield Text([text.FRICTION_NOTE])
-        yield from pictures
-
-
-def _residuals(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
-    if estimate.trends:
-        yield text.trend_table(estimate)
-    yield text.trend_notes(estimate)
-    yield from residual_pictures(estimate, predictions)
+def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[str]:
+    """Summarise the identifiability of parameters, the prediction of held-out recordings, and warnings."""
+    grades = estimate.identifiability
+    bad = [finding for finding in estimate.findings if finding.severity != "info"]
+    counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)
+    lines = [f"{len(grades)} parameters: {counts}."]
+    for prediction in tested:
+        nrmse = prediction.validation.nrmse
+        known = np.isfinite(nrmse)
+        joints = ", ".join(
+            f"{joint} {e:.3f}" if there else f"{joint} not measured"
+            for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
+        )
+        quality = "predicts well" if (nrmse[known] <= 0.1).all() else "does not predict every joint well"
+        lines.append(
+            f"On the held-out recording {prediction.validation.source} the estimate {quality} (NRMSE, the RMS error "
+            f"over the standard deviation of the torque: {joints})."
+        )
+        if prediction.validation.findings:
+            lines.append(sentence(verdict_line(prediction.validation.findings)))
+    if not tested:
+        lines.append("There is no held-out recording: the errors below are those of the fit.")
+    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
+    return lines + [f"Warning: {warning}." for warning in estimate.warnings]
 
 
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
@@ -100,23 +107,69 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
         ghost, note = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
     except ExoidError as error:
         ghost, note = None, f"no prediction of the motion: {error.what}"
-    try:
-        replay = scene(estimate, recording=shown, ghost=ghost, ghost_label="predicted")
-    except ExoidError as error:
-        yield Text([f"The leg cannot be drawn: {error.what}."])
-        return
-    source = recording.source.name if recording.source else "array"
-    part = shown_part(recording.time, source)
-    yield Text([f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."])
-    yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
+    part = shown_part(recording.time, recording.source.name if recording.source else "array")
+    said = f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."
+    return replay_blocks(estimate, shown, said, ghost=ghost, ghost_label="predicted")
 
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
-    yield text.input_table(estimate)
-    yield from text.drive_blocks(estimate)
-    yield from text.influence_blocks(estimate)
-    yield text.settings(estimate)
+    """Recordings, drives, the influence of each recording, and the settings."""
+    rows: list[tuple[str, ...]] = [(i.label, f"{i.samples}", f"{i.sample_rate:.4g}", i.sha256) for i in estimate.inputs]
+    headers: tuple[str, ...] = ("name", "samples", "rate [Hz]", "sha256")
+    if any(i.moving_base for i in estimate.inputs):
+        headers = (*headers, "base")
+        bases = ("moves" if i.moving_base else "at rest" for i in estimate.inputs)
+        rows = [(*row, base) for row, base in zip(rows, bases, strict=True)]
+    yield DataTable("Recordings", headers, rows)
+    if estimate.actuators is not None:
+        yield Text(["Torques were computed of what these drives measured.", *describe_actuators(estimate.actuators)])
+    yield from _influence(estimate)
+    yield _settings(estimate)
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" + ("" if number == 1 else "s")
+def _influence(estimate: Estimate) -> Iterator[Block]:
+    """Table and notes on the influence of each of several recordings; nothing for a single recording."""
+    influence = estimate.influence
+    if influence is None:
+        return
+    uncertain = estimate.std > 0.0
+    rows = []
+    for recording, change, share, expected in zip(*influence, strict=True):
+        most = int(np.argmax(np.abs(change) / np.maximum(expected, 1.0)))
+        largest = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not identifiable"
+        # Nonlinear parameters also take a share of the information, which is not known.
+        mean_share = "–" if len(estimate.nonlinear) else f"{100 * share[uncertain].mean():.0f}"
+        by_noise = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
+        rows.append((recording, mean_share, estimate.names[most], largest, by_noise))
+    headers = (
+        "left-out recording",
+        "share of information [%]",
+        "parameter that changes most",
+        "change [std]",
+        "expected from noise [std]",
+    )
+    yield DataTable("Influence of each recording", headers, rows)
+    if lines := [f"{line}." for line in influences(estimate)]:
+        yield Text(lines)
+
+
+def _settings(estimate: Estimate) -> Text:
+    """Settings of the identification, and the prior knowledge that entered it."""
+    terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
+    described = estimate.preparation.describe()
+    preparation = ", ".join([str(described.pop("name")), *(_setting(key, value) for key, value in described.items())])
+    return Text(
+        [
+            f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
+            f"Torque terms besides the rigid bodies: {terms}.",
+            f"Preparation: {preparation}.",
+            *map(sentence, assumptions(estimate.prior_knowledge, estimate.bounded)),
+            *(f"{regrouped}." for regrouped in estimate.regrouped),
+        ]
+    )
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of the preparation, frequencies with their unit."""
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{name.replace('_', ' ')} {number}{' Hz' if name.endswith('cutoff') and isinstance(value, float) else ''}"

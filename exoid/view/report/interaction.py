@@ -10,26 +10,15 @@ from matplotlib.figure import Figure
 
 from exoid.control.wearer import Interaction
 from exoid.control.wearer.interaction import HEADERS
-from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import finding_lines, findings_table
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 from exoid.view.interaction import plot_gait_profile, plot_interaction
-from exoid.view.scenes import scene
 from exoid.view.style import decimation
 
-from .page import Block, EmbeddedPage, Page, Section, Text, draw_picture
-from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS, shown_part
-from .text import sentence
-
-SIGN = (
-    "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds the "
-    "true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters have not "
-    "settled there."
-)
-"""Note below the table."""
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
+from .page import Block, Page, Text, draw_picture
 
 
 def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
@@ -46,27 +35,26 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
     parts = found.parts or (found,)
     contents: dict[str, Iterator[Block]] = {
         "Torque of the wearer": _figures(found),
-        "Findings": _findings(found),
+        "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, parts),
         "Over the gait": _over_gait(estimate, parts),
         "Replay": _replay(estimate, parts[0], recordings[0]),
     }
-    sections = [Section(title, blocks) for title, content in contents.items() if (blocks := list(content))]
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
-    return Page(title, [sentence(str(found).rsplit("\n", 1)[-1])], sections)
+    return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
     yield DataTable(found.source, HEADERS, found.rows())
     for part in found.parts:
         yield DataTable(part.source, HEADERS, part.rows())
-    yield Text([SIGN])
-
-
-def _findings(found: Interaction) -> Iterator[Block]:
-    if found.findings:
-        yield findings_table(found.findings)
-        yield Text([sentence(line) for line in finding_lines(found.findings)])
+    yield Text(
+        [
+            "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
+            "the true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters "
+            "have not settled there."
+        ]
+    )
 
 
 def _over_time(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
@@ -96,13 +84,8 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     """Replay the beginning of a recording with arrows."""
     shown = for_leg(estimate.model, recording)
     shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
-    try:
-        replay = scene(estimate, recording=shown, interaction=part)
-    except ExoidError as error:
-        yield Text([f"The leg cannot be drawn: {error.what}."])
-        return
-    yield Text([f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."])
-    yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
+    said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."
+    return replay_blocks(estimate, shown, said, interaction=part)
 
 
 def _draw_time(figure: Figure, part: Interaction, joint: int, label: str) -> None:

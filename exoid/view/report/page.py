@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from itertools import groupby
@@ -35,33 +35,16 @@ PATH, DIGITS = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure on a page.
+    """A figure on a page."""
 
-    Attributes:
-        svg: Drawing as SVG.
-        alt_text: Description for readers who do not see the drawing.
-        caption: Text below the drawing.
-        full: Whether it takes the full width of the page, and scrolls on a phone.
-    """
-
-    svg: bytes
-    alt_text: str
-    caption: str = ""
-    full: bool = False
+    svg: bytes  # drawing as SVG
+    alt_text: str  # description for readers who do not see the drawing
+    caption: str = ""  # text below the drawing
+    full: bool = False  # whether it takes the full width of the page, and scrolls on a phone
 
     @classmethod
     def of(cls, figure: Figure, alt_text: str, caption: str = "", *, full: bool = False) -> Picture:
-        """Render a figure.
-
-        Args:
-            figure: Figure that has been drawn.
-            alt_text: Description for readers who do not see the drawing.
-            caption: Text below the drawing.
-            full: Whether it takes the full width of the page.
-
-        Returns:
-            The picture; equal figures give equal bytes.
-        """
+        """Render a figure."""
         file = io.BytesIO()
         with paper(), rc_context({"svg.hashsalt": "exoid"}):
             figure.savefig(file, format="svg", dpi=SCATTER_DPI, metadata={"Date": None})
@@ -75,26 +58,17 @@ class Picture:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph or a list.
+    """A paragraph or a list."""
 
-    Attributes:
-        lines: One line makes a paragraph, several make a list.
-    """
-
-    lines: Sequence[str]
+    lines: Sequence[str]  # one line makes a paragraph, several make a list
 
 
 @dataclass(frozen=True)
 class EmbeddedPage:
-    """A self-contained page inside another page.
+    """A self-contained page inside another page."""
 
-    Attributes:
-        html: Text of the page.
-        title: Title of its frame.
-    """
-
-    html: str
-    title: str
+    html: str  # text of the page
+    title: str  # title of its frame
 
 
 Block = Picture | DataTable | Text | EmbeddedPage
@@ -102,15 +76,10 @@ Block = Picture | DataTable | Text | EmbeddedPage
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and the blocks below it.
+    """A heading and the blocks below it."""
 
-    Attributes:
-        title: Heading.
-        blocks: Content, from top to bottom.
-    """
-
-    title: str
-    blocks: Sequence[Block]
+    title: str  # heading
+    blocks: Sequence[Block]  # content, from top to bottom
 
     @property
     def groups(self) -> list[list[Block]]:
@@ -120,37 +89,28 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A page.
+    """A page."""
 
-    Attributes:
-        title: Title and first heading.
-        summary: Main results, one paragraph each.
-        sections: Sections below the summary.
-    """
+    title: str  # title and first heading
+    summary: Sequence[str]  # main results, one paragraph each
+    sections: Sequence[Section]  # sections below the summary
 
-    title: str
-    summary: Sequence[str]
-    sections: Sequence[Section]
+    @classmethod
+    def of(cls, title: str, summary: Sequence[str], contents: Mapping[str, Iterable[Block]]) -> Page:
+        """Make a page of the blocks below each heading; headings without any are left out."""
+        sections = [Section(heading, blocks) for heading, each in contents.items() if (blocks := list(each))]
+        return cls(title, summary, sections)
 
     def html(self) -> str:
-        """Render the page as HTML.
-
-        Returns:
-            Text of a page that loads nothing from any other address.
-        """
+        """Render the page as HTML."""
         environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
-        return environment.from_string(template).render(page=self, version=__version__, kind=_kind)
+        return environment.from_string(template).render(
+            page=self, version=__version__, kind=lambda block: type(block).__name__
+        )
 
     def save(self, path: str | Path) -> None:
-        """Write the page to a file, whole or not at all.
-
-        Args:
-            path: Path of the file.
-
-        Raises:
-            ExoidError: The file cannot be written.
-        """
+        """Write the page to a file, whole or not at all."""
         write_whole(path, [self.html()])
 
 
@@ -163,28 +123,18 @@ def draw_picture(
     aspect: float = 0.7,
     full: bool = False,
 ) -> Picture:
-    """Draw a figure for a page.
-
-    Args:
-        draw: Function that draws on the figure.
-        alt_text: Description for readers who do not see the drawing.
-        caption: Text below the drawing.
-        columns: Width in columns of a page, of :data:`PAGE_COLUMN` each.
-        aspect: Height over the width of one column.
-        full: Whether it takes the full width of the page.
-
-    Returns:
-        The picture.
-    """
+    """Draw a figure for a page."""
     with paper():
         figure = Figure(figsize=(columns * PAGE_COLUMN, aspect * PAGE_COLUMN))
         draw(figure)
         return Picture.of(figure, alt_text, caption, full=full)
 
 
-def _kind(block: Block) -> str:
-    """Name of a block's class, for the template."""
-    return type(block).__name__
+def plot_picture(
+    plot: Callable[..., object], arguments: Sequence[object], alt_text: str, caption: str = "", *, aspect: float = 0.7
+) -> Picture:
+    """Draw a picture of single axes by ``plot(ax, *arguments)``."""
+    return draw_picture(lambda figure: plot(figure.add_subplot(), *arguments), alt_text, caption, aspect=aspect)
 
 
 def _rounded(path: re.Match[bytes]) -> bytes:

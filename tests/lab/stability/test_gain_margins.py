@@ -10,7 +10,7 @@ import exoid
 from exoid import ExoidError
 from exoid.control import SHARP, gravity_friction_pd, pd, simulate
 from exoid.experiments import Hold
-from exoid.lab.stability import gain_margins, spectral_radius
+from exoid.lab.stability.gain_margin import gain_margins, spectral_radius
 from exoid.rig import Plant, Sensors
 
 KP, KD = np.array([22.1, 55.6]), np.array([2.21, 5.56])

@@ -5,7 +5,6 @@ import warnings
 from dataclasses import replace
 from functools import partial
 
-import joblib
 import numpy as np
 import pytest
 
@@ -20,16 +19,15 @@ from exoid.lab.study import (
     Noise,
     Protocol,
     Study,
-    TrackingCase,
     TrackingTask,
-    joblib_backend,
     plausible_truth,
-    processes,
-    run_chunk,
-    run_serially,
+    run,
     run_study,
 )
+from exoid.lab.study.design import TrackingCase
+from exoid.lab.study.replicates import run_chunk
 from exoid.lab.study.tracking_runs import track_cases
+from exoid.lab.study.workers import run_chunks
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.catalog import term_by_name
 
@@ -134,26 +132,23 @@ def _exact():
 
 
 @pytest.mark.slow
-def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path):
-    def dying(what, numbers):
-        yield next(iter(run_serially(what, numbers)))
+def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path, monkeypatch):
+    def dying(what, numbers, workers):
+        yield next(iter(run_chunks(what, numbers, workers)))
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        run_study(study(), tmp_path / "kept", dying)
+    with monkeypatch.context() as patched:
+        patched.setattr(run, "run_chunks", dying)
+        with pytest.raises(KeyboardInterrupt):
+            run_study(study(), tmp_path / "kept")
     assert same(run_study(study(), tmp_path / "kept"), result)
-    assert same(run_study(study(), tmp_path / "kept", lambda *_: pytest.fail("nothing is left to do")), result)
     with pytest.raises(ExoidError, match="another study"):
         run_study(study(course=course("pd")), tmp_path / "kept")
 
 
 @pytest.mark.slow
-def test_processes_and_dask_workers_give_the_same_bits(result):
-    assert same(run_study(study(), workers=processes(2)), result)
-    distributed = pytest.importorskip("distributed")
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
-    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster), joblib.parallel_config("dask"):
-        assert same(run_study(study(), workers=joblib_backend), result)
+def test_processes_give_the_same_bits(result):
+    assert same(run_study(study(), workers=2), result)
 
 
 @pytest.mark.slow

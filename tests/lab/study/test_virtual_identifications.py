@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import joblib
 import numpy as np
 import pytest
 
@@ -26,12 +27,12 @@ from exoid.lab.study import (
     Study,
     document,
     plausible_truth,
-    processes,
-    run_chunk,
-    run_serially,
+    run,
     run_study,
 )
 from exoid.lab.study.folder import Folder
+from exoid.lab.study.replicates import run_chunk
+from exoid.lab.study.workers import run_chunks
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
@@ -178,20 +179,21 @@ def test_a_study_on_rigs_shows_what_the_model_leaves_out():
 
 @pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
-    assert same(run_study(study(), workers=processes(2)), result)
+    assert same(run_study(study(), workers=2), result)
 
 
-def test_a_study_that_was_stopped_goes_on(result, tmp_path):
+def test_a_study_that_was_stopped_goes_on(result, tmp_path, monkeypatch):
     """Finished chunks are kept, damaged and half-written ones done again."""
 
-    def dying(what, numbers):
-        for k, done in enumerate(run_serially(what, numbers)):
+    def dying(what, numbers, workers):
+        for k, done in enumerate(run_chunks(what, numbers, workers)):
             if k == 2:
                 raise KeyboardInterrupt
             yield done
 
+    monkeypatch.setattr(run, "run_chunks", dying)
     with pytest.raises(KeyboardInterrupt):
-        run_study(study(), tmp_path / "kept", dying)
+        run_study(study(), tmp_path / "kept")
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == [
         "piece-00000.npz",
         "piece-00001.npz",
@@ -200,15 +202,17 @@ def test_a_study_that_was_stopped_goes_on(result, tmp_path):
     (tmp_path / "kept" / "piece-00001.npz").write_bytes(b"PK half of a file")
     asked, shares = [], []
 
-    def watched(what, numbers):
-        asked.extend(numbers)
-        return run_serially(what, numbers)
+    def watched(what, numbers, workers):
+        asked.append(numbers)
+        return run_chunks(what, numbers, workers)
 
-    assert same(run_study(study(), tmp_path / "kept", watched, shares.append), result)
-    assert asked == [1, 2]
+    monkeypatch.setattr(run, "run_chunks", watched)
+    assert same(run_study(study(), tmp_path / "kept", progress=shares.append), result)
+    assert asked == [[1, 2]]
     assert shares[0] == pytest.approx(1 / 3)
     assert shares[-1] == 1.0
-    assert same(run_study(study(), tmp_path / "kept", lambda *_: pytest.fail("nothing is left to do")), result)
+    assert same(run_study(study(), tmp_path / "kept"), result)
+    assert asked == [[1, 2], []]
 
 
 def test_a_folder_of_another_study_is_refused(tmp_path):
@@ -241,7 +245,7 @@ def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killed = []
     killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 1, killed), daemon=True)
     killer.start()
-    found = run_study(study(), tmp_path / "kept", processes(2))
+    found = run_study(study(), tmp_path / "kept", 2)
     killer.join(timeout=1.0)
     assert len(killed) == 1
     assert same(found, result)
@@ -258,8 +262,8 @@ class DeadlyNoise(Noise):
 def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
     monkeypatch.setattr("exoid.lab.study.workers.ATTEMPTS", 2)
     with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
-        run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", processes(2))
-    assert same(run_study(study(), tmp_path / "kept", processes(2)), result)
+        run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", 2)
+    assert same(run_study(study(), tmp_path / "kept", 2), result)
 
 
 @pytest.mark.slow
@@ -270,7 +274,7 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
         "import sys\n"
         f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "from test_virtual_identifications import *\n"
-        "print(json.dumps(run_study(study(), workers=processes(2)).to_json()))\n",
+        "print(json.dumps(run_study(study(), workers=2).to_json()))\n",
         encoding="utf-8",
     )
     ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=200, check=True)
@@ -298,6 +302,18 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     assert printed[0] == printed[1] == printed[2] != ""
 
 
+@pytest.mark.slow
+def test_a_dask_cluster_gives_the_same_bits(result):
+    """Two workers of a local cluster, as joblib's backend."""
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster,
+        distributed.Client(cluster),
+        joblib.parallel_config("dask"),
+    ):
+        assert same(run_study(study()), result)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -315,7 +331,7 @@ def test_studies_that_make_no_sense_are_refused(changes, words):
     with pytest.raises(ExoidError, match="between 0 and 1"):
         Noise("n", STD, share=2.0)
     with pytest.raises(ExoidError, match="at least one"):
-        processes(0)
+        run_study(study(), workers=0)
 
 
 def test_the_command_prints_a_table_or_json(exoid_):

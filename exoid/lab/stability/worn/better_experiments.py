@@ -39,17 +39,11 @@ Experiment = Plan | Sequence[Recording | StaticRows]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BetterExperiments:
-    """Largest amplification now and after each of several experiments; prints itself as a table.
+    """Largest amplification now and after each of several experiments; prints itself as a table."""
 
-    Attributes:
-        now: Result with the covariance of the estimate.
-        after: Predicted results by the name of the experiment.
-        noise: Torque noise of the prediction.
-    """
-
-    now: Amplification
-    after: dict[str, Amplification]
-    noise: TorqueNoise
+    now: Amplification  # result with the covariance of the estimate
+    after: dict[str, Amplification]  # predicted results by the name of the experiment
+    noise: TorqueNoise  # torque noise of the prediction
 
     @property
     def best(self) -> str | None:
@@ -58,11 +52,7 @@ class BetterExperiments:
         return name if self.after[name].largest > self.now.largest else None
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the results to JSON types.
-
-        Returns:
-            Result now and after each experiment, and the best of these.
-        """
+        """Convert the results to JSON types."""
         after = {name: found.to_json() for name, found in self.after.items()}
         return {"now": self.now.to_json(), "after": after, "best": self.best, "noise": list(self.noise.std)}
 

@@ -16,8 +16,7 @@ from exoid.rig import Wearer
 from exoid.tools.json_values import attributes
 
 from .draws import draw_truths
-from .law_table import NEUTRAL
-from .worn_loop import WornLoop, poses_of
+from .worn_loop import NEUTRAL, WornLoop, poses_of
 
 DRAWS = 200
 """Number of draws."""
@@ -25,21 +24,13 @@ DRAWS = 200
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StabilityProbability:
-    """Probability that a worn leg is stable under one controller; prints itself.
+    """Probability that a worn leg is stable under one controller; prints itself."""
 
-    Attributes:
-        leg: Name of the leg.
-        radius: Largest spectral radius over the poses of each draw, (B,); stable up to 1.
-        rejected: Share of draws that no rigid bodies have.
-        rate: Sampling rate of the controller [Hz].
-        delay: Delay of the readings in sampling periods.
-    """
-
-    leg: str
-    radius: FloatArray
-    rejected: float
-    rate: float
-    delay: int
+    leg: str  # name of the leg
+    radius: FloatArray  # largest spectral radius over the poses of each draw, (B,); stable up to 1
+    rejected: float  # share of draws that no rigid bodies have
+    rate: float  # sampling rate of the controller [Hz]
+    delay: int  # delay of the readings in sampling periods
 
     @property
     def stable(self) -> int:
@@ -58,11 +49,7 @@ class StabilityProbability:
         return float(found.low), float(found.high)
 
     def to_json(self) -> dict[str, Any]:
-        """Convert the result to JSON types.
-
-        Returns:
-            Values by name.
-        """
+        """Convert the result to JSON types."""
         return attributes(self, "leg", "probability", "interval", "rejected", "rate", "delay") | {
             "draws": len(self.radius)
         }
@@ -111,8 +98,8 @@ def stability_probability(
     """
     if draws < 1:
         raise ExoidError(f"{draws} draws", remedy="make at least one")
-    loop = WornLoop.of_law(law, wearer, poses_of(estimate.leg, poses), delay)
+    loop = WornLoop.of([law], np.zeros(1), wearer, poses_of(estimate.leg, poses), delay)
     model = estimate.model.loaded_by(estimate.values)
     drawn = draw_truths(model, estimate.values, estimate.covariance, draws, seed)
-    radius = loop.table.radius(loop.legs(model, drawn.parameters), np.zeros(draws))
+    radius = loop.radius(loop.legs(model, drawn.parameters), np.zeros(draws))
     return StabilityProbability(model.leg.description.name, radius, drawn.rejected, loop.rate, delay)

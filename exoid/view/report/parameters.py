@@ -1,39 +1,63 @@
-"""Advice in the report of an identification: which parameters need more data, and what to record."""
+"""Parameters in the report of an identification: their table and figures, which need more data, and what to record."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.estimate.text import compared_table, parameter_rows
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
+from exoid.view.parameters import plot_correlation, plot_parameters
 
-from .page import Text
-from .text import IDENTIFIABILITY, sentence
+from .blocks import sentence
+from .page import Block, Text, draw_picture, plot_picture
 
-POOR = ("weakly", "not")
-"""Classes of identifiability that more recordings would improve."""
+IDENTIFIABILITY = {
+    "well": "well identified",
+    "weakly": "weakly identified",
+    "not": "not identified",
+    "prior": "known mainly from the prior",
+    "known": "fixed at a known value",
+}
+"""Text of each class of identifiability."""
 
-NOTE = (
-    "Experiments that would help. Percentages are the expected standard deviation over the scale of the parameter: its "
-    "value, or a tenth of the value that alone would explain all torque of a joint. They assume noise such as the "
-    "residuals, and no prior knowledge."
-)
-"""Text above the list of experiments."""
 
-
-DEAF = 1e6
-"""Noise of a joint whose torque was not measured, over the largest residual."""
+def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
+    """Draw parameters beside other values by label and name, those of each unit, and the correlation matrix."""
+    caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
+    yield compared_table(caption, parameter_rows(estimate), other_values)
+    for unit in dict.fromkeys(estimate.units):
+        names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
+        yield plot_picture(
+            plot_parameters,
+            (estimate, names, other_values),
+            f"Parameters in {unit} with 95 % intervals: {', '.join(names)}",
+            f"Parameters in {unit} with 95 % intervals",
+            aspect=max(0.5, 0.2 + 0.08 * len(names)),
+        )
+    yield draw_picture(
+        lambda figure: plot_correlation(figure.add_subplot(), estimate),
+        f"Correlation matrix of the errors of {len(estimate.names)} parameters",
+        "Correlation of the errors; strong colours mark pairs that are hard to separate",
+        columns=2.0,
+        aspect=1.75,
+        full=True,
+    )
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
     """Name poorly identified parameters, the parameters that they correlate with, and what to record."""
     correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
-    poor = {name: grade for name, grade in zip(estimate.names, estimate.identifiability, strict=True) if grade in POOR}
+    poor = {
+        name: grade
+        for name, grade in zip(estimate.names, estimate.identifiability, strict=True)
+        if grade in ("weakly", "not")
+    }
     lines = []
     for name, grade in poor.items():
         k = estimate.names.index(name)
@@ -49,7 +73,13 @@ def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text
         return
     yield Text(lines)
     if experiments := list(_experiments(estimate, recordings, poor)):
-        yield Text([NOTE])
+        yield Text(
+            [
+                "Experiments that would help. Percentages are the expected standard deviation over the scale of the "
+                "parameter: its value, or a tenth of the value that alone would explain all torque of a joint. They "
+                "assume noise such as the residuals, and no prior knowledge."
+            ]
+        )
         yield Text(experiments)
     else:
         yield Text(["Record motions that separate the correlated parameters; exoid plan finds such motions."])
@@ -60,7 +90,7 @@ def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Cont
     seconds = sum(recording.duration for recording in recordings)
     heard = [noise.effective_samples for noise in estimate.noise if noise.samples]
     counts = [count for count in heard if np.isfinite(count)]
-    deaf = DEAF * float(estimate.residual_rms.max())  # a joint whose torque was not measured tells nothing
+    deaf = 1e6 * float(estimate.residual_rms.max())  # a joint whose torque was not measured tells nothing
     try:
         assessment = assess(
             estimate.model.leg,

@@ -22,8 +22,8 @@ from exoid.view.scenes.leg_geometry import LegGeometry
 from exoid.view.scenes.standing import level_points
 from exoid.view.style import decimation
 
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS
 from .page import Block, Text, draw_picture
-from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS
 
 NOTE = (
     "Forces of the ground follow from joint torques and motion alone; force plates are drawn, but not used. The 95 % "

@@ -1,0 +1,158 @@
+"""Stream of samples: one by one they are taken in, and those that cannot be are left out and counted."""
+
+from __future__ import annotations
+
+import math
+from operator import sub
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.estimate.finding import Finding
+
+from .settings import Settings
+
+FASTEST = 50.0
+"""Largest speed of a joint [rad/s]: angles that change faster jump."""
+
+BRIDGED = 3
+"""Largest number of consecutive samples that are missing and replaced by straight lines."""
+
+REFUSED = 1.0
+"""Time without a plausible sample after which a jump is believed; after twice that the stream is refused [s]."""
+
+FAULTS = {
+    "not-finite": ("samples with NaN or infinite numbers were left out", "look at the connection of the sensor"),
+    "angle-jump": ("samples whose angle jumped were left out", "look at the encoder, and for angles in degrees"),
+    "repeated-sample": ("samples that came twice were left out", "send each sample once"),
+    "missing-samples": ("samples are missing", "send all samples, at an even rate"),
+    "saturated-torque": ("torques at their limit were left out", "move more gently, or take a larger drive"),
+}
+"""Message and remedy of each fault."""
+
+Sample = tuple[float, ...]
+"""q, v, a, τ and marks of all joints, (5 n,)."""
+
+
+class Stream(NamedTuple):
+    """What is known of the stream of samples."""
+
+    given: tuple[bool, ...] = ()  # whether velocities and accelerations are given; empty before the first sample
+    last: Sample = ()  # last plausible sample; empty before the first
+    time: float = math.nan  # its time stamp [s]; NaN without time stamps
+    missing: int = 0  # samples that are missing since then
+    implausible: int = 0  # samples that were refused since the last plausible one
+    counts: tuple[int, ...] = (0,) * len(FAULTS)  # number of samples with each fault
+    received: int = 0  # number of samples that were received
+
+    def counted(self, kind: str, number: int = 1) -> Stream:
+        """Count samples with a fault."""
+        counts = (c + number if k == kind else c for k, c in zip(FAULTS, self.counts, strict=True))
+        return self._replace(counts=tuple(counts))
+
+
+class Taken(NamedTuple):
+    """Samples that go on to the filters."""
+
+    stream: Stream  # the stream after them
+    samples: tuple[Sample, ...]
+    gap: bool = False  # whether the filters have to start again before them
+
+
+def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Taken:
+    """Look at one sample of q, v, a and τ, (4 n,)."""
+    n, last = settings.n, stream.last
+    if not math.isfinite(sum(sample)):
+        return Taken(_refused(settings, stream, "not-finite"), ())
+    if last and not math.isnan(time) and not math.isnan(stream.time):
+        steps = (time - stream.time) * settings.rate
+        if not steps > 0.5:
+            return Taken(stream.counted("repeated-sample")._replace(received=stream.received + 1), ())
+        late = round(steps) - 1
+        if late > stream.missing:
+            stream = stream.counted("missing-samples", late - stream.missing)._replace(missing=late)
+    q, missing = sample[:n], stream.missing
+    if last:
+        jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
+        if jumped and stream.implausible < settings.rate * REFUSED:
+            return Taken(_refused(settings, stream, "angle-jump"), ())
+    _refuse_degrees(settings, q)
+    marks = (0.0,) * n
+    if settings.limits is not None:
+        marks = tuple(float(abs(x) >= y) for x, y in zip(sample[3 * n :], settings.limits, strict=True))
+        if any(marks):
+            stream = stream.counted("saturated-torque")
+    now = (*sample, *marks)
+    after = Stream(stream.given, now, time, 0, 0, stream.counts, stream.received + 1)
+    if not (last and 0 < missing <= BRIDGED):
+        return Taken(after, (now,), gap=missing > BRIDGED)
+    shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
+    bridge = (tuple(x + share * (y - x) for x, y in zip(last, now, strict=True)) for share in shares)
+    return Taken(after, (*bridge, now))
+
+
+def findings_of(stream: Stream) -> tuple[Finding, ...]:
+    """Turn the faults of a stream into findings; from a thousandth of the samples on, a fault is a warning."""
+    found = []
+    for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):
+        if number:
+            share = number / max(stream.received, 1)
+            text = f"{number} of {stream.received} {message}"
+            found.append(Finding(f"stream-{kind}", "", share, "", "warning" if share > 1e-3 else "info", text, remedy))
+    return tuple(found)
+
+
+def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
+    """Put one sample of arrays (n,) together, fast; None for anything else."""
+    values: list[float] = []
+    for channel in (q, v, a, tau):
+        if channel is None and q is not None and tau is not None:
+            values += [0.0] * n
+        elif isinstance(channel, np.ndarray) and channel.shape == (n,) and channel.dtype == np.float64:
+            values += channel.tolist()
+        else:
+            return None
+    return tuple(values)
+
+
+def as_table(values: ArrayLike | None, name: str, n: int, count: int | None) -> FloatArray:
+    """Check an argument of an update, (N, n)."""
+    if values is None:
+        if name in ("q", "tau"):
+            raise BadArgumentError(f"there is no {name} in the sample", remedy="pass q in rad and tau in N·m")
+        return np.zeros((count or 0, n))
+    try:
+        table = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        what = f"{name} is no array of numbers ({error})"
+        raise BadArgumentError(what, remedy="pass (n,) or (N, n) in SI units") from None
+    if table.ndim != 2 or table.shape[1] != n or (count is not None and len(table) != count):
+        wanted = f"({n},) or (N, {n})" if count is None else f"({count}, {n})"
+        what = f"{name} of shape {np.shape(values)} for {n} joints"
+        raise BadArgumentError(what, remedy=f"pass {wanted} in SI units")
+    return table
+
+
+def _refused(settings: Settings, stream: Stream, kind: str) -> Stream:
+    """Count a sample that is left out."""
+    refused = stream.implausible + 1
+    if refused > 2.0 * REFUSED * settings.rate:
+        message, remedy = FAULTS[kind]
+        what = f"no plausible sample for {refused / settings.rate:.3g} s ({message})"
+        raise UnreadableInputError(what, remedy=remedy)
+    return stream.counted(kind)._replace(missing=stream.missing + 1, implausible=refused, received=stream.received + 1)
+
+
+def _refuse_degrees(settings: Settings, q: Sample) -> None:
+    """Refuse angles beyond two turns, which no joint of a leg makes."""
+    if -4.0 * math.pi <= min(q) and max(q) <= 4.0 * math.pi:
+        return
+    worst = max(range(len(q)), key=lambda k: abs(q[k]))
+    name = settings.model.joint_names[worst]
+    raise UnreadableInputError(
+        f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice",
+        remedy="pass radians: numpy.deg2rad(q)",
+        joints=(name,),
+    )

@@ -1,0 +1,88 @@
+"""Options for reading a log: one table for all functions that read logs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+from exoid.errors import BadArgumentError
+
+if TYPE_CHECKING:
+    from exoid.leg.payload import Payload
+    from exoid.signals.wrench_frame import WrenchFrame
+
+
+class ReadOptions(TypedDict, total=False):
+    """Options for reading a log, each of which may be left out.
+
+    Attributes:
+        angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.
+        largest_angle: Limit of the angles [rad], beyond which they count as degrees; 2π if left out.
+        resample: Whether to resample uneven time stamps, as :meth:`exoid.Recording.resampled` does; True if left out.
+        topic: Topic of joint states, for a bag with several.
+        stamps: Time stamps of a bag: "header", when the joints were measured (if left out), or "received", when the
+            message was recorded.
+        mask: Header of a column of 0 and 1; only samples with 1 count. Bags have no such column.
+        names: Names of the columns of a text file without a header line, "" for one that is not read.
+        format: Logger of an actuator, and the joint that it drives: "dephy:ankle" or "moteus:knee". If left out, the
+            header tells it, and the joint is the only one of ``joint_names``.
+        passive: Joints without an actuator, whose torque is zero.
+        unmeasured: Joints whose torque column is not read, such as that of a dead channel.
+        payloads: Payloads on the leg; None for those that lines ``# payload: …`` of a text file name.
+        base_position: Position of the sensor of ``base_gyro_x…z`` and ``base_acc_x…z`` in the axes of the root link
+            [m], (3,); None for that of the line ``# base position: …``, or else the origin of the root link.
+        wrench_frames: Axes of the wrench on each link and the point its moment is about [m], such as
+            ``{"left_foot": "link@0,0,-0.08"}`` or ``{"left_foot": "world"}``; None for those of the lines
+            ``# wrench: left_foot:world``, or else axes and origin of the link.
+    """
+
+    angle_unit: Literal["rad", "deg"]
+    largest_angle: float
+    resample: bool
+    topic: str | None
+    stamps: Literal["header", "received"]
+    mask: str | None
+    names: Sequence[str] | None
+    format: str | None
+    passive: Sequence[str]
+    unmeasured: Sequence[str]
+    payloads: Sequence[Payload] | None
+    base_position: Sequence[float] | None
+    wrench_frames: Mapping[str, WrenchFrame | str] | None
+
+
+class ReadRequest(ReadOptions, total=False):
+    """Options of a caller, and the joints and columns that the reader of a format may need to know.
+
+    Attributes:
+        joint_names: Joints to read; None for those in the file.
+        columns: Name in the file of each exoid column whose name differs; it may be followed by a scale, a zero and a
+            unit, behind colons.
+    """
+
+    joint_names: Sequence[str] | None
+    columns: Mapping[str, str]
+
+
+def refuse_unknown_options(options: Mapping[str, object]) -> None:
+    """Refuse a misspelt option, as Python does for arguments."""
+    for name in options:
+        if name not in ReadOptions.__optional_keys__:
+            raise TypeError(
+                f"unexpected option {name!r}; options are {', '.join(sorted(ReadOptions.__optional_keys__))}"
+            )
+    if options.get("angle_unit", "rad") not in ("rad", "deg"):
+        raise BadArgumentError(
+            f"angle_unit is {options['angle_unit']!r}", remedy='pass angle_unit="rad" or angle_unit="deg"'
+        )
+
+
+def as_json(request: ReadRequest) -> dict[str, Any]:
+    """Describe as values of JSON what readers in the child process need."""
+    joints = request.get("joint_names")
+    return {
+        "joint_names": joints if joints is None or isinstance(joints, str) else list(joints),
+        "columns": dict(request.get("columns", {})),
+        "topic": request.get("topic"),
+        "stamps": request.get("stamps", "header"),
+    }

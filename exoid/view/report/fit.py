@@ -1,0 +1,213 @@
+"""How an estimate predicts recordings: torque, friction, residuals, and the motions that they cover."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from exoid._typing import FloatArray
+from exoid.estimate import Estimate, Validation, validate
+from exoid.regression.rows import for_leg
+from exoid.regression.trends import trend_warnings
+from exoid.signals import Recording, base_during
+from exoid.tools.tables import DataTable
+from exoid.view.coverage import plot_coverage, plot_excitation
+from exoid.view.residuals import plot_friction_fit, plot_prediction, plot_residual_band, plot_residual_trend
+from exoid.view.style import decimation
+
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, sentence, shown_part
+from .page import Block, Picture, Text, draw_picture, plot_picture
+
+
+class RecordingPrediction(NamedTuple):
+    """A recording, its motion, and its predicted torque with a prediction band and the part that is friction."""
+
+    recording: Recording  # recording at even time stamps
+    q: FloatArray  # angles [rad], (N, n)
+    v: FloatArray  # velocities [rad/s], (N, n)
+    validation: Validation  # measured and predicted torque
+    friction: FloatArray  # friction terms of the predicted torque [N·m], (N, n)
+
+    @property
+    def measured_friction(self) -> FloatArray:
+        """Measured torque less all predicted torque except friction [N·m], (N, n)."""
+        return self.friction + self.validation.residual
+
+
+def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPrediction:
+    """Predict the torque of a recording, its prediction band, and its friction."""
+    # Torque, friction and band pass the filter of the estimate's preparation.
+    if estimate.actuators is not None:
+        recording = estimate.actuators.torque(recording)
+    recording = for_leg(estimate.model, recording).resampled()
+    validation = validate(estimate, recording)
+    q, v, a, _ = estimate.preparation.kinematics(recording)
+    valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
+    base = base_during(recording, estimate.preparation)
+    motion = estimate.model.motion(q, v, a, base, recording.payloads, temperature=recording.temperature)
+    friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
+    filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
+    return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)
+
+
+def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
+    """Table of prediction errors, and measured and predicted torque of the first recording."""
+    yield error_table(estimate, predictions, held_out)
+    yield Text(
+        [
+            "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
+            "parameters, a residual as large as that of the fit, and doubt about the form of friction. Measured "
+            "torque, predicted torque and band passed the same filter. A share far below 95 % in the table shows that "
+            "the model is wrong for this recording, or that the leg has changed."
+        ]
+    )
+    yield from torque_pictures(estimate, predictions[0])
+
+
+def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
+    """Table of prediction errors, and of the coverage of the prediction band."""
+    rows = [
+        (
+            p.validation.source,
+            joint,
+            *(
+                "–" if np.isnan(value) else text
+                for value, text in (
+                    (rmse, f"{rmse:.4g}"),
+                    (nrmse, f"{nrmse:.4f}"),
+                    (r2, f"{r2:.4f}"),
+                    (coverage, f"{100 * coverage:.1f}"),
+                )
+            ),
+        )
+        for p in predictions
+        for joint, rmse, nrmse, r2, coverage in zip(
+            estimate.model.leg.joint_labels,
+            p.validation.rmse,
+            p.validation.nrmse,
+            p.validation.r2,
+            p.validation.coverage,
+            strict=True,
+        )
+    ]
+    caption = "Held-out recordings" if held_out else "Recordings of the fit"
+    return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band [%]"), rows)
+
+
+def torque_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
+    """Draw the torque of each joint at the beginning of a recording, and the residual on its own scale."""
+    part = shown_part(prediction.validation.time, prediction.validation.source)
+    for joint, label in enumerate(estimate.model.leg.joint_labels):
+        yield draw_picture(
+            partial(_draw_prediction, prediction=prediction, joint=joint, label=label),
+            f"Measured and predicted {label} torque over time with a 95 % band and the residual",
+            f"{label}, {part}, and the residual enlarged",
+            aspect=1.0,
+        )
+
+
+def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int, label: str) -> None:
+    """Draw torque with its band above, and the residual on its own scale below."""
+    validation = prediction.validation
+    time = validation.time - validation.time[0]
+    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
+    measured, predicted = validation.measured[shown, joint], validation.predicted[shown, joint]
+    half = validation.half_width[shown, joint]
+    band = np.column_stack([predicted - half, predicted + half])
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
+    plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
+    plot_residual_band(below, time[shown], measured - predicted, half)
+    figure.align_ylabels()
+
+
+def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
+    """Draw friction over velocity, of joints that have friction terms."""
+    model = estimate.model
+    v, measured, fitted = (
+        np.concatenate(parts)
+        for parts in zip(*((p.v, p.measured_friction, p.friction) for p in predictions), strict=True)
+    )
+    joints = [j for j in range(len(model.leg.joint_labels)) if model.friction[model.acting[j]].any()]
+    if joints:
+        yield Text(
+            [
+                "Dots in the joint's colour are measured torque less all modelled torque except friction. Violet dots "
+                "are the friction terms of the model at the same samples. Both passed the filter, which rounds the "
+                "step at a reversal."
+            ]
+        )
+    for joint in joints:
+        label = model.leg.joint_labels[joint]
+        yield plot_picture(
+            plot_friction_fit,
+            (v[:, joint], measured[:, joint], fitted[:, joint], joint, label),
+            f"Friction torque of {label} over its velocity, measured and fitted",
+        )
+
+
+def residual_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
+    """Test whether residuals depend on velocity or angle, and draw them against both."""
+    if estimate.trends:
+        yield trend_table(estimate)
+    yield trend_notes(estimate)
+    q, v, residual = (
+        np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
+    )
+    trends = {(trend.joint, trend.against): trend for trend in estimate.trends}
+    for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
+        velocity = (v, trends.get((name, "velocity")), "velocity [rad/s]")
+        angle = (np.rad2deg(q), trends.get((name, "angle")), "angle [deg]")
+        for x, trend, quantity in (velocity, angle):
+            yield plot_picture(
+                plot_residual_trend,
+                (x[:, joint], residual[:, joint], joint, f"{label} {quantity}", label, trend),
+                f"Residual {label} torque against {label} {quantity}",
+            )
+
+
+def trend_table(estimate: Estimate) -> DataTable:
+    """Table of the tests whether residuals depend on velocity or angle."""
+    rows = []
+    for trend in estimate.trends:
+        by_noise = "yes" if not trend.significant else "no" if trend.matters else "no, but negligible"
+        rows.append((trend.joint, trend.against, f"{100 * trend.share:.2g}", f"{trend.p_value:.1g}", by_noise))
+    headers = ("joint", "residual against", "share of torque [%]", "p-value", "explained by noise")
+    return DataTable("Mean residuals of the recordings of the fit", headers, rows)
+
+
+def trend_notes(estimate: Estimate) -> Text:
+    """Name the residuals that depend on velocity or angle, with a hint at the missing term."""
+    if not estimate.trends:
+        return Text(
+            [
+                "There are too few independent samples to test whether residuals depend on velocity or angle. The "
+                "error bars below assume independent samples, and are too short."
+            ]
+        )
+    return Text(
+        [sentence(warning) for warning in trend_warnings(estimate.trends)]
+        or ["No residual depends on velocity or angle by more than noise explains and by more than 1 % of the torque."]
+    )
+
+
+def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
+    """Draw the angles and velocities that the recordings cover."""
+    q, v = (np.concatenate(parts) for parts in zip(*((p.q, p.v) for p in predictions), strict=True))
+    labels, limits = estimate.model.leg.joint_labels, estimate.model.leg.limits
+    for joint, label in enumerate(labels):
+        yield plot_picture(
+            plot_excitation,
+            (q[:, joint], v[:, joint], joint, label),
+            f"{label} velocity over {label} angle of all recordings",
+        )
+    for joint in range(len(labels) - 1):
+        both = slice(joint, joint + 2)
+        yield plot_picture(
+            plot_coverage,
+            (q[:, both], labels[both], (limits.lower[both], limits.upper[both])),
+            f"Angles of {labels[joint]} and {labels[joint + 1]} against each other",
+        )
