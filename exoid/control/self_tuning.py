@@ -28,12 +28,6 @@ from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel
 from .tracking_law import TrackingLaw
 
-LOOSE = 100.0
-"""Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
-
-TORQUE_STD = 1.0
-"""Standard deviation of the torque's error that a source without residuals is given at first [N·m]."""
-
 
 class SelfTuningMemory(NamedTuple):
     """Memory of a self-tuning controller, for one leg or B."""
@@ -196,7 +190,8 @@ class SelfTuning:
     @cached_property
     def _start(self) -> OnlineState:
         """State of the recursive estimator before the first sample."""
-        loose = replace(self.source, covariance=LOOSE * self.covariance)
+        # a hundred times the variances: the prior of the posterior counts, not this one
+        loose = replace(self.source, covariance=100.0 * self.covariance)
         return started(self.recursion.settings, self.recursion.begin(), loose)
 
 
@@ -242,7 +237,7 @@ def self_tuning(
         ('X1', 'Y1', 'J1', 'X2', 'Y2', 'J2')
     """
     refuse_rate(rate)
-    estimate = as_estimate(source, TORQUE_STD)
+    estimate = as_estimate(source, torque_std=1.0)
     model = replace(SlotineLiModel.of(estimate, change or ExpectedChange()), model=ControlModel.of(source))
     cone = ParameterCone.of(model.model.leg, model.positive)
     covariance = estimate.covariance.copy()
