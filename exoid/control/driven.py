@@ -9,8 +9,8 @@ from exoid.actuators import Actuators
 from exoid.rig import Target
 
 from .law import State
+from .limited import Wrapped
 from .stateful import Memory, stateful, torque_without_memory
-from .wrapped import Wrapped
 
 
 @dataclass(frozen=True, eq=False)

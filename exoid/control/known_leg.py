@@ -18,10 +18,6 @@ ROWS = 400
 """Samples at which the torques of model and estimate agree."""
 
 
-REFRESHED: tuple[type[Term], ...] = (Offset, Stiffness, Coulomb, Viscous, Armature)
-"""Terms with coefficients that a controller adapts."""
-
-
 def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
     """Convert the source of a model to an estimate of bodies, springs, friction and rotors."""
     return _reduced(source) if isinstance(source, Estimate) else _known(ControlModel.of(source), torque_std)
@@ -29,7 +25,8 @@ def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
 
 def _reduced(source: Estimate) -> Estimate:
     """Leave other terms out of an estimate."""
-    kept = tuple(term for term in source.model.terms if type(term) in REFRESHED)
+    refreshed = (Offset, Stiffness, Coulomb, Viscous, Armature)
+    kept = tuple(term for term in source.model.terms if type(term) in refreshed)
     if len(kept) == len(source.model.terms):
         return source
     model = TorqueModel(source.leg, kept, separate=source.model.separate)
