@@ -7,21 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 from .wrench import Wrench
-
-LOADED = 50.0
-"""Force beyond which a link is certainly loaded [N]."""
-
-UNLOADED = 5.0
-"""Median force below which nobody stands on a link [N]."""
-
-INVERTED = 0.2
-"""Ratio of median forces with and without contact, below which the contact is inverted."""
-
-LONGEST_MISSED = 1.0
-"""Time of load without any contact in the log that is no longer touch-down and lift-off [s]."""
 
 
 def refuse_contradictions(
@@ -49,25 +37,27 @@ def refuse_contradictions(
 
 
 def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, interval: float, where: str) -> None:
+    # A link is certainly loaded beyond 50 N, and nobody stands on it below a median of 5 N. A load of less than 1 s
+    # without any contact may be touch-down and lift-off.
     with_contact = float(np.median(force[contact])) if contact.any() else np.nan
     without = float(np.median(force[~contact])) if not contact.all() else np.nan
-    missed = np.count_nonzero(force > LOADED) * interval
-    if not contact.any() and missed > LONGEST_MISSED:
-        raise ExoidError(
-            f"the contact of {link} is never 1, and its wrench exceeds {LOADED:g} N for {missed:.3g} s",
+    missed = np.count_nonzero(force > 50.0) * interval
+    if not contact.any() and missed > 1.0:
+        raise UnreadableInputError(
+            f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
             where=where,
             remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
         )
-    if without > LOADED and with_contact < INVERTED * without:
-        raise ExoidError(
+    if without > 50.0 and with_contact < 0.2 * without:
+        raise UnreadableInputError(
             f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
             f"{without:.3g} N where it is 0",
             where=where,
             remedy="invert it: contacts={...: ~contact}",
             command=f"invert it: --column contact_{link}=HEADER:-1:1",
         )
-    if with_contact < UNLOADED:
-        raise ExoidError(
+    if with_contact < 5.0:
+        raise UnreadableInputError(
             f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: its force looks like kN",
             where=where,
             remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks
 from .wrench import Wrench
@@ -15,9 +15,6 @@ TOUCH, LIFT = 0.1, 0.05
 
 Noise of a plate (2 to 4 N) is far below 5 % of what a wearer and an exoskeleton weigh (800 N).
 """
-
-LARGEST_QUANTILE = 0.99
-"""Quantile of the normal force that counts as its largest, so that an impact does not raise the thresholds."""
 
 LEAST_LOAD = 20.0
 """Largest normal force below which nobody stood on the link [N]."""
@@ -51,15 +48,15 @@ def contacts_from_wrench(
         array([0, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 1])
     """
     if not 0.0 < lift < touch < 1.0:
-        raise ExoidError(
+        raise BadArgumentError(
             f"thresholds touch={touch} and lift={lift} of a contact",
             remedy=f"give shares of the largest force, 0 < lift < touch < 1, such as touch={TOUCH}, lift={LIFT}",
         )
     normal = wrench.force @ _direction(up)
-    low, largest = np.quantile(normal, [1.0 - LARGEST_QUANTILE, LARGEST_QUANTILE]).tolist()
+    low, largest = np.quantile(normal, [0.01, 0.99]).tolist()  # so that an impact does not raise the thresholds
     if largest < LEAST_LOAD:
         downwards = low < -LEAST_LOAD
-        raise ExoidError(
+        raise BadArgumentError(
             f"the normal force goes from {low:.4g} N to {largest:.4g} N: "
             + ("it points into the ground" if downwards else f"nobody stands on the link (limit {LEAST_LOAD:g} N)"),
             remedy="change its sign: a wrench acts on the leg, not on the ground; or give the direction up="
@@ -97,16 +94,16 @@ def contacts_from_switch(values: ArrayLike, on: float, off: float) -> BoolArray:
     checks.refuse_shape(readings, (readings.size,), "readings of a foot switch")
     if not np.isfinite(readings).all():
         row = int(np.argmin(np.isfinite(readings)))
-        raise ExoidError(f"reading {row} of a foot switch is {readings[row]}", remedy="leave those samples out")
+        raise BadArgumentError(f"reading {row} of a foot switch is {readings[row]}", remedy="leave those samples out")
     if not (np.isfinite(on) and np.isfinite(off)) or on == off:
-        raise ExoidError(
+        raise BadArgumentError(
             f"thresholds on={on} and off={off} of a foot switch",
             remedy="give two readings, so that noise at one of them does not switch the contact",
         )
     sign = 1.0 if on > off else -1.0
     if not readings.size or not (sign * readings > sign * on).any():
         ends = f"{readings.min():.4g} to {readings.max():.4g}" if readings.size else "no reading"
-        raise ExoidError(
+        raise BadArgumentError(
             f"the foot switch is never pressed: readings of {ends}, and on={on:g}",
             remedy="give thresholds in the unit of the readings",
         )
@@ -137,7 +134,7 @@ def settled(contact: ArrayLike, time: FloatArray, margin: float) -> BoolArray:
         array([0, 0, 1, 1, 1, 0, 0, 0, 0])
     """
     if not margin >= 0.0:
-        raise ExoidError(f"a margin of {margin} s", remedy="give seconds, 0 for none")
+        raise BadArgumentError(f"a margin of {margin} s", remedy="give seconds, 0 for none")
     touching = np.asarray(contact, dtype=np.bool_)
     checks.refuse_shape(touching, time.shape, "contact")
     edges = np.flatnonzero(np.diff(touching, prepend=False, append=False))
@@ -153,7 +150,7 @@ def _hysteresis(values: FloatArray, on: float, off: float, never: str) -> BoolAr
     """Follow values that switch on above one threshold, and off below another."""
     above, below = values > on, values < off
     if not below.any():
-        raise ExoidError(
+        raise BadArgumentError(
             never,
             remedy="if the foot stands throughout, give the contact as np.ones(N, dtype=bool); otherwise raise the "
             "threshold of lift-off, or take out the sensor's offset",
@@ -169,5 +166,7 @@ def _direction(up: ArrayLike) -> FloatArray:
     checks.refuse_shape(vector, (3,), "up")
     size = float(np.linalg.norm(vector))
     if not np.isfinite(size) or size == 0.0:
-        raise ExoidError("up has no direction", remedy="pass the direction away from the ground, such as (0, 0, 1)")
+        raise BadArgumentError(
+            "up has no direction", remedy="pass the direction away from the ground, such as (0, 0, 1)"
+        )
     return np.asarray(vector / size)

@@ -11,8 +11,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.tools.files import write_whole
 
-ROWS_AT_ONCE = 4096
-
 
 class LogPart(NamedTuple):
     """Columns of a log file, and the lines above the header that belong to them."""
@@ -39,6 +37,6 @@ def write_parts(path: str | os.PathLike[str], parts: Sequence[LogPart]) -> None:
 def _lines(header: Sequence[str], table: FloatArray, comments: Sequence[str]) -> Iterator[str]:
     yield from (f"{line}\n" for line in comments)
     yield ",".join(header) + "\n"
-    for start in range(0, len(table), ROWS_AT_ONCE):
-        rows = table[start : start + ROWS_AT_ONCE].tolist()
+    for start in range(0, len(table), 4096):
+        rows = table[start : start + 4096].tolist()
         yield "".join(",".join(map(repr, row)) + "\n" for row in rows)

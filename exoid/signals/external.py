@@ -8,7 +8,7 @@ from typing import Any, NoReturn, TypedDict, TypeVar
 import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks, timebase
 from .wrench import Wrench
@@ -44,7 +44,7 @@ def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> Exter
     measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}', where)
     for link, wrench in measured.items():
         if not isinstance(wrench, Wrench):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the wrench on {link} is of type {type(wrench).__name__}",
                 where=where,
                 remedy="pass exoid.Wrench(force, moment)",
@@ -61,7 +61,7 @@ def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: boo
     """Refuse wrenches in axes of the laboratory where nothing says how the base stands in it."""
     for link, wrench in wrenches.items():
         if wrench.axes == "world" and not has_pose:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the wrench on {link} is in axes of the laboratory, and an IMU does not give the pose of the base",
                 where=where,
                 remedy="record the pose, BaseMotion.from_pose(...) or from_imu(..., pose=BasePose(...)), or give the "
@@ -104,7 +104,7 @@ def _mapping(values: Any, argument: str, example: str, where: str) -> dict[str, 
     if values is None:
         return {}
     if not isinstance(values, Mapping):
-        raise ExoidError(
+        raise BadArgumentError(
             f"{argument} is of type {type(values).__name__}", where=where, remedy=f"pass {argument}={example}"
         )
     checks.refuse_names(tuple(values), "link")
@@ -114,7 +114,7 @@ def _mapping(values: Any, argument: str, example: str, where: str) -> dict[str, 
 def _contact(values: ArrayLike, link: str, samples: int, where: str) -> BoolArray:
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise ExoidError(
+        raise BadArgumentError(
             f"the contact of {link} has values other than 0 and 1",
             where=where,
             remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
@@ -128,6 +128,6 @@ def _contact(values: ArrayLike, link: str, samples: int, where: str) -> BoolArra
 def _refuse_length(length: int | tuple[int, ...], samples: int, what: str, where: str) -> None:
     if length != samples:
         shape = f"{length} samples" if isinstance(length, int) else f"shape {length}"
-        raise ExoidError(
+        raise BadArgumentError(
             f"{what} has {shape}, and the recording {samples}", where=where, remedy="give one row per time stamp"
         )

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 
 from .csv_writer import LogPart
 from .external import External
@@ -43,7 +43,7 @@ def external_columns(headers: Iterable[str], file: str) -> tuple[str, ...]:
         for parts in (WRENCH_PARTS, POINT_PARTS):
             absent = [name for part in parts if (name := f"wrench_{link}_{part}") not in of_link]
             if absent and (len(absent) < len(parts) or parts is WRENCH_PARTS):
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"the wrench on {link} lacks {', '.join(absent)}",
                     where=file,
                     remedy=f"give all of {', '.join(f'wrench_{link}_{part}' for part in parts)}; a column of zeros "
@@ -67,11 +67,11 @@ def read_external(
     try:
         given = as_frames(frames or {})
     except ExoidError as error:
-        raise ExoidError(f"wrench_frames: {error.what}", remedy=error.remedy) from None
+        raise UnreadableInputError(f"wrench_frames: {error.what}", remedy=error.remedy) from None
     links = _links(columns)
     for link, frame in given.items():
         if link not in links:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"axes of the wrench on {link}, which the log does not have",
                 where=table.file,
                 remedy=f"links with a wrench are {', '.join(links) or 'none'}: name one of them",
@@ -79,7 +79,7 @@ def read_external(
                 f"--column wrench_{link}_fx=HEADER, or leave out --wrench {link}:…",
             )
         if said.get(link, frame) != frame:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"the file gives the wrench on {link} as {said[link]}, and not as {frame}",
                 where=table.file,
                 remedy="leave out wrench_frames, or correct the line '# wrench:' of the file",
@@ -141,7 +141,7 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
         axes, point = frame or WrenchFrame("link")
         return Wrench(values[:, :3], values[:, 3:], (0.0, 0.0, 0.0) if point is None else point, axes)  # type: ignore[arg-type]
     if frame is not None and (frame.axes != "world" or frame.point is not None):
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the point of the wrench is given by columns {', '.join(names)} in the laboratory, and as {frame}",
             remedy="leave out one of both; columns of a point belong to axes world",
         )
@@ -152,7 +152,7 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
 def _contact(name: str, values: FloatArray, file: str) -> BoolArray:
     if not np.isin(values, (0.0, 1.0)).all():
         first = int(np.argmax(~np.isin(values, (0.0, 1.0))))
-        raise ExoidError(
+        raise UnreadableInputError(
             f"a contact of {values[first]:.6g} in sample {first}, which is neither 0 nor 1",
             where=", ".join(filter(None, (file, f"column {name}"))),
             remedy="write 0 and 1; exoid.signals.contacts_from_switch and contacts_from_wrench find contacts of a "
@@ -172,7 +172,7 @@ def _said_frames(table: Table) -> dict[str, WrenchFrame]:
         except ExoidError as error:
             raise error.within(f"{table.file}, line '{WRENCH}'") from None
         if found.setdefault(link, frame) != frame:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"two frames of the wrench on {link}: {found[link]} and {frame}",
                 where=f"{table.file}, line '{WRENCH}'",
                 remedy="write one line for each link",

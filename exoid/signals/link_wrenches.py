@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from difflib import get_close_matches
-from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.dynamics import SegmentPlacements
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
 
 from .recording import Recording
 from .wrench import Wrench
-
-
-class LinkPlacement(NamedTuple):
-    """Placement of a link in the laboratory.
-
-    Attributes:
-        rotation: Rotation matrices, laboratory from link, (N, 3, 3).
-        translation: Position of the link's origin [m], (N, 3).
-    """
-
-    rotation: FloatArray
-    translation: FloatArray
-
-    def behind(self, rotation: FloatArray, translation: FloatArray) -> LinkPlacement:
-        """Chain a placement that is given in the axes of this link."""
-        place = self.translation + np.einsum(
-            "nij,...j->ni" if translation.ndim == 1 else "nij,nj->ni", self.rotation, translation
-        )
-        return LinkPlacement(self.rotation @ rotation, place)
 
 
 def links_of(leg: Leg) -> tuple[str, ...]:
@@ -56,7 +36,7 @@ def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
         for link in named:
             if link not in links:
                 close = get_close_matches(link, links, n=3, cutoff=0.5)
-                raise ExoidError(
+                raise BadArgumentError(
                     f"a {kind} of {link!r}, which is no link of the leg"
                     + (f"; closest: {', '.join(close)}" if close else ""),
                     where=recording.source.name if recording.source else "",
@@ -66,7 +46,17 @@ def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
                 )
 
 
-def link_placement(leg: Leg, recording: Recording, link: str) -> LinkPlacement:
+def link_placements(leg: Leg, q: FloatArray, link: str) -> SegmentPlacements:
+    """Compute the placement of a link in the axes of the root link, (N, 3, 3) and (N, 3)."""
+    body, placement = link_frame(leg.model, leg.description, link)
+    own, place = np.array(placement.rotation), np.array(placement.translation)
+    if body < 0:
+        return SegmentPlacements(np.repeat(own[np.newaxis], len(q), 0), np.repeat(place[np.newaxis], len(q), 0))
+    rotation, translation = leg.forward_kinematics(q)
+    return SegmentPlacements(rotation[:, body] @ own, translation[:, body] + rotation[:, body] @ place)
+
+
+def link_placement(leg: Leg, recording: Recording, link: str) -> SegmentPlacements:
     """Compute where a link is in the laboratory at each sample of a recording.
 
     The laboratory is that of the base's pose. For a base that stands still it is the root link, as it stands when the
@@ -78,30 +68,23 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> LinkPlacement:
         link: Name of the link in the URDF.
 
     Returns:
-        The placement.
+        Rotation matrices, laboratory from link, (N, 3, 3), and positions of the link's origin [m], (N, 3).
 
     Raises:
         ExoidError: The leg has no such link, a joint is missing, or the pose of the base is not known.
     """
-    if link not in links_of(leg):
-        raise ExoidError(f"no link {link!r}", remedy=f"links of the leg are {', '.join(links_of(leg))}")
-    q = recording.select(leg.joint_names).q
-    frame, root = _frame(leg, link), _root_placement(leg, recording)
-    inside = frame.placement.rotation, frame.placement.translation
-    carrier = leg.model.names[frame.parentJoint]
-    if carrier not in leg.joint_names:
-        return root.behind(*inside)
-    joint = leg.joint_names.index(carrier)
-    rotation, translation = leg.forward_kinematics(q)
-    return root.behind(rotation[:, joint], translation[:, joint]).behind(*inside)
+    inside = link_placements(leg, recording.select(leg.joint_names).q, link)
+    rotation, translation = _root_placement(leg, recording)
+    place = translation + (rotation @ inside.translation[..., np.newaxis])[..., 0]
+    return SegmentPlacements(rotation @ inside.rotation, place)
 
 
-def wrench_on_link(wrench: Wrench, placement: LinkPlacement) -> Wrench:
+def wrench_on_link(wrench: Wrench, placement: SegmentPlacements) -> Wrench:
     """Turn a wrench into the axes of its link."""
     if wrench.axes == "link":
         return wrench
     if len(placement.translation) != len(wrench):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a wrench of {len(wrench)} samples on a link with {len(placement.translation)}",
             remedy="give both at the same time stamps",
         )
@@ -130,30 +113,20 @@ def wrenches_on_links(leg: Leg, recording: Recording) -> dict[str, Wrench]:
     }
 
 
-def _frame(leg: Leg, link: str) -> pin.Frame:
-    """Frame of a link; the model numbers those of links that are named like a joint."""
-    bodies = [frame for frame in leg.model.frames if frame.type == pin.FrameType.BODY]
-    numbered = re.compile(rf"{re.escape(link)} \d+")
-    same = [frame for frame in bodies if frame.name == link]
-    return (same or [frame for frame in bodies if numbered.fullmatch(frame.name)])[0]
-
-
-def _root_placement(leg: Leg, recording: Recording) -> LinkPlacement:
-    """Placement of the root link in the laboratory."""
-    samples = len(recording)
+def _root_placement(leg: Leg, recording: Recording) -> tuple[FloatArray, FloatArray]:
+    """Rotation and position of the root link in the laboratory: (N, 3, 3) and (N, 3), or (3, 3) and (3,) at rest."""
     if recording.base is not None:
         if recording.base.pose is None:
-            raise ExoidError(
+            raise NotSupportedError(
                 "the pose of the base is not known: an IMU does not measure it",
                 where=recording.source.name if recording.source else "",
                 remedy="record it, exoid.BaseMotion.from_pose(...) or from_imu(..., pose=exoid.BasePose(...))",
                 command="add the columns base_x…z, base_qx…w of a pose",
             )
-        return LinkPlacement(recording.base.pose.rotation, recording.base.pose.position)
-    still = LinkPlacement(np.broadcast_to(np.eye(3), (samples, 3, 3)), np.zeros((samples, 3)))
+        return recording.base.pose.rotation, recording.base.pose.position
     if recording.torso is None:
-        return still
+        return np.eye(3), np.zeros(3)
     zero = np.zeros((1, len(leg.joint_names)))  # the tilted torso is where it puts the first joint
     (tilted, upright) = (leg.forward_kinematics(zero, torso) for torso in (recording.torso, None))
     rotation = tilted.rotation[0, 0] @ upright.rotation[0, 0].T
-    return still.behind(rotation, tilted.translation[0, 0] - rotation @ upright.translation[0, 0])
+    return rotation, tilted.translation[0, 0] - rotation @ upright.translation[0, 0]

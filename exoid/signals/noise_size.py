@@ -6,21 +6,15 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-MAD_TO_STD = 1.4826
-"""Standard deviation of normal noise over the median of its absolute values."""
-
-ORDER = 4
-"""Differences of this order leave nothing of a smooth signal."""
-
 GAIN = 70.0
 """Variance of the fourth differences of white noise of variance one, 1² + 4² + 6² + 4² + 1²."""
 
 
 def robust_std(x: FloatArray) -> FloatArray:
     """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|."""
-    return np.asarray(MAD_TO_STD * np.median(np.abs(x), axis=0))
+    return np.asarray(1.4826 * np.median(np.abs(x), axis=0))
 
 
 def white_noise(signals: FloatArray) -> FloatArray:
     """Standard deviation of white noise in smooth signals, by their fourth differences."""
-    return np.asarray(robust_std(np.diff(signals, ORDER, axis=0)) / np.sqrt(GAIN))
+    return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(GAIN))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError, within
 
 from . import checks, timebase
 from .base_pose import turn_upright
@@ -21,18 +21,6 @@ from .wrench import Wrench
 
 UP = (0.0, 1.0, 0.0)
 """Direction against gravity in OpenSim: x forward, y up, z to the right."""
-
-PARTS = {"v": "force", "p": "point", "m": "moment"}
-"""Letter of a component, as in ``ground_force_vx``, and what it is of."""
-
-WORDS = ("ground", "force", "torque", "moment")
-"""Parts of a column's name that do not say which plate it is of."""
-
-UNNAMED = "ground"
-"""Name of the plate of columns such as ``ground_force_vx``."""
-
-BANDWIDTH = 0.4
-"""Cut-off of the low-pass before a lower rate, as a share of that rate: impacts would alias."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +56,11 @@ class GroundForces:
         """
         for plate in links:
             if plate not in self.wrenches:
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"no plate {plate!r}", where=self.file, remedy=f"plates of the file are {', '.join(self.wrenches)}"
                 )
         if len(set(links.values())) < len(links) or set(links.values()) & set(recording.wrenches):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"a link has two wrenches: {', '.join(links.values())}",
                 where=self.file,
                 remedy="name one link for each plate",
@@ -85,7 +73,7 @@ class GroundForces:
         """Time stamps of a recording, of which those at its ends may be half a sample beyond the forces."""
         half = 0.5 / min(timebase.sampling_rate(time), timebase.sampling_rate(self.time))
         if time[0] < self.time[0] - half or time[-1] > self.time[-1] + half:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"forces from {self.time[0]:g} s to {self.time[-1]:g} s do not cover the recording, from "
                 f"{time[0]:g} s to {time[-1]:g} s",
                 where=self.file,
@@ -100,7 +88,7 @@ class GroundForces:
             return wrench.interpolated(self.time, grid)
         even = timebase.even_grid(self.time, rate)
         fine = wrench.interpolated(self.time, even)
-        columns = zero_phase(fine.columns, rate, BANDWIDTH * wanted)
+        columns = zero_phase(fine.columns, rate, 0.4 * wanted)
         smooth = Wrench(columns[:, :3], columns[:, 3:], fine.point, axes="world")
         return smooth.interpolated(even, np.clip(grid, even[0], even[-1]))
 
@@ -128,23 +116,23 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
     """
     table = open_table(path)
     if "time" not in table.header:
-        raise ExoidError("no column 'time'", where=table.file, remedy="name the column of the time stamps 'time'")
+        raise UnreadableInputError(
+            "no column 'time'", where=table.file, remedy="name the column of the time stamps 'time'"
+        )
     plates = plates_in(table)
     names = [name for columns in plates.values() for of_part in columns.values() for name in of_part]
     numbers = table.numbers(["time", *names])
     checks.refuse_too_few(len(numbers), SourceLocation(table.file))
     by_name = dict(zip(("time", *names), numbers.T, strict=True))
-    unloaded = {plate: _unloaded(by_name, columns) for plate, columns in plates.items()}
-    for plate, columns in plates.items():
-        for name in columns["point"]:
-            by_name[name] = np.where(unloaded[plate] & np.isnan(by_name[name]), 0.0, by_name[name])
+    for columns in plates.values():
+        unloaded = np.all([by_name[name] == 0.0 for name in columns["force"]], axis=0)
+        for name in columns["point"]:  # a plate without a force has no centre of pressure
+            by_name[name] = np.where(unloaded & np.isnan(by_name[name]), 0.0, by_name[name])
     where = SourceLocation(table.file, table.lines, {}, table.row_name)
     checks.refuse_not_finite(np.column_stack([by_name[name] for name in ("time", *names)]), ("time", *names), where)
     checks.refuse_time_disorder(by_name["time"], where)
-    try:
+    with within(table.file):
         wrenches = {plate: _wrench(by_name, columns) for plate, columns in plates.items()}
-    except ExoidError as error:
-        raise error.within(table.file) from error
     return GroundForces(by_name["time"], wrenches, table.file)
 
 
@@ -156,14 +144,14 @@ def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
         if meant is not None:
             plate, part, axis = meant
             if axis in found.setdefault(plate, {}).setdefault(part, {}):
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"{found[plate][part][axis]} and {name} are both {part} {axis} of plate {plate!r}",
                     where=table.file,
                     remedy="rename one of them",
                 )
             found[plate][part][axis] = name
     if not found:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"no ground reaction forces; the file has: {', '.join(table.header[:20])}",
             where=table.file,
             remedy="name the columns as OpenSim does: ground_force_1_vx, ground_force_1_px, ground_torque_1_x, …",
@@ -172,7 +160,7 @@ def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
         for part in ("force", "point", *parts):
             absent = [axis for axis in "xyz" if axis not in parts.get(part, {})]
             if absent:
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"plate {plate!r} has no {part} {', '.join(absent)}",
                     where=table.file,
                     remedy="export force (vx, vy, vz), centre of pressure (px, py, pz) and free moment of each plate",
@@ -186,21 +174,17 @@ def _meaning(name: str) -> tuple[str, str, str] | None:
     """Plate, part and axis of a column; None if it is none of a plate."""
     words = name.split("_")
     last, plain = words[-1].lower(), [word.lower() for word in words]
-    if not set(plain) & set(WORDS[1:]):
+    if not set(plain) & {"force", "torque", "moment"}:
         return None
-    if len(last) == 2 and last[0] in PARTS and last[1] in "xyz":
-        part, axis = PARTS[last[0]], last[1]
+    parts = {"v": "force", "p": "point", "m": "moment"}
+    if len(last) == 2 and last[0] in parts and last[1] in "xyz":
+        part, axis = parts[last[0]], last[1]
     elif last in ("x", "y", "z") and set(plain) & {"torque", "moment"}:
         part, axis = "moment", last
     else:
         return None
-    plate = "_".join(word for word in words[:-1] if word.lower() not in WORDS)
-    return plate or UNNAMED, part, axis
-
-
-def _unloaded(numbers: Mapping[str, FloatArray], columns: Mapping[str, Sequence[str]]) -> FloatArray:
-    """Samples at which a plate has no force: its centre of pressure does not matter."""
-    return np.asarray(np.all([numbers[name] == 0.0 for name in columns["force"]], axis=0))
+    plate = "_".join(word for word in words[:-1] if word.lower() not in ("ground", "force", "torque", "moment"))
+    return plate or "ground", part, axis
 
 
 def _wrench(numbers: Mapping[str, FloatArray], columns: Mapping[str, Sequence[str]]) -> Wrench:

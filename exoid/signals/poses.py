@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -49,24 +49,22 @@ class Poses:
             try:
                 array = np.array(getattr(self, name), dtype=np.float64)
             except (TypeError, ValueError) as error:
-                raise ExoidError(f"{name} of the poses is no array of numbers ({error})") from error
+                raise BadArgumentError(f"{name} of the poses is no array of numbers ({error})") from error
             if array.ndim != 2 or array.shape[1] != len(self.joint_names) or len(array) != len(self.q):
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{name} has shape {array.shape} for {len(self.q)} poses of {', '.join(self.joint_names)}",
                     remedy="pass one row a pose and one column a joint",
                 )
             if not np.isfinite(array).all():
                 row = int(np.argwhere(~np.isfinite(array))[0, 0])
-                raise ExoidError(f"{name} of pose {row} is not finite", remedy="leave that pose out")
+                raise BadArgumentError(f"{name} of pose {row} is not finite", remedy="leave that pose out")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
     def __len__(self) -> int:
-        """Count the poses."""
         return len(self.q)
 
     def __repr__(self) -> str:
-        """Write one line."""
         payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
         return f"Poses({len(self)} poses; joints: {', '.join(self.joint_names)}{payloads})"
 
@@ -95,7 +93,7 @@ class Poses:
         """
         missing = [name for name in joint_names if name not in self.joint_names]
         if missing:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"no joint {', '.join(missing)} in poses of {', '.join(self.joint_names)}", remedy="rename it"
             )
         columns = [self.joint_names.index(name) for name in joint_names]
@@ -120,9 +118,11 @@ class Approaches:
     def __post_init__(self) -> None:
         """Check that both are the same poses of the same joints."""
         if self.below.payloads != self.above.payloads:
-            raise ExoidError("poses from below and from above have different payloads", remedy="measure both with one")
+            raise BadArgumentError(
+                "poses from below and from above have different payloads", remedy="measure both with one"
+            )
         if self.below.joint_names != self.above.joint_names or len(self.below) != len(self.above):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{len(self.below)} poses of {', '.join(self.below.joint_names)} from below, {len(self.above)} of "
                 f"{', '.join(self.above.joint_names)} from above",
                 remedy="measure the same poses from both sides",

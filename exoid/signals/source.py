@@ -7,9 +7,6 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-CHUNK = 2**20
-"""Bytes of a file that are read at once."""
-
 
 @dataclass(frozen=True)
 class Source:
@@ -53,6 +50,6 @@ class Source:
 def _digest(path: Path) -> str:
     digest = hashlib.sha256()
     with path.open("rb") as file:
-        while chunk := file.read(CHUNK):
+        while chunk := file.read(2**20):
             digest.update(chunk)
     return digest.hexdigest()

@@ -16,12 +16,6 @@ EVENNESS = 1e-3
 
 At 1 rad/s and 100 Hz it changes an angle by 1e-5 rad, less than one count of a 16-bit encoder (1e-4 rad).
 """
-LONGEST_INTERVAL = 0.02
-"""Longest interval that is not a gap [s]."""
-GAP_INTERVALS = (10.0, 100.0)
-"""Bounds of this limit in median intervals, for slow and for fast logs."""
-CROWDED = 0.25
-"""Shortest interval that interpolation uses, in median intervals: shorter ones make splines oscillate."""
 
 
 def is_uniform(time: FloatArray) -> bool:
@@ -44,8 +38,7 @@ def sampling_rate(time: FloatArray) -> float:
 def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
     """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals."""
     intervals = np.diff(time)
-    shortest, longest = (count * np.median(intervals) for count in GAP_INTERVALS)
-    limit = float(np.clip(LONGEST_INTERVAL, shortest, longest))
+    limit = float(np.clip(0.02, 10.0 * np.median(intervals), 100.0 * np.median(intervals)))
     gaps = np.flatnonzero(intervals > limit)
     if gaps.size:
         row = int(gaps[0]) + 1
@@ -57,10 +50,10 @@ def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
 
 
 def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
-    """Select the rows to interpolate from: all but those that follow another within `CROWDED` median intervals."""
+    """Select the rows to interpolate from: all but those that follow another within a quarter of the median."""
     # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
     intervals = np.diff(time, prepend=-np.inf)
-    crowded = intervals < CROWDED * np.median(intervals)
+    crowded = intervals < 0.25 * np.median(intervals)
     return ~crowded if crowded.any() else slice(None)
 
 

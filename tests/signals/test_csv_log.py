@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from exoid import ExoidError
-from exoid.signals import Recording
+from exoid.signals import Recording, Recordings
 
 HEADER = "time,q_hip,q_knee,tau_hip,tau_knee"
 ROWS = [f"{0.02 * k:.2f},{0.1 * math.sin(k / 9):.4f},{-0.01 * k:.2f},{k},{-k}.5" for k in range(12)]
@@ -439,3 +439,10 @@ def test_any_increasing_time_is_read_or_refused(stamps, values):
 
 def test_a_good_log_passes_the_same_gate():
     assert len(read_or_refuse("\n".join([HEADER, *ROWS]).encode())) == 12
+
+
+@pytest.mark.parametrize("read", [Recording.from_csv, Recording.from_file, Recordings.from_folder])
+def test_a_misspelt_option_is_refused_as_python_refuses_arguments(read, tmp_path):
+    (tmp_path / "log.csv").write_text("time,q_hip\n")
+    with pytest.raises(TypeError, match="angel_unit"):
+        read(tmp_path if read == Recordings.from_folder else tmp_path / "log.csv", angel_unit="deg")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 MOST_COLUMNS = 10_000
 """Largest number of columns of a log; humanoids have some hundreds."""
@@ -14,6 +14,6 @@ MOST_BLANK_LINES = 1_000_000
 def refuse_columns(count: int, file: str) -> None:
     """Refuse a file with more columns than any log has."""
     if count > MOST_COLUMNS:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{count} columns, more than {MOST_COLUMNS}", where=file, remedy="write the columns of one leg's joints"
         )

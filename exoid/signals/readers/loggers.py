@@ -18,18 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 from .options import ReadRequest
 from .table import ArrayTable, Table
 from .text import TextTable
-
-DEPHY_COUNTS = 16384
-"""Counts of the encoders of an ActPack in one revolution, of motor and joint."""
-
-MILLISECOND = MILLIAMPERE = 1e-3
-
-REVOLUTION = 2.0 * math.pi
 
 
 @dataclass(frozen=True)
@@ -56,11 +49,11 @@ LOGGERS = {
     for logger in (
         Logger(
             "dephy",
-            ("state_time", MILLISECOND),
+            ("state_time", 1e-3),
             {
-                "q": ("ank_ang", REVOLUTION / DEPHY_COUNTS),
-                "qm": ("mot_ang", REVOLUTION / DEPHY_COUNTS),
-                "i": ("mot_cur", MILLIAMPERE),
+                "q": ("ank_ang", 2.0 * math.pi / 16384),
+                "qm": ("mot_ang", 2.0 * math.pi / 16384),
+                "i": ("mot_cur", 1e-3),
                 "temp": ("temperature", 1.0),
             },
             frozenset({"state_time", "mot_ang", "mot_cur", "ank_ang"}),
@@ -69,8 +62,8 @@ LOGGERS = {
             "moteus",
             ("time", 1.0),
             {
-                "q": ("POSITION", REVOLUTION),
-                "v": ("VELOCITY", REVOLUTION),
+                "q": ("POSITION", 2.0 * math.pi),
+                "v": ("VELOCITY", 2.0 * math.pi),
                 "tau": ("TORQUE", 1.0),
                 "i": ("Q_CURRENT", 1.0),
                 "temp": ("MOTOR_TEMPERATURE", 1.0),
@@ -89,7 +82,9 @@ def logger_of(text: str) -> tuple[Logger, str | None]:
     """Read ``NAME`` or ``NAME:JOINT``."""
     name, _, joint = text.partition(":")
     if name not in LOGGERS:
-        raise ExoidError(f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee")
+        raise UnreadableInputError(
+            f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee"
+        )
     return LOGGERS[name], joint.strip() or None
 
 
@@ -104,7 +99,7 @@ def in_si(table: Table, request: ReadRequest) -> Table:
         return table
     missing = sorted(logger.marks - set(table.header))
     if missing:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"no column {', '.join(missing)} of the format {logger.name!r}",
             where=table.file,
             remedy="leave out the format, and map the columns",
@@ -118,7 +113,7 @@ def _recognised(table: Table) -> Logger | None:
     found = [each for each in LOGGERS.values() if each.marks <= set(table.header)]
     if len(found) > 1:
         names = " or ".join(each.name for each in found)
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the header is that of {names}",
             where=table.file,
             remedy=f'name one, with the joint: format="{found[0].name}:ankle"',
@@ -134,7 +129,7 @@ def _joint(table: Table, logger: Logger, named: str | None, request: ReadRequest
         return named
     if requested is not None and not isinstance(requested, str) and len(requested) == 1:
         return requested[0]
-    raise ExoidError(
+    raise UnreadableInputError(
         f"a log of one actuator ({logger.name}) whose joint is not named",
         where=table.file,
         remedy=f'name the joint: format="{logger.name}:knee"',
@@ -160,7 +155,7 @@ def read_with_format(table: Table, request: ReadRequest) -> Table:
     if isinstance(table, TextTable):
         return in_si(table, request)
     if request.get("format") is not None:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the format {request['format']!r} is that of a text file",
             where=table.file,
             remedy="leave it out: this file says what it is",

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
 from exoid.tools.reader_process.reading import reading
@@ -20,9 +20,6 @@ from .options import ReadRequest, as_json
 from .table import ArrayTable, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
-
-DEEPEST = 20
-"""Largest nesting of structs."""
 
 
 def read_mat(file: str, request: ReadRequest) -> ArrayTable:
@@ -48,8 +45,8 @@ def mat_columns(file: str, request: ReadRequest) -> Content:
 
 def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
     """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
-    if depth > DEEPEST:
-        raise ExoidError(f"structs are nested more than {DEEPEST} deep", where=file, remedy=REMEDY)
+    if depth > 20:
+        raise UnreadableInputError("structs are nested more than 20 deep", where=file, remedy=REMEDY)
     found: dict[str, NDArray[Any]] = {}
     for name, value in variables.items():
         if isinstance(value, dict):

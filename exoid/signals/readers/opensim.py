@@ -7,13 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 from .bounds import refuse_columns
 from .options import ReadRequest
 from .text import TextTable, read_text, refuse_repeated, split_lines
-
-END = "endheader"
 
 ROWS, COLUMNS = ("nrows", "datarows"), ("ncolumns", "datacolumns")
 """Entries of the header that state the size, of OpenSim and of SIMM."""
@@ -27,10 +25,6 @@ TRANSLATIONS = ("_tx", "_ty", "_tz")
 SENTENCE = re.compile(r"angles are in (degrees|radians)", re.IGNORECASE)
 """What older files say instead of ``inDegrees``."""
 
-ANSWERS = {"yes": True, "no": False, "true": True, "false": False, "1": True, "0": False}
-
-REMEDY = "write the file again, or correct its header"
-
 
 def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
     """Read a motion or storage file of OpenSim, or of SIMM."""
@@ -39,9 +33,9 @@ def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
     # or spaces.
     text, source = read_text(file)
     content, _ = split_lines(text, file)
-    end = next((k for k, (_, line) in enumerate(content) if line.strip().lower() == END), None)
+    end = next((k for k, (_, line) in enumerate(content) if line.strip().lower() == "endheader"), None)
     if end is None or end + 1 == len(content):
-        raise ExoidError(
+        raise UnreadableInputError(
             "no line 'endheader'" if end is None else "nothing follows 'endheader'",
             where=file,
             remedy="check that the file is complete, and OpenSim's; name other logs .csv",
@@ -74,16 +68,22 @@ def _header_entries(lines: Sequence[str], file: str) -> tuple[dict[str, str], bo
         elif entry is not None:
             name, value = entry.group(1).lower(), entry.group(2)
             if name == "indegrees":
-                if value.lower() not in ANSWERS:
-                    raise ExoidError(
+                if value.lower() not in ("yes", "no", "true", "false", "1", "0"):
+                    raise UnreadableInputError(
                         f"inDegrees is {value!r}", where=file, remedy="write inDegrees=yes or inDegrees=no"
                     )
-                said.add(ANSWERS[value.lower()])
+                said.add(value.lower() in ("yes", "true", "1"))
             elif entries.setdefault(name, value) != value and name in ROWS + COLUMNS:
-                raise ExoidError(f"the header states {entry.group(1)} twice", where=file, remedy=REMEDY)
+                raise UnreadableInputError(
+                    f"the header states {entry.group(1)} twice",
+                    where=file,
+                    remedy="write the file again, or correct its header",
+                )
     if len(said) > 1:
-        raise ExoidError(
-            "the header says both that angles are in degrees and that they are in radians", where=file, remedy=REMEDY
+        raise UnreadableInputError(
+            "the header says both that angles are in degrees and that they are in radians",
+            where=file,
+            remedy="write the file again, or correct its header",
         )
     return entries, True in said
 
@@ -93,7 +93,7 @@ def _refuse_other_size(entries: dict[str, str], names: Sequence[str], size: int,
     for name in names:
         stated = entries.get(name)
         if stated is not None and not (stated.isdecimal() and stated.lstrip("0") == str(size).lstrip("0")):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"the header states {name} {stated[:20]!r}, but {size} {what}",
                 where=file,
                 remedy="check that the file is complete, and correct its header if it is",

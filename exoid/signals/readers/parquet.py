@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
 from exoid.tools.reader_process.reading import reading
@@ -45,7 +45,9 @@ class ParquetTable:
             arrays = read_in_child(parquet_columns, self.file, names=list(columns)).arrays
             table = np.column_stack([arrays[name] for name in columns])
         if len(table) != self.length:
-            raise ExoidError(f"{len(table)} rows, but {self.length} before", where=self.file, remedy="read it again")
+            raise UnreadableInputError(
+                f"{len(table)} rows, but {self.length} before", where=self.file, remedy="read it again"
+            )
         return table
 
 
@@ -84,5 +86,7 @@ def _column(series: Any, where: str) -> FloatArray:  # noqa: ANN401 - a polars.S
     if series.dtype.is_decimal() or series.dtype == polars.Boolean:
         series = series.cast(polars.Float64)
     if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
-        raise ExoidError(f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
+        raise UnreadableInputError(
+            f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units"
+        )
     return as_column(series.to_numpy(), where)

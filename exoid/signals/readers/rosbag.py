@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.source import Source
 from exoid.tools.reader_process import Content, most_memory, read_in_child, refuse_expansion, size_on_disk
@@ -63,7 +63,7 @@ def bag_columns(file: str, request: ReadRequest) -> Content:
 def _columns(file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
     messages = list(_messages(Path(file), file, request))
     if not messages:
-        raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
+        raise UnreadableInputError("no joint states in the topic", where=file, remedy="choose another topic")
     joints, messages = _common_joints(messages, file, request)
     numbers = np.array([message.number for message in messages])
     columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, file, request)}
@@ -104,14 +104,14 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
     fit = [topic for topic, kind in kinds.items() if kind == JOINT_STATE]
     listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(kinds.items())[:20]) or "no topics"
     if asked is not None and asked not in fit:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"no topic {asked!r} of {JOINT_STATE}; the bag has: {listed}", where=file, remedy="name one of those"
         )
     if asked is None and len(fit) != 1:
         what = f"{len(fit)} topics of joint states: {', '.join(fit)}" if fit else f"no joint states, but: {listed}"
         record = f"record a topic of {JOINT_STATE}"
         remedy, command = ('choose with topic="..." (--topic)', "choose with --topic") if fit else (record, record)
-        raise ExoidError(what, where=file, remedy=remedy, command=command)
+        raise UnreadableInputError(what, where=file, remedy=remedy, command=command)
     return asked if asked is not None else fit[0]
 
 
@@ -120,7 +120,7 @@ def _common_joints(messages: list[_Message], file: str, request: ReadRequest) ->
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
         if len(set(joints)) < len(joints):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"a joint is named twice: {', '.join(joints)}",
                 where=f"{file}, message {number}",
                 remedy="correct the publisher",
@@ -128,7 +128,7 @@ def _common_joints(messages: list[_Message], file: str, request: ReadRequest) ->
     if request["joint_names"] is None:
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"messages hold different joints: {found[:300]}",
                 where=file,
                 remedy="choose some with joint_names",
@@ -145,7 +145,7 @@ def _common_joints(messages: list[_Message], file: str, request: ReadRequest) ->
     for message in kept:
         missing = [joint for joint in joints if joint not in message.joints]
         if missing:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"no {', '.join(missing)} beside {', '.join(message.joints)}",
                 where=f"{file}, message {message.number}",
                 remedy="choose joints that one publisher sends together",
@@ -157,7 +157,7 @@ def _seconds(messages: Sequence[_Message], file: str, request: ReadRequest) -> F
     """Time since the first message [s]."""
     stamps = np.array([message.stamp for message in messages], dtype=np.int64)
     if request["stamps"] == "header" and not stamps.any():
-        raise ExoidError(
+        raise UnreadableInputError(
             "the headers have no time stamps",
             where=file,
             remedy='pass stamps="received" (--received) to take the time at which the bag received each message',
@@ -173,7 +173,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
         return None
     if not given.all():
         number = messages[int((~given).argmax())].number
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{field} is empty, but not in all messages",
             where=f"{file}, message {number}",
             remedy="choose a topic that always has it",
@@ -183,7 +183,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
     for row, message in enumerate(messages):
         values = getattr(message, field)
         if len(values) != len(message.joints):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"{len(values)} values of {field} for {len(message.joints)} joints",
                 where=f"{file}, message {message.number}",
                 remedy="correct the publisher",
