@@ -31,9 +31,9 @@ for line in sys.stdin.read().splitlines():
     if sys.argv[1] == "view":  # there is no browser to open, and no one to press Ctrl-C
         import webbrowser
 
-        import exoid
+        from exoid.view.scenes.server import SceneServer
 
-        webbrowser.open, exoid.view.SceneServer.wait = lambda url: True, lambda server: None
+        webbrowser.open, SceneServer.wait = lambda url: True, lambda server: None
     try:
         main()
     except SystemExit as stop:

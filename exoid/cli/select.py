@@ -45,9 +45,9 @@ def select(
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+    """Select friction of each joint, filter and estimator for LEG by blocked cross-validation inside the LOGs.
 
-    Example: exoid select bleex bleex_swing:train --friction coulomb
+    Example: exoid select bleex bleex_swing:train -o est.json
     """
     refuse_unknown_leg(leg)
     check_outputs({"--output": output}, [leg, *logs, test])

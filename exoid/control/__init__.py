@@ -22,7 +22,6 @@ from .limited import Limited
 from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel, default_gains
-from .motion_filter import MotionFilter
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
 from .replay import LawReplay, replay_law
@@ -48,7 +47,6 @@ __all__ = [
     "LawReplay",
     "Limited",
     "MomentumObserver",
-    "MotionFilter",
     "PassiveFriction",
     "SensorNoise",
     "SideBySide",

@@ -98,7 +98,9 @@ class Admittance:
             per_joint(getattr(self, name), name, n) for name in ("mass", "damping", "stiffness", "frequency", "reach")
         )
         return describe(
-            self,
+            self.model,
+            self.friction,
+            self.rate,
             dialect,
             equation="m x'' + D x' + K x = interaction; tau = M(q) (a_d + x'' + 2 omega (v_d + x' - v) + "
             "omega^2 (q_d + x - q)) + C(q, v) v + G(q) + springs(q){friction} - interaction",

@@ -82,7 +82,9 @@ class AssistAsNeeded:
         )
         kept = float(np.exp(-1.0 / (self.rate * self.forgetting)))
         return describe(
-            self,
+            self.model,
+            self.friction,
+            self.rate,
             dialect,
             equation="tau = G(q) + springs(q){friction} + K e' + w D (v_d - v) + learnt, "
             "e' the error beyond the tunnel",

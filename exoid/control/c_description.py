@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Protocol
 
 import numpy as np
 
@@ -20,24 +19,10 @@ from .friction import Friction
 from .model import ControlModel, default_gains
 
 
-class ModelLaw(Protocol):
-    """A law that compensates what a model says."""
-
-    @property
-    def model(self) -> ControlModel:
-        """Model of the leg."""
-
-    @property
-    def friction(self) -> Friction | None:
-        """Friction compensation."""
-
-    @property
-    def rate(self) -> float:
-        """Sampling rate [Hz]."""
-
-
 def describe(
-    law: ModelLaw,
+    model: ControlModel,
+    friction: Friction | None,
+    rate: float,
     dialect: Dialect,
     *,
     equation: str,
@@ -50,25 +35,24 @@ def describe(
     damping: FloatArray | None = None,
     measured: str = "in->v",
 ) -> LawInC:
-    """Describe a law: numbers and comment by name of a table, comment of the memory, which begins with zero.
+    """Describe a law with a model: numbers and comment of each table, comment of the memory, which begins with zero.
 
     ``{friction}`` stands in the equation, and ``{{friction}}`` in the step, where friction is compensated, at the
     velocity ``measured``. The default damping of the safe torque is the default Kd of controllers, at the zero pose.
     """
     none = "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = {{number(0)}};\n    }"
-    statements, words = (none, "") if law.friction is None else law.friction.in_c(measured)
-    n = law.model.n
+    statements, words = (none, "") if friction is None else friction.in_c(measured)
     return LawInC(
-        law.model.leg.joint_names,
+        model.leg.joint_names,
         equation.replace("{friction}", words),
         step.replace("{{friction}}", statements),
-        law.rate,
-        default_gains(law.model, np.zeros(n))[1] if damping is None else damping,
+        rate,
+        default_gains(model, np.zeros(model.n))[1] if damping is None else damping,
         inputs,
         tuple(ArrayInC(name, what, np.array(values, dtype=np.float64)) for name, (values, what) in tables.items()),
-        tuple(ArrayInC(name, what, np.zeros(n)) for name, what in (memory or {}).items()),
+        tuple(ArrayInC(name, what, np.zeros(model.n)) for name, what in (memory or {}).items()),
         begin,
-        leg=leg_in_c(law.model, calls, law.friction, dialect),
+        leg=leg_in_c(model, calls, friction, dialect),
     )
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from math import gcd
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.rig import (
     Actuator,
@@ -29,17 +30,26 @@ from .law import State
 from .stateful import AnyLaw, Memory, name_of, stateful
 from .tracking import Tracking, tracking_of
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 LONGEST_STEP = 5e-4
 """Longest step of the plant [s]."""
 
-SHORTEST_STEP = 2e-5
-"""Shortest step of the plant [s]; rates that need a shorter one are refused."""
-
-MOST_SAMPLES = 10**7
-"""Largest number of samples of a run: a day at 100 Hz."""
-
 LOG_RATE = 100.0
 """Rate of the log [Hz], unless the controller is faster."""
+
+
+class SimulationOptions(TypedDict, total=False):
+    """Options of a run, of one rig or of many; see :func:`simulate_many`."""
+
+    sensors: Sensors | None
+    actuator: Actuator | None
+    settle: float
+    log_rate: float | None
+    seed: int | np.random.Generator
+    wearer: Wearer | None
+    progress: Callable[[float], None] | None
 
 
 def simulate(
@@ -48,15 +58,9 @@ def simulate(
     reference: Reference,
     duration: float,
     *,
-    sensors: Sensors | None = None,
-    actuator: Actuator | None = None,
     start: ArrayLike | None = None,
-    settle: float = 0.0,
-    log_rate: float | None = None,
-    seed: int | np.random.Generator = 0,
     name: str | None = None,
-    wearer: Wearer | None = None,
-    progress: Callable[[float], None] | None = None,
+    **options: Unpack[SimulationOptions],
 ) -> Tracking:
     """Simulate one rig that follows a reference under a controller.
 
@@ -65,16 +69,10 @@ def simulate(
         law: Controller with or without memory, sampled at its rate; its torque is held in between.
         reference: Reference to follow.
         duration: Duration [s].
-        sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
-        actuator: Actuator between commanded and joint torque; None for an ideal one.
         start: Initial angles, at rest [rad], (n,); None to begin on the reference, with its velocity.
-        settle: Time at the beginning that the metrics leave out [s].
-        log_rate: Rate of the log [Hz]; None for 100, or the controller's rate if that is higher.
-        seed: Seed of the sensor noise.
         name: Name of the controller in tables; None for its class.
-        wearer: Wearer of the leg; None for nobody. The controller receives the torque of the wearer as
-            ``state.interaction``.
-        progress: Function that receives the completed share, 0 to 1.
+        **options: ``sensors``, ``actuator``, ``settle``, ``log_rate``, ``seed``, ``wearer`` and ``progress`` of
+            :func:`simulate_many`.
 
     Returns:
         Motion, torque and log, with their metrics.
@@ -84,23 +82,10 @@ def simulate(
             not fit, the wearer does not fit, or the run diverges.
     """
     if plant.count != 1:
-        raise ExoidError(f"a plant of {plant.count} rigs", remedy="use simulate_many, or plant.take([k])")
+        raise BadArgumentError(f"a plant of {plant.count} rigs", remedy="use simulate_many, or plant.take([k])")
     beginning = None if start is None else np.asarray(start, dtype=np.float64).reshape(-1, 1)
-    return simulate_many(
-        plant,
-        law,
-        reference,
-        duration,
-        sensors=sensors,
-        actuator=actuator,
-        start=beginning,
-        settle=settle,
-        log_rate=log_rate,
-        seed=seed,
-        names=None if name is None else (name,),
-        wearer=wearer,
-        progress=progress,
-    )[0]
+    names = None if name is None else (name,)
+    return simulate_many(plant, law, reference, duration, start=beginning, names=names, **options)[0]
 
 
 def simulate_many(
@@ -126,14 +111,15 @@ def simulate_many(
         law: Controller of all rigs; :class:`SideBySide` for one controller for each.
         reference: Reference of B rigs, or of one, which all follow.
         duration: Duration [s].
-        sensors: See :func:`simulate`.
-        actuator: See :func:`simulate`.
+        sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
+        actuator: Actuator between commanded and joint torque; None for an ideal one.
         start: Initial angles, at rest [rad], (n, B) or (n, 1).
         settle: Time at the beginning that the metrics leave out [s].
-        log_rate: Rate of the log [Hz].
+        log_rate: Rate of the log [Hz]; None for 100, or the controller's rate if that is higher.
         seed: Seed of the sensor noise.
         names: Names of the controllers, one for each rig.
-        wearer: See :func:`simulate`; every rig has one.
+        wearer: Wearer of each leg; None for nobody. The controller receives the torque of the wearer as
+            ``state.interaction``.
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -143,12 +129,15 @@ def simulate_many(
         ExoidError: See :func:`simulate`; or the number of names is not that of the rigs.
     """
     if names is not None and len(names) != plant.count:
-        raise ExoidError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
+        raise BadArgumentError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
     if not 0.0 <= settle < duration:
-        raise ExoidError(f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles")
-    if duration * max(law.rate, LOG_RATE) > MOST_SAMPLES:
-        raise ExoidError(
-            f"a run of {duration:g} s is longer than {MOST_SAMPLES:.0e} samples", remedy="simulate a shorter one"
+        raise BadArgumentError(
+            f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles"
+        )
+    most = 10**7  # samples: a day at 100 Hz
+    if duration * max(law.rate, LOG_RATE) > most:
+        raise BadArgumentError(
+            f"a run of {duration:g} s is longer than {most:.0e} samples", remedy="simulate a shorter one"
         )
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
@@ -174,14 +163,15 @@ def simulate_many(
 def plant_step(control: float, log: float) -> float:
     """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log."""
     if not (0.0 < control < np.inf and 0.0 < log < np.inf):
-        raise ExoidError(f"rates of {control:g} and {log:g} Hz", remedy="give positive rates in Hz")
+        raise BadArgumentError(f"rates of {control:g} and {log:g} Hz", remedy="give positive rates in Hz")
     periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]
     scale = periods[0].denominator * periods[1].denominator // gcd(periods[0].denominator, periods[1].denominator)
     common = Fraction(gcd(*(int(period * scale) for period in periods)), scale)
     step = float(common / -(-common // Fraction(LONGEST_STEP).limit_denominator(100_000)))
-    if step < SHORTEST_STEP:
-        raise ExoidError(
-            f"rates of {control:g} and {log:g} Hz have no common step above {SHORTEST_STEP:g} s",
+    shortest = 2e-5  # [s]; shorter ones would take minutes
+    if step < shortest:
+        raise BadArgumentError(
+            f"rates of {control:g} and {log:g} Hz have no common step above {shortest:g} s",
             remedy="choose a log rate that is a multiple of the controller's",
         )
     return step

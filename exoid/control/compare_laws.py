@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Plant, Reference, Sensors
 
 from .closed_loop import simulate_many
@@ -45,7 +45,7 @@ def compare_laws(
     plants = dict.fromkeys(laws, plant) if isinstance(plant, Plant) else plant
     missing = [name for name in laws if name not in plants]
     if missing or not laws:
-        raise ExoidError(
+        raise BadArgumentError(
             f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
         )
     groups: dict[float, list[str]] = {}

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 RATE = 100.0
@@ -64,7 +64,7 @@ def gains(value: ArrayLike, name: str) -> FloatArray:
     """Check gains."""
     array = np.array(value, dtype=np.float64)
     if array.ndim > 2 or not np.isfinite(array).all() or (array < 0.0).any():
-        raise ExoidError(f"{name} = {value!r}", remedy="give finite gains ≥ 0, one number or one for each joint")
+        raise BadArgumentError(f"{name} = {value!r}", remedy="give finite gains ≥ 0, one number or one for each joint")
     array.flags.writeable = False
     return array
 
@@ -78,13 +78,13 @@ def freeze_gains(law: object, *names: str) -> None:
 def refuse_rate(rate: float) -> None:
     """Refuse a rate that is not positive and finite."""
     if not 0.0 < rate < np.inf:
-        raise ExoidError(f"a controller at {rate:g} Hz", remedy="give a positive rate in Hz")
+        raise BadArgumentError(f"a controller at {rate:g} Hz", remedy="give a positive rate in Hz")
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
     """Turn one value for each joint into a column if the state has columns."""
     if values.ndim > 0 and values.shape[0] != like.shape[0]:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one for each joint"
         )
     return values[:, None] if values.ndim == 1 and like.ndim == 2 else values
@@ -93,7 +93,7 @@ def spread(values: FloatArray, like: FloatArray) -> FloatArray:
 def acceleration(target: Target) -> FloatArray:
     """Take the acceleration of a target."""
     if target.a is None:
-        raise ExoidError(
+        raise BadArgumentError(
             "the reference has no acceleration, which this controller needs",
             remedy="give Target(q, v, a), or use a controller that needs none, such as gravity_friction_pd",
         )

@@ -101,7 +101,9 @@ class LQR:
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C: the gain is that of the nearest instant of the period."""
         return describe(
-            self,
+            self.model,
+            self.friction,
+            self.rate,
             dialect,
             equation="tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} "
             "+ K(t) (x_d - x), x = (q, v)",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Reference
 
 INSTANTS = 64
@@ -31,8 +31,8 @@ def mean_pose(reference: Reference, period: float) -> FloatArray:
 def poses_along(reference: Reference, period: float) -> FloatArray:
     """Take angles of a reference at :data:`INSTANTS` equally spaced instants."""
     if not 0.0 < period < np.inf:
-        raise ExoidError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")
+        raise BadArgumentError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")
     angles = [np.asarray(reference.at(period * k / INSTANTS).q) for k in range(INSTANTS)]
     if angles[0].ndim != 2 or angles[0].shape[1] != 1:
-        raise ExoidError(f"a reference of shape {angles[0].shape}", remedy="give that of one leg, (n, 1)")
+        raise BadArgumentError(f"a reference of shape {angles[0].shape}", remedy="give that of one leg, (n, 1)")
     return np.array(angles)[:, :, 0]

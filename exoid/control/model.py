@@ -21,9 +21,6 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueMode
 from .law import spread
 from .other_term import OtherTerm
 
-PLAIN: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
-"""Terms with one coefficient for each joint."""
-
 
 @dataclass(frozen=True, eq=False)
 class ControlModel:
@@ -92,7 +89,30 @@ class ControlModel:
         Returns:
             The model.
         """
-        return _of_parameters(model.loaded_by(parameters), parameters)
+        model = model.loaded_by(parameters)
+        leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
+        values = dict(zip(model.names, parameters.tolist(), strict=True))
+        n = len(leg.joint_names)
+        degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
+        plain: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
+        spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
+        others = []
+        for term in model.terms:
+            for joints in term.places(leg.joint_names, leg.joint_labels):
+                label, joint = term.label(joints, leg.joint_labels), joints[0]
+                # a regrouped parameter is part of another one
+                found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
+                kind = type(term)
+                if type(term) is Stiffness:  # a subclass may compute something else
+                    spring[degree - term.degree :, joint] += found
+                elif kind is Offset:
+                    spring[-1, joint] += found[0]
+                elif kind in plain and len(term.symbols) == 1:
+                    rest[plain.index(kind), joint] += found[0]
+                else:
+                    others.append(OtherTerm.of(term, joints, found, n))
+        coulomb, viscous, armature = rest
+        return cls(leg, spring, coulomb, viscous, armature, tuple(others))
 
     def plant(self, *, end_stops: bool = True) -> Plant:
         """Build the rig that this model describes. A rig cannot have negative friction, which becomes zero.
@@ -317,28 +337,3 @@ def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, Fl
 
 ModelSource = Estimate | Leg | Plant | ControlModel
 """Source of a controller's model: an estimate, a leg (bodies only), or a plant of one rig (its true parameters)."""
-
-
-def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
-    leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
-    values = dict(zip(model.names, parameters.tolist(), strict=True))
-    n = len(leg.joint_names)
-    degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
-    spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
-    others = []
-    for term in model.terms:
-        for joints in term.places(leg.joint_names, leg.joint_labels):
-            label, joint = term.label(joints, leg.joint_labels), joints[0]
-            # a regrouped parameter is part of another one
-            found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
-            kind = type(term)
-            if type(term) is Stiffness:  # a subclass may compute something else
-                spring[degree - term.degree :, joint] += found
-            elif kind is Offset:
-                spring[-1, joint] += found[0]
-            elif kind in PLAIN and len(term.symbols) == 1:
-                rest[PLAIN.index(kind), joint] += found[0]
-            else:
-                others.append(OtherTerm.of(term, joints, found, n))
-    coulomb, viscous, armature = rest
-    return ControlModel(leg, spring, coulomb, viscous, armature, tuple(others))

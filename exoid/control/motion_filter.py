@@ -70,29 +70,12 @@ class MotionFilter:
         return 2.0 / self.pole
 
     def begin(self, q: FloatArray, v: FloatArray) -> FilteredMotion:
-        """Begin as if the leg had moved with constant velocity until the first sample.
-
-        Args:
-            q: Measured angles at the first sample [rad], (n,) or (n, B).
-            v: Measured velocities [rad/s], likewise.
-
-        Returns:
-            Memory before the first sample.
-        """
+        """Begin as if the leg had moved with constant velocity until the first sample."""
         before = q - v / self.rate
         return FilteredMotion(before - self.delay * v, v, v, np.zeros_like(v), before, v)
 
     def step(self, motion: FilteredMotion, q: FloatArray, v: FloatArray) -> FilteredMotion:
-        """Filter a sample.
-
-        Args:
-            motion: Memory from the previous sample, or from :meth:`begin`.
-            q: Measured angles [rad], (n,) or (n, B).
-            v: Measured velocities [rad/s], likewise.
-
-        Returns:
-            Filtered motion, the memory for the next sample.
-        """
+        """Filter a sample."""
         angles = self._channel(motion.q, motion.rate, motion.q_read, q)
         return FilteredMotion(*angles, *self._channel(motion.v, motion.a, motion.v_read, v), q, v)
 

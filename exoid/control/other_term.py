@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.torques import Term
 from exoid.torques.term import LoadedMotion, TermBlock, random_motion
 
@@ -27,7 +27,7 @@ class OtherTerm(NamedTuple):
     def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, n: int) -> OtherTerm:
         """Make it, and find out whether it depends on accelerations."""
         if term.needs_temperature:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"{type(term).__name__} ({', '.join(term.symbols)}) depends on temperature, which a "
                 "controller does not measure",
                 remedy="identify without it from recordings at the temperature of use",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments import follow_log
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
@@ -181,7 +181,7 @@ def replay_law(
     where = recording.source.name if recording.source else ""
     refuse_gaps(recording.time, SourceLocation(where))
     if recording.sample_rate < 0.99 * law.rate:
-        raise ExoidError(
+        raise BadArgumentError(
             f"a log of {recording.sample_rate:.4g} Hz for a controller at {law.rate:g} Hz",
             where=where,
             remedy="record faster, or make the controller with the rate of the log",
@@ -194,7 +194,9 @@ def replay_law(
         / law.rate
     )
     if len(times) < 2:
-        raise ExoidError(f"a log of {elapsed[-1]:g} s is too short", where=where, remedy="give one of several seconds")
+        raise BadArgumentError(
+            f"a log of {elapsed[-1]:g} s is too short", where=where, remedy="give one of several seconds"
+        )
     q = _sampled(recording.q, elapsed, times)
     if recording.v is not None:
         v = _sampled(recording.v, elapsed, times)
@@ -222,12 +224,12 @@ def _commanded(
     for k, time in enumerate(times.tolist()):
         aim = Target(*(None if x is None else x[:, 0] for x in reference.at(time)))  # type: ignore[arg-type]
         if aim.q.shape != q[k].shape:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a reference of {len(aim.q)} joints for {q.shape[1]} joints", where=where, remedy="select the joints"
             )
         torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
         if torque.shape != q[k].shape or not np.isfinite(torque).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the controller commands {torque} N·m at {time:g} s",
                 where=where,
                 remedy="check that it is for the joints of the log, and that its parameters are finite",

@@ -87,7 +87,9 @@ class SensitivityAmplification:
         """Describe the law in C; it has no reference."""
         share = per_joint(self.share, "amplification", self.model.n)
         return describe(
-            self,
+            self.model,
+            self.friction,
+            self.rate,
             dialect,
             equation="tau = G(q) + springs(q) + (1 - 1/alpha) (M a + C v{friction}) at filtered angles, velocities and "
             "accelerations",

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 from .law import State
@@ -31,7 +31,7 @@ class SideBySide:
     def __post_init__(self) -> None:
         """Check the rates."""
         if len({law.rate for law in self.laws}) != 1:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"controllers of rates {sorted({law.rate for law in self.laws})} Hz side by side",
                 remedy="give controllers of one rate, and run others separately",
             )
@@ -99,7 +99,7 @@ class SideBySide:
         """State of each rig."""
         q, v = np.atleast_2d(state.q.T), np.atleast_2d(state.v.T)
         if len(q) != len(self.laws):
-            raise ExoidError(f"{len(self.laws)} controllers for {len(q)} rigs", remedy="give one for each rig")
+            raise BadArgumentError(f"{len(self.laws)} controllers for {len(q)} rigs", remedy="give one for each rig")
         rest = [len(q) * [None] if x is None else np.atleast_2d(x.T) for x in (state.last, state.interaction)]
         return [State(q[k], v[k], state.time, *(x[k] for x in rest)) for k in range(len(q))]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 from .law import Law, State
@@ -104,7 +104,7 @@ def stateful(law: AnyLaw) -> StatefulLaw:
     if isinstance(law, StatefulLaw):
         return law
     if not callable(getattr(law, "torque", None)):
-        raise ExoidError(
+        raise BadArgumentError(
             f"{type(law).__name__} is no controller", remedy="give an object with rate and torque, or begin and step"
         )
     return Memoryless(law)
@@ -118,7 +118,7 @@ def name_of(law: AnyLaw) -> str:
 def torque_without_memory(law: AnyLaw, state: State, target: Target) -> FloatArray:
     """Compute the torque of a controller that must not have memory."""
     if not callable(getattr(law, "torque", None)):
-        raise ExoidError(
+        raise BadArgumentError(
             f"{type(law).__name__} has memory, which torque() cannot keep",
             remedy="call begin(state) once, then torque, memory = step(memory, state, target) at each sample",
         )

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Payload, Plant, Reference, Sensors, plant_with_payloads
 
 from .compare_laws import compare_laws
@@ -64,7 +64,7 @@ def track(
         >>> runs = track(est, 22.0, 2.2, healthy_gait(), 10.0, friction=1.5)  # doctest: +SKIP
     """
     if periods < 1 + (settle is None) or not 0.0 <= friction < np.inf:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{periods} periods, {friction:g} times the friction",
             remedy="give two periods or more, with friction ≥ 0",
         )

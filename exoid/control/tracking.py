@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
 from exoid.tools.json_values import attributes
@@ -102,7 +102,7 @@ class Tracking:
             ExoidError: Nobody wears the leg.
         """
         if self.interaction is None:
-            raise ExoidError("nobody wears this leg", remedy="simulate it with wearer=")
+            raise BadArgumentError("nobody wears this leg", remedy="simulate it with wearer=")
         return _rms(self._settled(self.interaction))
 
     def commands(self, actuators: Actuators) -> FloatArray:

@@ -179,7 +179,9 @@ class TrackingLaw:
             joints = tuple(f"joint {k}" for k in range(n))
             return LawInC(joints, kind.equation, step, self.rate, kd, kind.inputs, arrays)
         return describe(
-            self,
+            self.model,
+            self.friction,
+            self.rate,
             dialect,
             equation=kind.equation,
             step=step,

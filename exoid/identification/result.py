@@ -39,7 +39,7 @@ from exoid.torques.contacts.support_model import LOOP
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
 from .estimators import Estimator, name_of
-from .findings import Checkup
+from .findings.checkup import Checkup
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
 from .sole_compliance import SoleCompliance

@@ -3,13 +3,12 @@
 from .interaction import plot_interaction
 from .parameters import plot_correlation, plot_parameters
 from .residuals import plot_prediction, plot_residual_trend
-from .scenes import Scene, SceneServer, scene
+from .scenes import Scene, scene
 from .style import paper
 from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors
 
 __all__ = [
     "Scene",
-    "SceneServer",
     "paper",
     "plot_correlation",
     "plot_interaction",

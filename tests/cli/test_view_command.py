@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import exoid
 from exoid.cli import app, main
-from exoid.view import SceneServer
+from exoid.view.scenes.server import SceneServer
 
 
 @pytest.fixture(scope="module")

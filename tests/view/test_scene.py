@@ -18,7 +18,7 @@ from exoid import ExoidError, Leg, Recording, TorsoMotion
 from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
-from exoid.view.scenes.inertias import STEEL
+from exoid.view.scenes.leg_geometry import STEEL
 
 RNG = np.random.default_rng(6)
 TIME = np.arange(90) / 60.0

@@ -314,7 +314,7 @@ def _of_recording(
     phase = find_phase(even, strides)
     findings = [
         *shifted_torques(estimate, name),
-        *channel_findings(recording, {}, name),
+        *(replace(one, recording=name) for one in channel_findings(recording)),
         *([] if found.ranges is None else extrapolations(estimate, found.ranges, name)),
         *unmeasured_torques(estimate, measured, name),
         *too_few_samples(estimate, evidence, name),

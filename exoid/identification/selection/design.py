@@ -69,7 +69,7 @@ def form_design(
     parts: list[Design] = []
     for index, full in enumerate(prepared):
         each = full._replace(rows=full.rows[(len(full.rows) - 1) % step // 2 :: step])
-        motion: Motion = each.motion
+        motion = each.motion
         needed = {(j, column.term.internal_state) for j, of_joint in enumerate(library) for column in of_joint}
         states = {(j, state): state.states(motion.q[:, j], motion.v[:, j]) for j, state in needed if state is not None}
         for stretch in each.stretches():
@@ -144,4 +144,4 @@ def _friction_column(
     of_joint = JointMotion(motion.q[:, joint], motion.v[:, joint], motion.a[:, joint], load, state)
     both = np.zeros((len(term.symbols), len(load)))
     term.fill(of_joint, both)
-    return both[term.symbols.index(column.symbol)]
+    return np.asarray(both[term.symbols.index(column.symbol)])

@@ -2,6 +2,5 @@
 
 from .build_scene import scene
 from .scene import Scene
-from .server import SceneServer
 
-__all__ = ["Scene", "SceneServer", "scene"]
+__all__ = ["Scene", "scene"]

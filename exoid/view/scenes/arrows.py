@@ -1,16 +1,24 @@
-"""Arrows: straight ones for weights, circular ones around joint axes for torques."""
+"""Arrows: straight ones for weights, circular ones around joint axes for torques of actuators and of the wearer."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.wearer import Interaction
+from exoid.view.colours import WEARER, WEIGHT
 
+from .commands import Drawing, Layer, child_path, moving, set_object, set_transform
+from .leg_geometry import LegGeometry
+from .replay import LegTrajectory, Replay, at_frames
 from .transforms import align_z, homogeneous
 from .visual import Material, Visual, cylinder, torus
 
 ARC = np.deg2rad(250.0)
 """Angle that a circular arrow spans [rad]."""
+
+WEIGHT_LENGTH, TORQUE_RADIUS, THICKNESS = 0.3, 0.17, 0.011
+"""Length of the heaviest body's arrow, radius of the largest torque's, and thickness, over the reach of the leg."""
 
 SMALLEST_SCALE = 1e-3
 """Scale of an arrow of zero torque: a scale of 0 has no inverse."""
@@ -45,3 +53,61 @@ def torque_scale(torque: FloatArray, largest: float) -> FloatArray:
     size = np.sqrt(np.abs(torque) / largest) if largest > 0.0 else np.zeros_like(torque)
     size = np.maximum(size, SMALLEST_SCALE)
     return np.column_stack([size, np.where(torque < 0.0, -size, size), size])
+
+
+def draw_weights(geometry: LegGeometry, trajectory: LegTrajectory, down: FloatArray) -> Drawing:
+    """Draw an arrow for the weight of each body, its length proportional to the weight."""
+    reach, inertias, drawing = geometry.skeleton.reach, geometry.inertias[-1].bodies, Drawing()
+    heaviest = max(inertia.mass for inertia in inertias)
+    bodies = geometry.skeleton.body_placements(trajectory.q)[:, 1:]
+    paths = [child_path(geometry.root, f"weight {name}") for name in geometry.leg.link_names]
+    for body, (path, inertia) in enumerate(zip(paths, inertias, strict=True)):
+        arrow = straight_arrow(WEIGHT_LENGTH * reach * inertia.mass / heaviest, THICKNESS * reach, WEIGHT)
+        centre = bodies[:, body, :3, :3] @ inertia.lever + bodies[:, body, :3, 3]
+        drawing += Drawing([set_object(path, arrow, shadows=False)]) + moving(path, centre, down)
+    weight = heaviest * float(np.linalg.norm(geometry.leg.model.gravity.linear))
+    scale = f"arrow of {WEIGHT_LENGTH * reach:.2g} m = {weight:.3g} N"
+    return drawing + Drawing(layers=[Layer("weights", (WEIGHT,), tuple(paths), scale=scale)])
+
+
+def draw_torques(geometry: LegGeometry, trajectory: LegTrajectory) -> Drawing:
+    """Draw the torque of each joint, measured or against gravity."""
+    largest = float(np.abs(trajectory.tau).max())
+    drawing, paths = _around_axes(geometry, "torque", trajectory.tau, largest, geometry.joint_colours)
+    unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
+    scale = f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}" if largest else ""
+    label = "measured torque" if trajectory.measured else "torque against gravity"
+    colours = tuple(dict.fromkeys(geometry.joint_colours))
+    return drawing + Drawing(layers=[Layer(label, colours, paths, scale=scale)])
+
+
+def draw_wearer(geometry: LegGeometry, trajectory: LegTrajectory, replay: Replay, found: Interaction) -> Drawing:
+    """Draw the torque of the wearer beside those of the actuators and on their scale, zero where none is known."""
+    names = geometry.leg.joint_names
+    if not {*names} <= {*found.joint_names}:
+        return Drawing()
+    known = np.nan_to_num(found.torque[:, [found.joint_names.index(name) for name in names]])
+    torque = np.nan_to_num(at_frames(replay.time, found.time, known, gap=0.03))
+    largest = float(np.abs(trajectory.tau).max()) or float(np.abs(torque).max())
+    drawing, paths = _around_axes(geometry, "wearer", torque, largest, [WEARER] * len(names), beside=0.05)
+    scale = "same scale as the actuators'"
+    return drawing + Drawing(layers=[Layer("torque of the wearer", (WEARER,), paths, scale=scale)])
+
+
+def _around_axes(
+    geometry: LegGeometry, name: str, torque: FloatArray, largest: float, colours: list[str], beside: float = 0.0
+) -> tuple[Drawing, tuple[str, ...]]:
+    """Circular arrows around the axes, ``beside`` the joints by that share of the reach, and their paths."""
+    reach, drawing, paths = geometry.skeleton.reach, Drawing(), []
+    joints = zip(geometry.joint_paths(geometry.root), geometry.skeleton.axes, torque.T, colours, strict=True)
+    for joint, axis, of_joint, colour in joints:
+        place, path = f"{joint}/{name}", f"{joint}/{name}/arrow"
+        arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour)
+        scale = torque_scale(of_joint, largest)
+        commands = [
+            set_object(path, arrow, shadows=False),
+            set_transform(place, homogeneous(beside * reach * axis, align_z(axis))),
+        ]
+        drawing += Drawing(commands) + moving(path, np.zeros((1, 3)), scale=scale)
+        paths.append(place)
+    return drawing, tuple(paths)

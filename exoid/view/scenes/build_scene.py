@@ -10,23 +10,19 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.wearer import Interaction
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
 
-from .commands import set_animation
-from .interaction_arrows import with_interaction
+from .commands import Layer, set_animation
 from .leg_geometry import LegGeometry
-from .leg_view import LegView
+from .leg_view import view_leg
 from .readings import joint_readings
 from .replay import Replay
-from .scene import Layer, Scene
+from .scene import Scene
 from .skeleton import pose_angles
 from .surroundings import camera, draw_surroundings, view_direction
-
-LARGEST = 100.0
-"""Largest distance from the origin [m]; a URDF in millimetres exceeds it."""
 
 
 def scene(
@@ -73,44 +69,40 @@ def scene(
         >>> exoid.view.scene(exoid.load_leg("bleex"), pose={"left_knee": -0.6}).save("leg.html")  # doctest: +SKIP
     """
     if not legs:
-        raise ExoidError("no leg to draw", remedy="pass a Leg or an Estimate")
+        raise BadArgumentError("no leg to draw", remedy="pass a Leg or an Estimate")
     if ghost is not None and recording is None:
-        raise ExoidError("a ghost without a recording", remedy="pass the motion as recording=")
+        raise BadArgumentError("a ghost without a recording", remedy="pass the motion as recording=")
     if interaction is not None and recording is None:
-        raise ExoidError("an interaction without a recording", remedy="pass the motion as recording=")
+        raise BadArgumentError("an interaction without a recording", remedy="pass the motion as recording=")
     replay = None if recording is None else Replay.of(recording, ghost)
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     _check_joints(geometries, recording, ghost)
     if interaction is not None and interaction.parts:
-        raise ExoidError("the interaction of several recordings", remedy="pass one of interaction.parts")
+        raise BadArgumentError("the interaction of several recordings", remedy="pass one of interaction.parts")
     views = [
-        LegView.of(geometry, q, replay, ghost_label).standing(leg, geometry, replay)
+        view_leg(leg, geometry, q, replay, ghost_label, interaction)
         for leg, geometry, q in zip(legs, geometries, poses, strict=True)
     ]
-    if interaction is not None and replay is not None:
-        shown, found = replay, interaction
-        pairs = zip(views, geometries, strict=True)
-        views = [with_interaction(view, geometry, shown, found) for view, geometry in pairs]
     floors = [view.floor for view in views if view.floor is not None]
-    points = np.vstack([view.bounding_points for view in views])
+    points = np.vstack([view.drawing.points for view in views])
     _check_size(points, geometries)
     direction = view_direction(geometries)
     commands = [
         *draw_surroundings(points, direction, min(floors, default=None)),
-        *(command for view in views for command in view.commands),
+        *(command for view in views for command in view.drawing.commands),
     ]
-    if tracks := {path: track for view in views for path, track in view.tracks.items()}:
+    if tracks := {path: track for view in views for path, track in view.drawing.tracks.items()}:
         commands.append(set_animation(tracks))
     return Scene(
         title or _title(geometries),
         tuple(commands),
-        _merge([(_leg_name(geometry), view.layers) for geometry, view in zip(geometries, views, strict=True)]),
-        camera(np.vstack([view.visible_points for view in views]), direction),
+        _merge([(_leg_name(geometry), view.drawing.layers) for geometry, view in zip(geometries, views, strict=True)]),
+        camera(np.vstack([view.visible for view in views]), direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
         tuple(note for geometry in geometries for note in geometry.notes)
-        + tuple(note for view in views for note in view.notes),
+        + tuple(note for view in views for note in view.drawing.notes),
         tuple(
             reading
             for leg, geometry, q in zip(legs, geometries, poses, strict=True)
@@ -135,8 +127,8 @@ def _geometries(legs: Sequence[Leg | Estimate], identified: Sequence[Leg], folde
 def _check_size(points: FloatArray, geometries: Sequence[LegGeometry]) -> None:
     """Raise an error if the legs are too large to be drawn."""
     size = float(np.abs(points).max())
-    if not size < LARGEST:
-        raise ExoidError(
+    if not size < 100.0:  # [m]; a URDF in millimetres exceeds it
+        raise BadArgumentError(
             f"the leg extends to {size:.3g} m, too far to be drawn",
             where=", ".join(dict.fromkeys(geometry.leg.description.name for geometry in geometries)),
             remedy="check that lengths in the URDF are metres, and the scale of its meshes",
@@ -148,7 +140,7 @@ def _check_joints(geometries: Sequence[LegGeometry], *recordings: Recording | No
     names = {name for geometry in geometries for name in geometry.leg.joint_names}
     for recording in recordings:
         if recording is not None and not names & set(recording.joint_names):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"none of the logged joints ({', '.join(recording.joint_names)}) belongs to the leg",
                 remedy=f"map the log's columns to {', '.join(sorted(names))}",
             )

@@ -19,15 +19,14 @@ from exoid.leg.reduction.planar_machine import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
-from .inertias import inertia_ellipsoid, mass_ball, surface_points
 from .placeholders import body_placeholder, torso_placeholder
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
 from .urdf_visuals import read_visuals
-from .visual import Material, Visual, cylinder
+from .visual import Material, Visual, cylinder, ellipsoid
 
-FEW = 300
-"""Frames of a replay at which the camera sees all ellipsoids."""
+STEEL = 7850.0
+"""Density of the balls that represent masses [kg/m³]."""
 
 
 class Inertias(NamedTuple):
@@ -114,8 +113,8 @@ class LegGeometry:
     def draw_inertias(self, inertias: Inertias) -> Iterator[Command]:
         """Commands that draw the inertias from one source as ellipsoids."""
         for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
-            ellipsoid = inertia_ellipsoid(inertia, inertias.colour)
-            yield set_object(f"{path}/body/inertia {inertias.label}", [ellipsoid], shadows=False)
+            body = inertia_ellipsoid(inertia, inertias.colour)
+            yield set_object(f"{path}/body/inertia {inertias.label}", [body], shadows=False)
 
     def bounding_points(self, q: FloatArray) -> FloatArray:
         """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""
@@ -124,9 +123,9 @@ class LegGeometry:
 
     def ellipsoid_points(self, q: FloatArray) -> FloatArray:
         """Points of the torso's frame on the ellipsoids of inertia at some of the angles (F, n) [rad], (k, 3)."""
-        some = q[:: -(-len(q) // FEW)]
+        some = q[:: -(-len(q) // 300)]  # enough frames for the camera
         bodies = zip(*(inertias.bodies for inertias in self.inertias), strict=True)
-        surfaces = [[surface_points(inertia_ellipsoid(inertia, CAD)) for inertia in body] for body in bodies]
+        surfaces = [[_surface_points(inertia_ellipsoid(inertia, CAD)) for inertia in body] for body in bodies]
         return self._at_angles([[], *surfaces], some)
 
     def _at_angles(self, points: Sequence[Sequence[FloatArray]], q: FloatArray) -> FloatArray:
@@ -169,3 +168,28 @@ def _name(leg: Leg) -> str:
         if all(name.startswith(side) for name in leg.joint_names):
             return f"{side.removesuffix('_')} leg"
     return Path(leg.description.name).stem
+
+
+def mass_ball(inertia: pin.Inertia, colour: str) -> Visual:
+    """Make a steel ball of the body's mass at its centre of mass."""
+    radius = (3.0 * inertia.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0)
+    return ellipsoid(radius, Material(colour)).placed(homogeneous(inertia.lever))
+
+
+def _surface_points(drawn: Visual) -> FloatArray:
+    """Points on an ellipsoid, in the frame in which it is drawn [m], (26, 3): along its axes and between them."""
+    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
+    directions = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    return np.asarray(directions @ drawn.transform[:3, :3].T + drawn.transform[:3, 3])
+
+
+def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:
+    """Make the ellipsoid of uniform density that has the body's mass and inertia."""
+    # About its principal axes I_x = m (b² + c²)/5, and likewise for y and z. Hence a² = 5 (I_y + I_z − I_x)/2m.
+    moments, axes = np.linalg.eigh(inertia.inertia)
+    squares = 2.5 * (moments.sum() - 2.0 * moments) / inertia.mass
+    semi_axes = np.sqrt(np.maximum(squares, 0.0))
+    axes[:, 2] *= np.sign(np.linalg.det(axes))  # right-handed
+    # Bodies that cannot exist have semi-axes of zero.
+    drawn = np.maximum(semi_axes, 0.03 * max(float(semi_axes.max()), 1e-3))
+    return ellipsoid(drawn, Material(colour, opacity=0.2)).placed(homogeneous(inertia.lever, axes))

@@ -14,14 +14,7 @@ from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
 
 from .leg_geometry import LegGeometry
-from .leg_trajectory import LegTrajectory
-from .replay import Replay
-
-DIGITS = 4
-"""Significant digits of the numbers in the page."""
-
-GAP = 0.05
-"""Largest time between a frame and a sample of the predicted torque [s]; across longer gaps nothing is drawn."""
+from .replay import LegTrajectory, Replay, at_frames
 
 
 class JointReadings(NamedTuple):
@@ -80,13 +73,10 @@ def _predicted_torque(estimate: Estimate, leg: Leg, replay: Replay) -> FloatArra
         found = validate(estimate, for_leg(estimate.model, replay.recording).resampled())
     except ExoidError:
         return None
-    after = np.clip(np.searchsorted(found.time, replay.time), 1, len(found.time) - 1)
-    distance = np.minimum(np.abs(found.time[after] - replay.time), np.abs(replay.time - found.time[after - 1]))
-    columns = [found.predicted[:, found.joint_names.index(name)] for name in leg.joint_names]
-    torque = np.column_stack([np.interp(replay.time, found.time, column) for column in columns])
-    return np.where(distance[:, np.newaxis] < GAP, torque, np.nan)
+    places = [found.joint_names.index(name) for name in leg.joint_names]
+    return at_frames(replay.time, found.time, found.predicted[:, places], gap=0.05)
 
 
 def _numbers(values: FloatArray) -> list[float | None]:
-    """Round to :data:`DIGITS` significant digits; None for what is not a number."""
-    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]
+    """Round to four significant digits; None for what is not a number."""
+    return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]

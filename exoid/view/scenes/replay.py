@@ -1,20 +1,19 @@
-"""A recording, sampled at the frames of an animation."""
+"""A recording, sampled at the frames of an animation, and the motion of each leg in it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
 
 from .commands import FRAMES_PER_SECOND
-
-LONGEST = 600.0
-"""Longest replay [s]; browsers struggle with larger pages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +27,13 @@ class Replay:
     @classmethod
     def of(cls, recording: Recording, ghost: Recording | None = None) -> Replay:
         """Choose the frames of a replay."""
-        if recording.duration > LONGEST:
-            raise ExoidError(
-                f"a replay of {recording.duration:.0f} s; the longest is {LONGEST:.0f} s",
+        if recording.duration > 600.0:  # browsers struggle with larger pages
+            raise BadArgumentError(
+                f"a replay of {recording.duration:.0f} s; the longest is 600 s",
                 remedy="choose a part: recording.between(start, stop), or --start and --stop",
             )
         if ghost is not None and (ghost.time[-1] <= recording.time[0] or ghost.time[0] >= recording.time[-1]):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the ghost motion ({ghost.time[0]:g} to {ghost.time[-1]:g} s) has no time in common with the "
                 f"recording ({recording.time[0]:g} to {recording.time[-1]:g} s)",
                 remedy="give both the same time axis",
@@ -71,4 +70,33 @@ class Replay:
         if not set(leg.joint_names) & set(recording.joint_names):
             return None
         values = getattr(recording.select(leg.joint_names), quantity)
-        return np.column_stack([np.interp(self.time, recording.time, column) for column in values.T])
+        return at_frames(self.time, recording.time, values)
+
+
+def at_frames(frames: FloatArray, time: FloatArray, values: FloatArray, gap: float = np.inf) -> FloatArray:
+    """Interpolate values (N, k) at frames, (F, k); not a number further from any sample than a gap [s]."""
+    after = np.clip(np.searchsorted(time, frames), min(1, len(time) - 1), len(time) - 1)
+    distance = np.minimum(np.abs(time[after] - frames), np.abs(frames - time[after - 1]))
+    columns = np.column_stack([np.interp(frames, time, column) for column in values.T])
+    return np.where(distance[:, np.newaxis] < gap, columns, np.nan)
+
+
+class LegTrajectory(NamedTuple):
+    """Angles and torques of a leg, frame by frame."""
+
+    q: FloatArray  # angles [rad], (F, n); one frame for a leg that stands still
+    tau: FloatArray  # actuator torques [N·m], (F, n)
+    measured: bool  # whether the torques were measured; otherwise they hold the leg against gravity
+    pitch: float  # pitch of the torso [rad]
+
+    @classmethod
+    def of(cls, leg: Leg, q: FloatArray, replay: Replay | None) -> LegTrajectory:
+        """Take the trajectory of a leg from a replay."""
+        recorded = None if replay is None else replay.angles(leg)
+        tau = None if replay is None else replay.torques(leg)
+        angles = q[np.newaxis] if recorded is None else recorded
+        pitch = 0.0 if replay is None else replay.pitch
+        if tau is not None:
+            return cls(angles, tau, True, pitch)
+        holding = leg.gravity(angles, TorsoMotion(pitch) if pitch else None)[:, leg.base_rows :]
+        return cls(angles, holding, False, pitch)

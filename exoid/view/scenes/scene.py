@@ -11,21 +11,11 @@ from typing import Any, NamedTuple
 from exoid._typing import FloatArray
 from exoid.tools.files import write_whole
 
-from .commands import Command, set_transform
+from .commands import Command, Layer, set_transform
 from .page import write_page
 from .readings import JointReadings
 from .server import SceneServer
 from .skeleton import Skeleton, pose_angles
-
-
-class Layer(NamedTuple):
-    """Objects that the legend shows and hides together."""
-
-    label: str  # name in the legend
-    colours: tuple[str, ...]  # colours in the legend, one or several
-    paths: tuple[str, ...]  # paths of the objects
-    visible: bool = True  # whether they are visible at first
-    scale: str = ""  # what the length or radius of an arrow means; "" for objects that are no arrows
 
 
 class Camera(NamedTuple):

@@ -16,55 +16,30 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .commands import Command
 from .page import write_page
 
+if TYPE_CHECKING:
+    from .scene import Scene
+
 LOOPBACK = "127.0.0.1"
-
-DEFAULT_PORT = 7000
-
-HEARTBEAT = 5.0
-"""Time after which a closed browser is noticed [s]."""
-
-PATIENCE = 10.0
-"""Time after which a connection that sends no request, or takes no data, is closed [s]."""
 
 MOST_CONNECTIONS = 64
 """Largest number of connections at once; an open page needs one, and a second one while it loads."""
 
 
-class PosableScene(Protocol):
-    """A scene that a server can show: it describes itself, and the changes that a pose makes."""
-
-    def pose(self, angles: Mapping[str, float]) -> list[Command]:
-        """Commands that move joints to angles [rad]."""
-        ...
-
-    def to_json(self) -> dict[str, Any]:
-        """Describe the scene as data for its page."""
-        ...
-
-
 class SceneServer:
-    """Serves a scene on 127.0.0.1 until it is closed; made by :meth:`.Scene.serve`.
+    """Serves a scene on 127.0.0.1 until it is closed; made by :meth:`.Scene.serve`."""
 
-    Attributes:
-        url: Address for a browser.
-        port: Port that it listens on.
-    """
+    # url: Address for a browser.
+    # port: Port that it listens on.
 
-    def __init__(self, scene: PosableScene, port: int | None = None, patience: float = PATIENCE) -> None:
-        """Start listening.
-
-        Args:
-            scene: The scene.
-            port: Port to listen on; 0 for any that is free, None for the default port or, if that is taken, any.
-            patience: Time after which a connection that sends no request, or takes no data, is closed [s].
-        """
+    def __init__(self, scene: Scene, port: int | None = None, patience: float = 10.0) -> None:
+        """Start listening."""
         self._scene = scene
         self._listeners: set[queue.Queue[str | None]] = set()
         self._latest: dict[tuple[object, ...], Command] = {}
@@ -78,22 +53,11 @@ class SceneServer:
         self._thread.start()
 
     def pose(self, angles: Mapping[str, float]) -> None:
-        """Move joints to angles in every open page, and all other joints to zero.
-
-        Args:
-            angles: Angles by joint name [rad].
-
-        Raises:
-            ExoidError: There is no such joint.
-        """
+        """Move joints to angles in every open page, and all other joints to zero."""
         self.send(self._scene.pose(angles))
 
     def send(self, commands: list[Command]) -> None:
-        """Send drawing commands to every open page.
-
-        Args:
-            commands: Commands of meshcat's viewer.
-        """
+        """Send drawing commands to every open page."""
         text = json.dumps(commands, separators=(",", ":"))
         with self._lock:
             self._latest |= {(c["type"], c.get("path"), c.get("property")): c for c in commands}
@@ -118,19 +82,11 @@ class SceneServer:
         self._thread.join()
 
     def page(self) -> bytes:
-        """Render the page of the scene.
-
-        Returns:
-            HTML as UTF-8.
-        """
+        """Render the page of the scene."""
         return write_page(self._scene.to_json(), live=True).encode()
 
     def subscribe(self) -> queue.Queue[str | None]:
-        """Register a page for changes of the scene.
-
-        Returns:
-            Queue of commands as JSON: first all changes so far, then each change, and None at the end.
-        """
+        """Register a page for changes of the scene."""
         listener: queue.Queue[str | None] = queue.Queue()
         with self._lock:
             listener.put(json.dumps(list(self._latest.values())))
@@ -138,11 +94,7 @@ class SceneServer:
         return listener
 
     def unsubscribe(self, listener: queue.Queue[str | None]) -> None:
-        """End the registration of a page.
-
-        Args:
-            listener: Queue that :meth:`subscribe` returned.
-        """
+        """End the registration of a page."""
         with self._lock:
             self._listeners.discard(listener)
 
@@ -233,7 +185,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             while True:
                 try:
-                    text = listener.get(timeout=HEARTBEAT)
+                    text = listener.get(timeout=5.0)  # [s], after which a closed browser is noticed
                 except queue.Empty:
                     self.wfile.write(b": still here\n\n")
                     continue
@@ -248,12 +200,14 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def _bind(port: int | None) -> _Server:
-    """Listen on a port; for None on the default port or, if that is taken, on any free port."""
-    for number in (DEFAULT_PORT, 0) if port is None else (port,):
+    """Listen on a port; for None on port 7000 or, if that is taken, on any free port."""
+    for number in (7000, 0) if port is None else (port,):
         try:
             return _Server((LOOPBACK, number), _Handler)
         except OverflowError:
-            raise ExoidError(f"port {number}", remedy="choose one from 1 to 65535, or 0 for any that is free") from None
+            raise BadArgumentError(
+                f"port {number}", remedy="choose one from 1 to 65535, or 0 for any that is free"
+            ) from None
         except OSError as problem:
             reason = problem.strerror or str(problem)
-    raise ExoidError(f"cannot listen on port {number} ({reason})", remedy="choose another port")
+    raise BadArgumentError(f"cannot listen on port {number} ({reason})", remedy="choose another port")

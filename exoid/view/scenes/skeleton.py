@@ -6,24 +6,15 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
 from .transforms import homogeneous
-
-
-class JointKeyframes(NamedTuple):
-    """Joint transforms of each frame, as three.js expects them."""
-
-    quaternion: FloatArray  # rotation (x, y, z, w), (F, n, 4)
-    position: FloatArray  # translation [m], (F, n, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +87,6 @@ class Skeleton:
         joints = bodies[:, list(self.parents)] @ np.array(self.placements)
         return np.asarray(np.linalg.inv(joints) @ bodies[:, 1:])
 
-    def joint_keyframes(self, q: ArrayLike) -> JointKeyframes:
-        """Keyframes of :meth:`joint_transforms` at angles (F, n) [rad]."""
-        transforms = self.joint_transforms(q)
-        rotations = scipy.spatial.transform.Rotation.from_matrix(transforms[..., :3, :3].reshape(-1, 3, 3))
-        return JointKeyframes(rotations.as_quat().reshape(*transforms.shape[:2], 4), transforms[..., :3, 3])
-
     def torso_placement(self, pitch: float) -> FloatArray:
         """Placement of a torso pitched by an angle [rad] about the first joint, (4, 4)."""
         hip = self.placements[0][:3, 3]
@@ -142,5 +127,5 @@ def pose_angles(legs: Sequence[Leg], pose: Mapping[str, float]) -> list[FloatArr
     names = [name for leg in legs for name in leg.joint_names]
     unknown = sorted(set(pose) - set(names))
     if unknown:
-        raise ExoidError(f"no joint {', '.join(unknown)}", remedy=f"the joints are {', '.join(names)}")
+        raise BadArgumentError(f"no joint {', '.join(unknown)}", remedy=f"the joints are {', '.join(names)}")
     return [np.array([float(pose.get(name, 0.0)) for name in leg.joint_names]) for leg in legs]

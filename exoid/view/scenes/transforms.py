@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 
@@ -26,3 +27,10 @@ def align_z(direction: ArrayLike, near_y: ArrayLike = (0.0, 1.0, 0.0)) -> FloatA
     x = np.cross(y, z)
     x = x / np.linalg.norm(x)
     return np.column_stack([x, np.cross(z, x), z])
+
+
+def quaternions(rotation: FloatArray) -> FloatArray:
+    """Quaternions (x, y, z, w) of rotation matrices (F, 3, 3), without jumps of sign, (F, 4)."""
+    found = scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat()
+    jumps = np.cumprod(np.where((found[1:] * found[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
+    return np.asarray(found * np.concatenate([[1.0], jumps])[:, np.newaxis])

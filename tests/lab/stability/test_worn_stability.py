@@ -21,12 +21,9 @@ from exoid.lab.stability import better_experiments, largest_amplification, stabi
 from exoid.lab.stability.gain_margin import spectral_radius
 from exoid.lab.stability.worn.better_experiments import covariance_after
 from exoid.lab.stability.worn.draws import draw_truths
-from exoid.lab.stability.worn.law_table import LawTable
 from exoid.lab.stability.worn.limiting import variance_shares
-from exoid.lab.stability.worn.linear_law import linear_law
-from exoid.lab.stability.worn.linear_leg import linear_leg, linear_legs
-from exoid.lab.stability.worn.linear_wearer import linear_wearer
-from exoid.lab.stability.worn.sampled_loop import hold, loop_matrices
+from exoid.lab.stability.worn.linear_law import linear_law, loop_matrices
+from exoid.lab.stability.worn.worn_leg import hold, linear_leg, linear_legs, linear_wearer
 from exoid.lab.stability.worn.worn_loop import WornLoop, poses_of
 from exoid.rig import Plant, Wearer
 from exoid.torques import Coulomb, TorqueModel, Viscous
@@ -86,8 +83,8 @@ def test_draws_of_parameters_give_the_same_legs_as_control_models(name):
 @pytest.mark.parametrize("delay", [0, 1, 3])
 def test_without_wearer_and_memory_the_radius_is_that_of_the_gain_margins(delay):
     law = gravity_friction_pd(PLANT, (22.0, 55.0), (2.2, 5.5), friction=None, rate=50.0)
-    loop = WornLoop.of_law(law, None, POSE[None], delay)
-    radius = loop.table.radius(loop.legs_of([MODEL]), np.zeros(1))
+    loop = WornLoop.of([law], np.zeros(1), None, POSE[None], delay)
+    radius = loop.radius(loop.legs_of([MODEL]), np.zeros(1))
     assert radius[0] == pytest.approx(spectral_radius(PLANT, law, POSE, delay), rel=1e-7)
 
 
@@ -254,8 +251,8 @@ def test_the_scan_finds_the_first_of_several_boundaries(wearer):
         return pd(1e5 if 1.9 < amplification < 6.0 else 10.0, 1.0, rate=200.0)
 
     loop = WornLoop.of_amplifications(law, None, POSE[None], 0, 100.0)
-    assert len(loop.table.shares) > 3  # not linear
-    assert 1.0 < loop.table.largest(loop.legs_of([MODEL]))[0] < 6.0
+    assert len(loop.shares) > 3  # not linear
+    assert 1.0 < loop.largest(loop.legs_of([MODEL]))[0] < 6.0
 
 
 def test_settings_that_make_no_sense_are_refused(wearer):
@@ -266,7 +263,7 @@ def test_settings_that_make_no_sense_are_refused(wearer):
     with pytest.raises(ExoidError, match="only an estimate"):
         largest_amplification(MODEL)
     assert poses_of(LEG, None).shape == (8, 2)
-    assert LawTable.of([pd(1.0, 0.1)], np.zeros(1), POSE[None], 0).poses[0].N.shape == (1, 0, 0)
+    assert WornLoop.of([pd(1.0, 0.1)], np.zeros(1), None, POSE[None], 0).laws[0].N.shape == (1, 0, 0)
 
 
 def test_the_result_is_json(wearer):

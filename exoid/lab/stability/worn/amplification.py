@@ -21,7 +21,7 @@ from exoid.tools.tables import make_table, to_text
 
 from .draws import draw_truths
 from .limiting import limiting_shares
-from .sampled_loop import HeldLeg
+from .worn_leg import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
 DRAWS = 200
@@ -210,9 +210,9 @@ def largest_amplification(
         single = isinstance(truth, Estimate | Plant | ControlModel) or not isinstance(truth, Sequence)
         truths = [ControlModel.of(each) for each in ([truth] if single else truth)]  # type: ignore[arg-type, union-attr]
         legs = loop.legs_of(truths)
-        values = loop.table.largest(legs)
+        values = loop.largest(legs)
         pose, frequency = _boundary(loop, legs, values, share)
-        exact = float(loop.table.largest(loop.legs_of([model]))[0])
+        exact = float(loop.largest(loop.legs_of([model]))[0])
         return Amplification(name, values, exact, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
     if not isinstance(source, Estimate):
         raise ExoidError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
@@ -226,14 +226,14 @@ def amplification_of_draws(
     model = estimate.model.loaded_by(estimate.values)
     drawn = draw_truths(model, estimate.values, covariance, draws, seed)
     legs = loop.legs(model, drawn.parameters)
-    values = loop.table.largest(legs)
+    values = loop.largest(legs)
     pose, frequency = _boundary(loop, legs, values, share)
     shares = limiting_shares(loop, model, estimate.values, covariance, drawn.parameters, values, seed)
     named = dict(zip(model.names, shares.tolist(), strict=True))
     name = model.leg.description.name
-    exact = float(loop.table.largest(loop.legs(model, estimate.values[None]))[0])
+    exact = float(loop.largest(loop.legs(model, estimate.values[None]))[0])
     return Amplification(
-        name, values, exact, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.table.delay, most
+        name, values, exact, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.delay, most
     )
 
 
@@ -243,7 +243,7 @@ def _boundary(loop: WornLoop, legs: Sequence[HeldLeg], values: FloatArray, share
     if np.isinf(values[which]):
         return np.zeros(0), float("nan")
     at = np.array([1.0 - 1.0 / max(1.0, values[which])])
-    each = loop.table.eigenvalues([leg.take(np.array([which])) for leg in legs], at)
+    each = loop.eigenvalues([leg.take(np.array([which])) for leg in legs], at)
     worst = int(np.argmax([np.abs(found).max() for found in each]))
     critical = each[worst][0, int(np.abs(each[worst][0]).argmax())]
     return loop.poses[worst], float(abs(np.angle(critical)) * loop.rate / (2.0 * np.pi))

@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.torques import TorqueModel, Viscous
 
-from .linear_leg import mass_matrices
+from .worn_leg import mass_matrices
 
 POSES = 50
 """Number of random poses at which the mass matrix must be positive definite."""

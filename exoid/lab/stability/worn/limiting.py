@@ -48,7 +48,7 @@ def limiting_shares(
             draws = draw_truths(model, mean, factor**2 * covariance, WIDER_DRAWS, seed).parameters
         except ExoidError:  # hardly any bodies are so far from the mean
             break
-        largest = loop.table.largest(loop.legs(model, draws))
+        largest = loop.largest(loop.legs(model, draws))
     chosen = np.flatnonzero(_bounded(largest))
     chosen = chosen[np.argsort(largest[chosen], kind="stable")][:TAIL]
     if not len(chosen):
@@ -56,7 +56,7 @@ def limiting_shares(
 
     def radius(parameters: FloatArray, share: FloatArray) -> FloatArray:
         """Spectral radius of the loop for parameters and shares of the model."""
-        return loop.table.radius(loop.legs(model, parameters), share)
+        return loop.radius(loop.legs(model, parameters), share)
 
     return np.asarray(
         np.mean([_shares_at(radius, draws[k], 1.0 - 1.0 / float(largest[k]), covariance) for k in chosen], axis=0)

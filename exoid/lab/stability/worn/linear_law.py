@@ -1,4 +1,4 @@
-"""Linearised controller with its memory: derivatives of one step by readings and memory."""
+"""Linearised controller with its memory, and the closed loop with a worn leg as one matrix."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control.law import State
 from exoid.control.stateful import AnyLaw, Memory, StatefulLaw, stateful
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.rig import Target
 
-from .linear_leg import SPEED
+from .worn_leg import SPEED, HeldLeg
 
 STEP = 1e-6
 """Step of central differences, relative to numbers above 1."""
@@ -48,13 +48,38 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     full = stateful(law)
     first, second = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
     if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
-        raise ExoidError(
+        raise NotSupportedError(
             f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
             remedy="use a smooth controller, and a pose away from its limits",
         )
     n = len(q)
     torque, memory = first[:n], first[n:]
     return LinearLaw(torque[:, : 3 * n], torque[:, 3 * n :], memory[:, : 3 * n], memory[:, 3 * n :])
+
+
+def loop_matrices(leg: HeldLeg, law: LinearLaw, delay: int) -> FloatArray:
+    """Form the matrix of one period for the state (x_k, y_{k−1}, …, y_{k−d}, m_k)."""
+    #     x⁺ = A x + B (F y_{k−d} + H m),      m⁺ = E y_{k−d} + N m
+    count, size, n = leg.B.shape
+    F, H, E, N = (np.broadcast_to(each, (count, *each.shape[-2:])) for each in law)
+    read = slice(None) if F[..., 2 * n :].any() or E[..., 2 * n :].any() else slice(2 * n)  # interaction or not
+    F, E, C = F[..., read], E[..., read], leg.C[read]
+    width, rank = len(C), N.shape[-1]
+    past = size + delay * width
+    loop = np.zeros((count, past + rank, past + rank))
+    if delay:
+        late = slice(past - width, past)
+        loop[:, size : size + width, :size] = C
+        for k in range(size + width, past):
+            loop[:, k, k - width] = 1.0
+    else:
+        F, E, late = F @ C, E @ C, slice(size)
+    loop[:, :size, :size] = leg.A
+    loop[:, :size, late] += leg.B @ F
+    loop[:, past:, late] += E
+    loop[:, :size, past:] = leg.B @ H
+    loop[:, past:, past:] = N
+    return loop
 
 
 def _derivatives(law: StatefulLaw, q: FloatArray, step: float) -> FloatArray:

@@ -16,8 +16,7 @@ from exoid.rig import Wearer
 from exoid.tools.json_values import attributes
 
 from .draws import draw_truths
-from .law_table import NEUTRAL
-from .worn_loop import WornLoop, poses_of
+from .worn_loop import NEUTRAL, WornLoop, poses_of
 
 DRAWS = 200
 """Number of draws."""
@@ -99,8 +98,8 @@ def stability_probability(
     """
     if draws < 1:
         raise ExoidError(f"{draws} draws", remedy="make at least one")
-    loop = WornLoop.of_law(law, wearer, poses_of(estimate.leg, poses), delay)
+    loop = WornLoop.of([law], np.zeros(1), wearer, poses_of(estimate.leg, poses), delay)
     model = estimate.model.loaded_by(estimate.values)
     drawn = draw_truths(model, estimate.values, estimate.covariance, draws, seed)
-    radius = loop.table.radius(loop.legs(model, drawn.parameters), np.zeros(draws))
+    radius = loop.radius(loop.legs(model, drawn.parameters), np.zeros(draws))
     return StabilityProbability(model.leg.description.name, radius, drawn.rejected, loop.rate, delay)
