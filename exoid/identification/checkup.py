@@ -28,7 +28,7 @@ from .group_rows import Group
 def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
     """Check the logs of one group, and the fit to them."""
     leg = _fitted_leg(fitted, group, covariance)
-    return check_fit(leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
+    return check_fit(leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
 
 
 def model_error(
@@ -79,15 +79,19 @@ def _shifted(group: Group, delays: FloatArray) -> Group:
 
 def _shift_finding(joint: str, delay: float, half: float) -> Finding:
     """Say that a torque was shifted."""
+    message = (
+        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
+        "and was shifted by that"
+    )
+    remedy = "correct the time stamps of the log; validation shifts its torques by the same"
     return Finding(
         "torque-delay",
         joint,
         float(delay),
         "s",
         "info",
-        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
-        "and was shifted by that",
-        "correct the time stamps of the log; validation shifts its torques by the same",
+        message,
+        remedy,
         interval=(float(delay - half), float(delay + half)),
     )
 
@@ -95,11 +99,11 @@ def _shift_finding(joint: str, delay: float, half: float) -> Finding:
 def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
     """Gather what a check of one group needs."""
     model, problem = fitted.models[group], fitted.problem
-    data = problem.groups[group].data
+    rows = problem.groups[group]
     names = problem.layout.names_of(group)
     known = problem.layout.known_by(group, problem.prior_knowledge).known
     held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
     fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
     values = fitted.values[problem.layout.places[group][: len(model.names)]]
     errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
-    return FittedLeg(model, data, problem.groups[group].preparation, fixed, values, errors)
+    return FittedLeg(model, rows.data, rows.preparation, fixed, values, errors)

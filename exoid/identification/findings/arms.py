@@ -21,10 +21,10 @@ class ArmShapes(NamedTuple):
     shapes: Callable[[FloatArray], FloatArray]  # relative change of the arm by each, over the angle, (2, N)
 
 
-def arm_shapes(actuators: Actuators | None, leg: Leg) -> dict[int, ArmShapes]:
+def arm_shapes(actuators: Actuators, leg: Leg) -> dict[int, ArmShapes]:
     """Find what may be wrong about the moment arms of linear actuators, by the index of their joint."""
     found = {}
-    for joint, drive in () if actuators is None else actuators.drives.items():
+    for joint, drive in actuators.drives.items():
         if isinstance(drive, LinearActuator):
             arm, place = drive.moment_arm, leg.joint_names.index(joint)
             if isinstance(arm, MomentArmTable):

@@ -61,15 +61,19 @@ def _out_of_plane(fitted: FittedLeg, recordings: list[Recording]) -> Iterator[Fi
     for j, joint in enumerate(model.joint_names):
         share = float(worst[j])
         if share > 0.01:
+            message = (
+                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque of "
+                f"{joint} that X, Y and J do not describe"
+            )
+            remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
             yield Finding(
                 "out-of-plane-base",
                 joint,
                 share,
                 "1",
                 "error" if share > 0.1 else "warning",
-                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque of "
-                f"{joint} that X, Y and J do not describe",
-                'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking',
+                message,
+                remedy,
                 parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
                 recording=name if len(fitted.data) > 1 else "",
             )
@@ -88,16 +92,22 @@ def _gravity_size(fitted: FittedLeg, one: Recording) -> Iterator[Finding]:
     error = size - GRAVITY
     # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
     if abs(error) > 0.05 + 1.0 / recording.duration:
+        message = (
+            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {GRAVITY}: "
+            f"it is off, which changes mass moments by {100.0 * error / GRAVITY:.2g} %"
+        )
+        remedy = (
+            "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
+            "finds its bias"
+        )
         yield Finding(
             "gravity-size",
             "",
             error,
             "m/s²",
             "warning",
-            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {GRAVITY}: "
-            f"it is off, which changes mass moments by {100.0 * error / GRAVITY:.2g} %",
-            "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
-            "finds its bias",
+            message,
+            remedy,
             parameters=fitted.model.leg.parameter_names,
             recording=one.source.name if one.source else "",
         )

@@ -41,6 +41,7 @@ class Channel:
     """One quantity of one joint."""
 
     time: FloatArray  # stamps [s], (N,)
+    rate: float  # sampling rate [Hz]
     x: FloatArray  # signal, (N,)
     others: FloatArray  # all angles [rad], (N, n), to see whether the leg moves
     joint: str  # name of the joint
@@ -51,11 +52,6 @@ class Channel:
     def steps(self) -> FloatArray:
         """Absolute change from sample to sample, (N − 1,)."""
         return np.asarray(np.abs(np.diff(self.x)))
-
-    @property
-    def rate(self) -> float:
-        """Sampling rate [Hz]."""
-        return float((len(self.time) - 1) / (self.time[-1] - self.time[0]))
 
     def finding(
         self, kind: str, value: float, severity: Severity, message: str, remedy: str, unit: str = "1"
@@ -81,8 +77,9 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     driven = recording.driven
     angles, torques = (None if x is None else np.ascontiguousarray(x.T) for x in (recording.q, recording.tau))
     assert angles is not None
+    rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
-        angle = Channel(recording.time, angles[k], recording.q, joint)
+        angle = Channel(recording.time, rate, angles[k], recording.q, joint)
         yield from frozen_angle(angle)
         if torques is None or not driven[k]:
             continue
@@ -122,15 +119,12 @@ def saturation(channel: Channel) -> Iterator[Finding]:
         if count <= 5.0 * near.sum() / 3.0:  # a rail holds five times more samples than each of the three values beside
             continue
         share = count / len(x)
-        yield channel.finding(
-            "saturation",
-            rail,
-            "error" if share > 0.05 else "warning",
+        message = (
             f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or the amplifier is "
-            f"at its limit, and the true {channel.noun} is larger",
-            "record a slower or smaller motion, raise the limit, or cut out these segments",
-            channel.unit,
+            f"at its limit, and the true {channel.noun} is larger"
         )
+        remedy = "record a slower or smaller motion, raise the limit, or cut out these segments"
+        yield channel.finding("saturation", rail, "error" if share > 0.05 else "warning", message, remedy, channel.unit)
 
 
 def frozen_torque(channel: Channel) -> Iterator[Finding]:
@@ -141,7 +135,8 @@ def frozen_torque(channel: Channel) -> Iterator[Finding]:
         part = channel.others[runs.start[k] : runs.start[k] + runs.length[k]]
         if (np.ptp(part, axis=0) > 0.05 * np.ptp(channel.others, axis=0)).any():  # some joint moves
             frozen.append(k)
-    yield from _frozen(channel, runs, frozen, channel.noun)
+    if frozen:
+        yield _frozen(channel, runs, frozen, channel.noun)
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
@@ -161,26 +156,24 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
         sudden = any(len(near) > 2 and float(near.mean()) > 0.4 * usual for near in (before, after))
         if jump > 1.5 * large or sudden:
             frozen.append(k)
-    yield from _frozen(channel, runs, frozen, "angle")
+    if frozen:
+        yield _frozen(channel, runs, frozen, "angle")
 
 
-def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Iterator[Finding]:
+def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Finding:
     """Describe the times in which a channel is frozen."""
-    if not places:
-        return
     count = int(sum(runs.length[k] for k in places))
     worst = max(places, key=lambda k: runs.length[k])
     start, stop = channel.time[runs.start[worst]], channel.time[runs.start[worst] + runs.length[worst] - 1]
     more = f" and {len(places) - 1} other times" if len(places) > 1 else ""
     share = count / len(channel.x)
-    yield channel.finding(
-        "stuck-channel",
-        count / channel.rate,
-        "error" if share > 0.02 else "warning",
+    message = (
         f"the {quantity} keeps one value from {start:.3f} s to {stop:.3f} s{more} ({share:.1%} of the log) although "
-        "the leg moves: the channel froze",
-        "use the part of the log before or after it (Recording.between, --start, --stop)",
-        "s",
+        "the leg moves: the channel froze"
+    )
+    remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
+    return channel.finding(
+        "stuck-channel", count / channel.rate, "error" if share > 0.02 else "warning", message, remedy, "s"
     )
 
 
@@ -198,15 +191,13 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         long[runs.start[k] : runs.start[k] + runs.length[k]] = True
     share = float(np.mean((steps == 0.0) & ~at_rail & ~long))
     if share >= least:
-        yield channel.finding(
-            "stale-samples",
-            share,
-            "warning",
+        message = (
             f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor answers "
             f"(about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is late by up to "
-            "a sample of the sensor",
-            "log at the rate of the sensor, or with the time stamps of its own messages",
+            "a sample of the sensor"
         )
+        remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
+        yield channel.finding("stale-samples", share, "warning", message, remedy)
 
 
 def outliers(channel: Channel) -> Iterator[Finding]:
@@ -226,26 +217,22 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= deviation > 12.0 * quantum(x)
     if (odd & (x == 0.0)).sum() >= max(3, 0.002 * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
-        yield channel.finding(
-            "dropout",
-            share,
-            "error",
+        message = (
             f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled with "
-            "zeros",
-            "remove these samples, or write NaN where there is no value and interpolate short gaps",
+            "zeros"
         )
+        remedy = "remove these samples, or write NaN where there is no value and interpolate short gaps"
+        yield channel.finding("dropout", share, "error", message, remedy)
         odd &= x != 0.0
     odd &= deviation > 5.0 * float(np.quantile(deviation, 0.95))
     if odd.sum() >= max(4, 0.002 * len(x)):
         share, lean = float(np.mean(odd)), float(np.mean(np.sign(apart[odd])))
-        yield channel.finding(
-            "spikes",
-            share,
-            "warning",
+        message = (
             f"{share:.1%} of the {channel.noun}s are spikes of {float(np.median(deviation[odd])):.3g} {channel.unit}"
-            + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""),
-            "remove them at their source, or identify with the estimator huber",
+            + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else "")
         )
+        remedy = "remove them at their source, or identify with the estimator huber"
+        yield channel.finding("spikes", share, "warning", message, remedy)
 
 
 def quantum(x: FloatArray) -> float:

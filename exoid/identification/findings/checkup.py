@@ -92,7 +92,8 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             if joint and not kind.startswith("velocity"):  # velocities couple the joints
                 doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
             yield replace(finding, parameters=tuple(doubtful), recording=names[-1] if len(data) > 1 else "")
-    yield from repeated_data(recordings, names, model.names)
+    if len(recordings) > 1:
+        yield from repeated_data(recordings, names, model.names)
 
 
 def _fit_findings(fitted: FittedLeg, evidence: Evidence, residuals: Residuals, *, broken: bool) -> Iterator[Finding]:

@@ -106,15 +106,12 @@ def coupling_finding(model: TorqueModel, coupled: Coupled, reference: float) -> 
     one, other = (model.joint_names[k] for k in coupled.joints)
     ratio = float(np.exp(reference - coupled.misfit))
     sums = [f"{row[0]:+.2g} τ({one}) {row[1]:+.2g} τ({other})" for row in coupled.matrix.tolist()]
-    return Finding(
-        "coupled-joints",
-        f"{one}, {other}",
-        ratio,
-        "1",
-        "error",
+    message = (
         f"the torques logged for {one} and {other} are mixed, as those of motors of a differential or a belt are: "
-        f"residuals are {ratio:.2g} times smaller with {sums[0]} for {one} and {sums[1]} for {other}, in some unit",
-        'describe the coupling, q = A θ_m (exoid.actuators.Coupling, or type = "coupling" in the file for '
-        "--actuators), and read these columns as motor torques, tm_<joint>",
-        parameters=model.names,
+        f"residuals are {ratio:.2g} times smaller with {sums[0]} for {one} and {sums[1]} for {other}, in some unit"
     )
+    remedy = (
+        'describe the coupling, q = A θ_m (exoid.actuators.Coupling, or type = "coupling" in the file for '
+        "--actuators), and read these columns as motor torques, tm_<joint>"
+    )
+    return Finding("coupled-joints", f"{one}, {other}", ratio, "1", "error", message, remedy, parameters=model.names)

@@ -25,6 +25,7 @@ class Evidence(NamedTuple):
     parts: Sequence[Rows]  # rows of each recording or set of poses
     at_rest: Sequence[bool]  # whether each is poses
     fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
+    free: NDArray[np.intp]  # indices of the free parameters
     # of each joint and recording: columns of parameters and nuisances, torque less that of known parameters,
     # (P + K + 1, N)
     tables: list[list[FloatArray]]
@@ -53,17 +54,12 @@ class Evidence(NamedTuple):
             tables.append(of_joint)
             factors.append(R)
         counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
-        return cls(parts, at_rest, fixed, tables, factors, counts)
+        return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, factors, counts)
 
     @property
-    def count(self) -> int:
+    def parameter_count(self) -> int:
         """Number of parameters P; nuisance columns follow."""
         return len(self.fixed)
-
-    @property
-    def free(self) -> NDArray[np.intp]:
-        """Indices of the free parameters."""
-        return np.flatnonzero(~np.isfinite(self.fixed))
 
     def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
         """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
@@ -75,7 +71,7 @@ class Evidence(NamedTuple):
 
     def places(self, nuisances: Sequence[int]) -> NDArray[np.intp]:
         """Find the columns of the free parameters, and some nuisance columns."""
-        return np.concatenate([self.free, self.count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
+        return np.concatenate([self.free, self.parameter_count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""

@@ -59,8 +59,7 @@ def _whose(fault: Nuisance) -> str:
     return f"the torque of {fault.joint}" if fault.joint else "the torque of all joints"
 
 
-# The least sizes are those below which no parameter of the example logs changes by a part that a user would see
-# (docs/checks.md); studies: scripts/study_findings.py.
+# An exact log shows faults that matter to nobody: the least sizes are set by hand (docs/checks.md lists them).
 KINDS = {
     "torque-delay": Kind(
         5e-4,

@@ -55,18 +55,15 @@ def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:
         looks = "as N·mm would be, or a current in mA times N·m per A"
     elif scale < 1.0:
         looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    return Finding(
-        "torque-scale",
-        joint,
-        scale,
-        "1",
-        "error",
+    message = (
         f"{f'the torque of {joint}' if joint else 'all torques'} is {scale:.3g} times what the URDF's inertias ask "
-        f"for, {looks}; the log alone cannot tell",
-        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
-        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong",
-        parameters=tuple(names),
+        f"for, {looks}; the log alone cannot tell"
     )
+    remedy = (
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    )
+    return Finding("torque-scale", joint, scale, "1", "error", message, remedy, parameters=tuple(names))
 
 
 def impossible_leg(
@@ -92,17 +89,12 @@ def impossible_leg(
         return
     if apart < IMPOSSIBLE:
         return
-    yield Finding(
-        "impossible-leg",
-        "",
-        apart,
-        "1",
-        "warning",
+    message = (
         f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
-        "deviations away",
-        "look for a wrong sign, unit or length; rotor inertia and springs that the model lacks also do this",
-        parameters=tuple(leg.parameter_names),
+        "deviations away"
     )
+    remedy = "look for a wrong sign, unit or length; rotor inertia and springs that the model lacks also do this"
+    yield Finding("impossible-leg", "", apart, "1", "warning", message, remedy, parameters=tuple(leg.parameter_names))
 
 
 def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
@@ -121,7 +113,7 @@ def negative_parameters(
     model: TorqueModel, evidence: Evidence, values: FloatArray, std: FloatArray
 ) -> NDArray[np.bool_]:
     """Which parameters are negative although they cannot be, by more than their errors and 2 % of the torque."""
-    shares = evidence.torque_shares(np.arange(evidence.count), np.diag(values))
+    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(values))
     below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02)
     return np.asarray(below & never_negative(model))
 
@@ -131,14 +123,16 @@ def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.
     rigid = set(model.leg.parameter_names)
     names = tuple(name for name, is_below in zip(model.names, below, strict=True) if is_below and name not in rigid)
     if names:
+        message = f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors"
+        remedy = "a term is missing, a sign is wrong, or the torque is not that of this joint"
         yield Finding(
             "impossible-leg",
             "",
             float(values[model.names.index(names[0])]),
             model.units[model.names.index(names[0])],
             "warning",
-            f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors",
-            "a term is missing, a sign is wrong, or the torque is not that of this joint",
+            message,
+            remedy,
             parameters=names,
         )
 
@@ -156,15 +150,11 @@ def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> It
             if drawn <= 0.0 or abs(identified - drawn) < 4.0 * error or 0.5 < identified / drawn < 2.0:
                 continue
             ratio = identified / drawn
-            yield Finding(
-                "far-from-urdf",
-                joint,
-                ratio,
-                "1",
-                "info",
-                f"the {what} of {leg.link_names[k]} is {identified:.3g} {unit}, {ratio:.3g} times that of the URDF",
-                "check the URDF's inertias, what the leg carried, and the unit of the torque",
+            message = (
+                f"the {what} of {leg.link_names[k]} is {identified:.3g} {unit}, {ratio:.3g} times that of the URDF"
             )
+            remedy = "check the URDF's inertias, what the leg carried, and the unit of the torque"
+            yield Finding("far-from-urdf", joint, ratio, "1", "info", message, remedy)
 
 
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:
@@ -228,7 +218,7 @@ class Residuals(NamedTuple):
         torques: list[list[FloatArray]] = [[] for _ in range(n)]
         squares: list[list[FloatArray]] = [[] for _ in range(n)]
         for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
-            residual = np.where(part.usable, part.tau - part.W[..., : evidence.count] @ values, 0.0)
+            residual = np.where(part.usable, part.tau - part.W[..., : evidence.parameter_count] @ values, 0.0)
             for j in range(n):
                 torques[j].append(part.tau[part.usable[:, j], j])
                 squares[j].append(residual[part.usable[:, j], j] ** 2)
@@ -255,13 +245,14 @@ def large_residuals(model: TorqueModel, residuals: Residuals, *, doubted: bool) 
                     "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
                     "contacts, straps and cables"
                 )
+            message = f"the model leaves {nrmse:.0%} of the torque unexplained"
             yield Finding(
                 "large-residual",
                 joint,
                 nrmse,
                 "1",
                 "error" if nrmse > 0.9 else "warning",
-                f"the model leaves {nrmse:.0%} of the torque unexplained",
+                message,
                 remedy,
                 parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
             )

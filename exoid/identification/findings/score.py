@@ -80,6 +80,7 @@ class State:
     shares: FloatArray  # shares of the fitted columns in each nuisance column, (F, K)
     used: NDArray[np.intp]  # indices of the columns that are fitted or tested
     like: State | None  # fit whose residuals give the noise; None for this fit's own
+    dof: float  # rows less fitted columns, at least 1
 
     @classmethod
     def of(
@@ -102,8 +103,9 @@ class State:
             weights, R = like.weights, like.R
         pinv = pseudo_inverse(R[:, columns])
         solution = pinv @ R[:, -1]
-        residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.count : -1]
-        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like)
+        residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.parameter_count : -1]
+        dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
+        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like, dof)
 
     @property
     def values(self) -> FloatArray:
@@ -112,16 +114,10 @@ class State:
         values[self.evidence.free] = self.solution[: len(self.evidence.free)]
         return np.asarray(values)
 
-    @property
-    def dof(self) -> float:
-        """Rows less fitted columns, at least 1."""
-        rows = sum(int(part.usable.sum()) for part in self.evidence.parts)
-        return max(1.0, rows - len(self.columns))
-
     @cached_property
     def _tests(self) -> _Tests:
         """Score test of each nuisance column, before they are combined."""
-        k = self.evidence.count
+        k = self.evidence.parameter_count
         nuisances = self.R[:, k:-1]
         rests = nuisances - self.R[:, self.columns] @ self.shares
         crossed = self.meat[k:, self.columns] @ self.shares
@@ -175,7 +171,7 @@ class State:
 
     def reach(self, columns: Sequence[int], sizes: FloatArray, others: Sequence[int]) -> FloatArray:
         """Largest change of the parameters by a fault of the same torque that consists of other columns, (P,)."""
-        nuisances = self.R[:, self.evidence.count : -1]
+        nuisances = self.R[:, self.evidence.parameter_count : -1]
         torque = float(np.linalg.norm(nuisances[:, list(columns)] @ sizes))
         kept = [k for k in others if nuisances[:, k].any()]
         norms = np.linalg.norm(nuisances[:, kept], axis=0)
@@ -186,7 +182,7 @@ class State:
 
     def _spread(self, of_free: FloatArray) -> FloatArray:
         """Put numbers of free parameters among those of all, (P,)."""
-        every = np.zeros(self.evidence.count)
+        every = np.zeros(self.evidence.parameter_count)
         every[self.evidence.free] = of_free
         return every
 
@@ -253,7 +249,7 @@ class State:
         """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks."""
         # Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time: at most 60
         # of a recording, of at least 8 rows. Fewer than 10 say nothing.
-        count, scores = self.evidence.count, []
+        count, scores = self.evidence.parameter_count, []
         share, places = C.T @ self.shares[:, columns].T, count + np.array(columns)
         for place, rest in enumerate(self.evidence.at_rest):
             total = np.zeros((len(step), self.evidence.tables[0][place].shape[1]))

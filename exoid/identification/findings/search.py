@@ -141,7 +141,7 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
     if score is None:  # others explain it now
         return None
     evidence, taken = beside.evidence, beside.faults[fault]
-    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(evidence.count)
+    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(evidence.parameter_count)
     if fault.is_corrected:
         total = taken.applied + score.delta[:1]
         t = float(total[0]) / max(float(score.std[0]), 1e-300)
@@ -149,8 +149,8 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
         p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
         score = score._replace(delta=total, p_value=p_value, move=move)
     sizes = score.delta if fault.group else np.repeat(score.delta, len(fault.columns))
-    torque = evidence.torque_shares(evidence.count + np.array(fault.columns), sizes[:, None])
-    shares = evidence.torque_shares(np.arange(evidence.count), np.diag(score.move))
+    torque = evidence.torque_shares(evidence.parameter_count + np.array(fault.columns), sizes[:, None])
+    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(score.move))
     return Fault(score, taken.alternatives, reach, float(torque[0]), float(shares.max()))
 
 

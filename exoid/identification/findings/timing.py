@@ -29,15 +29,9 @@ def wraps(recording: Recording) -> Iterator[Finding]:
         turns = np.abs(steps - 2.0 * np.pi) < 0.1 * 2.0 * np.pi
         if turns.any():
             when = recording.time[int(turns.argmax()) + 1]
-            yield Finding(
-                "angle-wrap",
-                joint,
-                float(turns.sum()),
-                "1",
-                "error",
-                f"the angle jumps by a whole turn {turns.sum()} times, first at {when:.3f} s",
-                "unwrap it: q = np.unwrap(q, axis=0)",
-            )
+            message = f"the angle jumps by a whole turn {turns.sum()} times, first at {when:.3f} s"
+            remedy = "unwrap it: q = np.unwrap(q, axis=0)"
+            yield Finding("angle-wrap", joint, float(turns.sum()), "1", "error", message, remedy)
 
 
 def missing_samples(recording: Recording) -> Iterator[Finding]:
@@ -63,8 +57,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     inner, steps = slice(WINDOW - 1, q.shape[1] - WINDOW), np.diff(q, axis=1)
     still = (steps == 0.0).astype(np.float64)
     near = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0)
-    wrapped = (np.abs(steps) > np.pi).any(axis=0)
-    odd &= ~(near >= 5.0)[inner] & ~wrapped[inner]  # neither a frozen channel nor a wrap
+    wrapped = np.asarray((np.abs(steps) > np.pi).any(axis=0))
+    odd &= ~np.asarray(near >= 5.0)[inner] & ~wrapped[inner]  # neither a frozen channel nor a wrap
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
     places = _peaks(odd, size)
     if not places:
@@ -72,15 +66,19 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     worst = max(places, key=lambda k: gap[k])
     lost = float(sum(gap[k] for k in places))
     error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
+    message = (
+        f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at "
+        f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
+    )
+    remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
     yield Finding(
         "missing-samples",
         "",
         lost,
         "s",
         "warning",
-        f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at "
-        f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms",
-        "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)",
+        message,
+        remedy,
         interval=(max(0.0, lost - error), lost + error) if len(places) == 1 else None,
     )
 
@@ -89,14 +87,10 @@ def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
     """Jump of the angle [rad] and velocity [rad/s] in the middle of each inner interval, (n, N − 2 W + 1)."""
     k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
     slope, level = k / (k @ k), np.full(WINDOW, 1.0 / WINDOW)
-    count, to_middle = q.shape[1] - 2 * WINDOW + 1, 0.5 * WINDOW
-
-    def moving_sum(x: FloatArray, weights: FloatArray) -> FloatArray:
-        return np.asarray(sum(weight * x[:, j : j + count] for j, weight in enumerate(weights)))
-
-    later = q[:, WINDOW:]
-    jump = moving_sum(later, level - to_middle * slope) - moving_sum(q, level + to_middle * slope)
-    return jump, 0.5 * (moving_sum(later, slope) + moving_sum(q, slope)) / interval
+    windows, to_middle = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1), 0.5 * WINDOW
+    before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
+    jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
+    return jump, 0.5 * (after @ slope + before @ slope) / interval
 
 
 def _peaks(odd: BoolArray, size: FloatArray) -> list[int]:
@@ -131,27 +125,25 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
             continue
         gain, delay, error = late
         if abs(delay) > max(4.5 * error, 1e-3):
+            message = (
+                f"the logged velocity comes {1e3 * delay:.3g} ms {'after' if delay > 0.0 else 'before'} the derivative "
+                "of the angle"
+            )
+            remedy = "leave the velocity out of the log: exoid derives it from the angle without delay"
             yield Finding(
                 "velocity-delay",
                 joint,
                 delay,
                 "s",
                 "warning",
-                f"the logged velocity comes {1e3 * delay:.3g} ms {'after' if delay > 0.0 else 'before'} the derivative "
-                "of the angle",
-                "leave the velocity out of the log: exoid derives it from the angle without delay",
+                message,
+                remedy,
                 interval=(delay - 2.0 * error, delay + 2.0 * error),
             )
         if abs(gain - 1.0) > 0.05:
-            yield Finding(
-                "velocity-scale",
-                joint,
-                gain,
-                "1",
-                "error",
-                f"the logged velocity is {gain:.3g} times the derivative of the angle",
-                "leave the velocity out of the log, or correct its unit or sign",
-            )
+            message = f"the logged velocity is {gain:.3g} times the derivative of the angle"
+            remedy = "leave the velocity out of the log, or correct its unit or sign"
+            yield Finding("velocity-scale", joint, gain, "1", "error", message, remedy)
 
 
 def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] | None:
