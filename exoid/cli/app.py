@@ -31,9 +31,6 @@ TRACEBACK = "--traceback"
 AMOUNTS = {"--quiet": Amount.QUIET, "--verbose": Amount.VERBOSE}
 """Options that say how much is written to standard error."""
 
-LONGEST = 300
-"""Largest number of characters of an unexpected error."""
-
 app = typer.Typer(
     name="exoid",
     cls=LazyVerbs,
@@ -143,7 +140,8 @@ def describe_error(error: Exception) -> tuple[str, int]:
         return "there is not enough memory. To fix it: ask for less, or close other programs", BAD_INPUT
     kind = type(error).__name__
     remedy = f"run again with {TRACEBACK} to see where; the input is unusual, or exoid has an error: please report it"
-    return f"{kind}: {what[:LONGEST]}. To fix it: {remedy}", PROGRAM_ERROR
+    # Largest number of characters of an unexpected error.
+    return f"{kind}: {what[:300]}. To fix it: {remedy}", PROGRAM_ERROR
 
 
 def _describe_usage(error: Any) -> str:  # noqa: ANN401 - see above

@@ -31,9 +31,6 @@ from .refusals import refuse
 SCALE, PERIOD = 0.8, 10.0
 """Factor of the amplitudes and period [s] of the gait that controllers follow, as in ``exoid track``."""
 
-OTHER = 1
-"""Seed of a planned tracking task; that of a planned protocol is 0."""
-
 COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
 
@@ -142,7 +139,8 @@ def _tracking_task(
                 error.what, where=error.where, remedy=f"{error.remedy}, or --course planned"
             ) from None
         return TrackingTask.of(names, gait, PERIOD, known, kp, kd)
-    plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
+    # Seed of a planned tracking task; that of a planned protocol is 0.
+    plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": 1}).motions[0]
     return TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
 
 

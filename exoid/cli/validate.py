@@ -13,9 +13,6 @@ from .option_groups import expand_options
 from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Number
 from .outputs import print_result
 
-NOT_PREDICTED = 1
-"""Exit status where the estimate does not predict the logs."""
-
 
 @expand_options()
 def validate(
@@ -40,4 +37,4 @@ def validate(
     result = exoid.validate(loaded, read_logs(logs, reading), cutoff=cutoff, actuators=drives)
     print_result(result, as_json=as_json)
     if result.verdict in ("does not predict", *(["predicts poorly"] if strict else [])):
-        raise Exit(NOT_PREDICTED)
+        raise Exit(1)  # exit status where the estimate does not predict the logs

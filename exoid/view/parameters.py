@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.tools.tables import with_error
 
@@ -49,7 +49,9 @@ def plot_parameters(
     for name in chosen:
         estimate.value(name)  # raises an error if the name is unknown
     if len({units[name] for name in chosen}) != 1:
-        raise ExoidError("parameters of several units do not share an axis", remedy="draw those of one unit at a time")
+        raise BadArgumentError(
+            "parameters of several units do not share an axis", remedy="draw those of one unit at a time"
+        )
     index = [estimate.names.index(name) for name in chosen]
     rows, values, intervals = np.arange(len(chosen)), estimate.values[index], estimate.interval(level)[index]
     ax.errorbar(

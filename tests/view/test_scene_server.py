@@ -158,7 +158,7 @@ def test_the_command_listens_on_loopback_until_ctrl_c_and_ends_cleanly():
 
 
 def test_connections_that_send_nothing_are_few_and_are_closed(drawn):
-    with SceneServer(drawn, 0, patience=0.5) as served:
+    with SceneServer(drawn.html, drawn.pose, 0, patience=0.5) as served:
         before = threading.active_count()
         silent, most = [], 0
         for _ in range(2 * MOST_CONNECTIONS):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
@@ -13,7 +12,9 @@ from exoid.estimate.finding import Finding
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
-from exoid.signals import BaseMotion, Recording, base_during
+from exoid.signals import BaseMotion, Recording
+from exoid.signals.filters.low_pass import slow_part
+from exoid.signals.moving_base import base_during
 
 from .sample import FittedLeg
 
@@ -132,6 +133,5 @@ def _mean_vertical_force(base: BaseMotion, rate: float) -> float:
 
 def _lean(slow: FloatArray, turning: FloatArray, rate: float) -> FloatArray:
     """Join how a base leans by an accelerometer, below 0.1 Hz, and by a gyroscope, above."""
-    filters = scipy.signal.butter(2, min(0.1, 0.1 * rate), fs=rate, output="sos")
     apart = np.cumsum(turning) / rate - slow
-    return np.asarray(slow + apart - scipy.signal.sosfiltfilt(filters, apart))
+    return np.asarray(slow + apart - slow_part(apart, rate, min(0.08, 0.08 * rate)))

@@ -19,7 +19,7 @@ from exoid.identification.recording_summary import (
 )
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
-from exoid.signals.default_preparation import highest_cutoff
+from exoid.signals.cutoff import highest_cutoff
 from exoid.signals.preparation_names import preparation_to_json
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel

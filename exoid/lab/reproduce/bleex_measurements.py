@@ -32,9 +32,6 @@ BENCH = Bench(
 STATIC = StaticProtocol(readings=25)
 """Approach and readings of the static experiments."""
 
-COARSE_COUNTS = 2.0**12
-"""Counts of an encoder for which raw second differences fail."""
-
 SETTLE = 2.0
 """Initial part of a dynamic experiment that is left out [s]."""
 
@@ -134,5 +131,5 @@ def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
 
 def _with_coarse_encoders(run: Run, rng: np.random.Generator) -> Run:
     """Replace the angle readings by those of coarse encoders."""
-    sensors = Sensors(encoder_counts=COARSE_COUNTS)
+    sensors = Sensors(encoder_counts=(2.0**12))  # counts of an encoder for which raw second differences fail
     return replace(run, q_measured=np.array([sensors.angle(sample, rng) for sample in run.q]))

@@ -43,9 +43,6 @@ PERIOD, PERIODS, AMPLITUDE = 10.0, 2, 1.2
 The first stride is not evaluated.
 """
 
-SLOW = 30.0
-"""Rate of document 2's PD controller [Hz]; all other laws run at 100 Hz."""
-
 SHANK_WEIGHT = Payload("knee", 1.5, (0.0, 0.0, -0.3))
 """Payload on the shank that the laws do not know."""
 
@@ -151,7 +148,8 @@ def document_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     """Make the laws at document 2's gains by name, with PD at 30 and at 100 Hz."""
     kp, kd = GAINS["kp"], GAINS["kd"]
     gait = healthy_gait(AMPLITUDE, PERIOD)
-    return {"pd_30hz": pd(kp, kd, rate=SLOW), **standard_laws(source, kp, kd, gait, PERIOD)}
+    # Rate of document 2's PD controller [Hz]; all other laws run at 100 Hz.
+    return {"pd_30hz": pd(kp, kd, rate=30.0), **standard_laws(source, kp, kd, gait, PERIOD)}
 
 
 def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:

@@ -22,20 +22,11 @@ GYRO_BIAS, FORCE_BIAS = 0.01, 0.1
 WRONG = 0.05
 """Share of the samples of stance at which a foot switch is open by mistake."""
 
-ICE = 0.022
-"""Friction of a ground on which feet slip for about 5 % of the time."""
-
 ON_ONE_FOOT = Stance(squat=0.03, shift=0.01, bow=0.05, swing=0.22)
 """Motion on one foot: for no seed from 0 to 15 the other foot comes near the ground."""
 
 STANCE = ("squats", "left", "right")
 """Motions on the ground: squats on both feet, and each foot alone."""
-
-TWINS = {"slipping squats": "squats"}
-"""Logs with the noise of another one: the same motion on other ground, so that the ground alone makes a difference."""
-
-HELD = "torso"
-"""Link that hand rail, harness and stand hold."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +74,10 @@ class StanceRuns:
 
     def log(self, motion: str, *, plates: bool = False, wrong: float = 0.0, held: bool = True) -> Recording:
         """Read the sensors."""
-        run, number = self.runs[motion], list(self.runs).index(TWINS.get(motion, motion))
-        logged = [link for link in run.wrenches if (held if link == HELD else plates)]
+        # The same motion on other ground has the same noise, so that the ground alone makes a difference.
+        run, number = self.runs[motion], list(self.runs).index({"slipping squats": "squats"}.get(motion, motion))
+        # Link that hand rail, harness and stand hold.
+        logged = [link for link in run.wrenches if (held if link == "torso" else plates)]
         recording = run.recording(SENSORS, np.random.default_rng([self.seed, number]), wrenches=logged)
         base = recording.base
         assert base is not None
@@ -127,7 +120,8 @@ def run_stance(
         "swing": lambda: swing(plant, extent.swing, scale=0.85, seed=first + 3),
         "unseen squats": lambda: squats_and_shifts(plant, extent.unseen, seed=first + 4),
         "unseen left": lambda: single_support(plant, extent.unseen, standing=0, stance=ON_ONE_FOOT, seed=first + 5),
-        "slipping squats": lambda: squats_and_shifts(bleex_machine(ground_friction=ICE), extent.stance, seed=first),
+        # Friction of a ground on which feet slip for about 5 % of the time.
+        "slipping squats": lambda: squats_and_shifts(bleex_machine(ground_friction=0.022), extent.stance, seed=first),
         "walking": lambda: walking(plant, extent.walking),
     }
     runs = {}

@@ -13,9 +13,6 @@ from exoid.regression.row_data import Rows
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
-VALIDATION_FILTER = ZeroPhase(cutoff=5.0)
-"""Filter of measured and predicted torque."""
-
 
 def by_name(estimate: Estimate) -> dict[str, float]:
     """Return the values of an estimate by name."""
@@ -24,7 +21,7 @@ def by_name(estimate: Estimate) -> dict[str, float]:
 
 def validation_rows(model: TorqueModel, recording: Recording) -> Rows:
     """Make the rows of a validation motion: regressor and measured torque behind the same filter."""
-    return make_rows(model, recording, VALIDATION_FILTER)
+    return make_rows(model, recording, ZeroPhase(cutoff=5.0))  # filter of measured and predicted torque
 
 
 def predicted_torque(model: TorqueModel, values: Mapping[str, float], rows: Rows) -> FloatArray:

@@ -34,17 +34,11 @@ MOST = 10.0
 MARGIN = 0.9
 """Share of the largest stable amplification that is used."""
 
-TRIED = 2.0
-"""Largest amplification that is tried, over the largest that is used."""
-
 SENSORS = Sensors(velocity_noise=0.002, delay=1)
 """Readings of the controller: 16-bit encoders, 2 mrad/s of noise, one period late."""
 
 PERIOD, SCALE = 4.0, 0.8
 """Default period of the stride [s], and factor of its amplitude: within the limits of both legs."""
-
-STRIDES = 2
-"""Strides of a run; the first is not evaluated."""
 
 SAMPLES = 400
 """Samples of a stride, at which inertia and friction are evaluated."""
@@ -159,7 +153,8 @@ def wear(
     law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
     sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
     if largest is None:
-        largest = _largest(sources, truth, wearer, law, TRIED * most, seed)
+        # Largest amplification that is tried, over the largest that is used.
+        largest = _largest(sources, truth, wearer, law, 2.0 * most, seed)
     report(0.8)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
@@ -167,7 +162,7 @@ def wear(
         truth.repeat(len(laws)),
         SideBySide(tuple(laws)),
         intention,
-        STRIDES * period,
+        2 * period,  # strides of a run; the first is not evaluated
         sensors=SENSORS,
         settle=period,
         wearer=wearer,

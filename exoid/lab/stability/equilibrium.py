@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.law import Law, State
 from exoid.control.model import ControlModel
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Plant, Target
 
 STEP = 1e-6
@@ -66,7 +66,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
     """
     model, aim = ControlModel.of(plant), np.array(target, dtype=np.float64).reshape(-1)
     if aim.shape != (model.n,) or not np.isfinite(aim).all():
-        raise ExoidError(f"a target of shape {np.shape(target)}", remedy=f"give {model.n} angles in rad")
+        raise BadArgumentError(f"a target of shape {np.shape(target)}", remedy=f"give {model.n} angles in rad")
 
     def imbalance(q: FloatArray) -> FloatArray:
         """Torque that is left at angles (n,) [N·m]."""
@@ -74,7 +74,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
 
     found = scipy.optimize.root(imbalance, aim, tol=1e-12)
     if not found.success and np.abs(found.fun).max() > 1e-9 * max(1.0, float(np.abs(model.statics(aim)).max())):
-        raise ExoidError(
+        raise BadArgumentError(
             f"no rest near {np.rad2deg(aim).round(1)} deg: the controller cannot balance gravity and springs there",
             remedy="raise Kp, or compensate gravity",
         )
@@ -85,7 +85,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
     ]
     stiffness = np.array(columns).T / (2.0 * STEP)
     if np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0] <= 0.0:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the rest at {np.rad2deg(q).round(1)} deg is unstable: gravity exceeds the stiffness Kp",
             remedy="raise Kp, or compensate gravity",
         )

@@ -12,25 +12,16 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.control.law import Law, State, refuse_rate
 from exoid.control.linearise import Linear, discretise, linearise
 from exoid.control.model import ControlModel
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.rig import Plant, Target
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import make_table, to_text
-
-RATES = (10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-"""Sampling rates [Hz]."""
-
-DELAYS = (0, 1)
-"""Delays in sampling periods."""
 
 SCALES = np.geomspace(1e-2, 1e4, 121)
 """Scales of the gains among which the search finds the first unstable one."""
 
 STEP = 1e-6
 """Step of numerical derivatives [rad, rad/s]."""
-
-SMOOTH = 1e-3
-"""Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth."""
 
 LawOf = Callable[[float, float], Law]
 """Function that makes a controller from a scale of the gains and a rate [Hz]."""
@@ -64,8 +55,8 @@ def gain_margins(
     law: LawOf,
     q: ArrayLike,
     *,
-    rates: Sequence[float] = RATES,
-    delays: Sequence[int] = DELAYS,
+    rates: Sequence[float] = (10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0),
+    delays: Sequence[int] = (0, 1),
 ) -> GainMargins:
     """Find the largest gains at which a leg is stable about a pose, for each rate and delay.
 
@@ -138,8 +129,9 @@ def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
 def _feedback(law: Law, q: FloatArray) -> FloatArray:
     """Derivatives of a controller's torque by angle and velocity at rest on the target, (n, 2 n)."""
     first, second = (_derivatives(law, q, step) for step in (STEP, 2.0 * STEP))
-    if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
-        raise ExoidError(
+    # Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth.
+    if np.abs(first - second).max() > 1e-3 * np.abs(first).max():
+        raise NotSupportedError(
             f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
             remedy="leave out friction compensation, or use a smooth one",
         )
@@ -160,7 +152,7 @@ def _derivatives(law: Law, q: FloatArray, step: float) -> FloatArray:
 def _radius(held: Linear, feedback: FloatArray, delay: int) -> float:
     """Spectral radius for the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
     if delay < 0 or delay != int(delay):
-        raise ExoidError(f"a delay of {delay} periods", remedy="give a whole number")
+        raise BadArgumentError(f"a delay of {delay} periods", remedy="give a whole number")
     size = len(held.A)
     loop = np.zeros(((delay + 1) * size,) * 2)
     loop[:size, :size] = held.A

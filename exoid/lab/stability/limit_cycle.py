@@ -8,13 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.tracking import Tracking
-from exoid.errors import ExoidError
-
-SMALLEST = np.deg2rad(0.05)
-"""Peak-to-peak amplitude below which a joint counts as at rest [rad]."""
-
-LASTING = 0.9
-"""Smallest ratio of the second half of an oscillation to the first for which it lasts."""
+from exoid.errors import BadArgumentError
 
 
 class LimitCycle(NamedTuple):
@@ -49,13 +43,17 @@ def find_limit_cycle(run: Tracking, last: float = 0.5) -> LimitCycle:
         ExoidError: The share is not between 0 and 1, or leaves too few samples.
     """
     if not 0.0 < last <= 1.0:
-        raise ExoidError(f"the last {last:g} of a run", remedy="give a share between 0 and 1")
+        raise BadArgumentError(f"the last {last:g} of a run", remedy="give a share between 0 and 1")
     begin = int((1.0 - last) * len(run.time))
     time, error = run.time[begin:], run.error[begin:]
     if len(time) < 8:
-        raise ExoidError(f"{len(time)} samples are too few for an oscillation", remedy="run longer, or log more often")
+        raise BadArgumentError(
+            f"{len(time)} samples are too few for an oscillation", remedy="run longer, or log more often"
+        )
     early, late = (np.ptp(half, axis=0) for half in np.array_split(error, 2))
-    lasting = (late > SMALLEST) & (late >= LASTING * early)
+    # Peak-to-peak amplitude below which a joint counts as at rest [rad].
+    # Smallest ratio of the second half of an oscillation to the first for which it lasts.
+    lasting = (late > np.deg2rad(0.05)) & (late >= 0.9 * early)
     periods = np.array([_period(time, column) for column in error.T])
     return LimitCycle(np.ptp(error, axis=0), periods, lasting)
 

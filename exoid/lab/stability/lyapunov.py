@@ -10,7 +10,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.control.law import gains
 from exoid.control.model import ControlModel
 from exoid.control.tracking import Tracking
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Plant
 
 TOLERANCE = 1e-9
@@ -46,7 +46,7 @@ class Lyapunov:
         """Keep only the sampling instants of the controller."""
         every = (len(self.time) - 1) / (self.time[-1] * self.sample_rate)
         if abs(every - round(every)) > 1e-6 * every or every < 0.5:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a log every {self.time[1] - self.time[0]:g} s does not have the samples of a controller at "
                 f"{self.sample_rate:g} Hz",
                 remedy="simulate with a log_rate that is a multiple of the controller's rate",
@@ -85,7 +85,9 @@ def lyapunov(run: Tracking, plant: Plant, kp: ArrayLike, kd: ArrayLike) -> Lyapu
         ExoidError: The plant is not one rig with an upright torso, or a gain is negative.
     """
     if np.any(plant.pitch):
-        raise ExoidError("the torso of the plant is tilted", remedy="use an upright torso, for which V is defined")
+        raise BadArgumentError(
+            "the torso of the plant is tilted", remedy="use an upright torso, for which V is defined"
+        )
     model, stiffness, damping = ControlModel.of(plant), gains(kp, "kp"), gains(kd, "kd")
     q, v, error = run.q, run.v, run.error
     M = model.leg.mass_matrix(q) + model.rotors(q)

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.model import ControlModel, ModelSource
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import make_table, to_text
 
@@ -118,7 +118,7 @@ def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.ra
         ExoidError: The number of poses is not positive, or the source has no control model.
     """
     if poses < 1:
-        raise ExoidError(f"properties at {poses} poses", remedy="check at least one pose")
+        raise BadArgumentError(f"properties at {poses} poses", remedy="check at least one pose")
     model, rng = ControlModel.of(source), np.random.default_rng(seed)
     q = rng.uniform(-np.pi, np.pi, (poses, model.n))
     v = rng.uniform(-1.0, 1.0, (poses, model.n))

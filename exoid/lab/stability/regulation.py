@@ -16,7 +16,7 @@ from exoid.control.law import RATE, Law, gains
 from exoid.control.laws import gravity_friction_pd
 from exoid.control.side_by_side import SideBySide
 from exoid.control.tracking import Tracking
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments import Hold
 from exoid.rig import Plant
 from exoid.tools.json_values import attributes, json_value
@@ -25,21 +25,6 @@ from exoid.tools.tables import make_table, to_text
 from .equilibrium import Equilibrium, find_equilibrium
 from .limit_cycle import LimitCycle, find_limit_cycle
 from .lyapunov import TOLERANCE, Lyapunov, lyapunov
-
-SHARES = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5)
-"""Compensated shares of the leg's friction."""
-
-DURATION = 20.0
-"""Duration of a run [s]."""
-
-STILL = 1e-6
-"""Velocity below which a joint rests [rad/s]."""
-
-RESTING = 0.1
-"""Share of the run, at its end, during which a stopped leg rests."""
-
-LAST = 0.25
-"""Share of the run, at its end, that is searched for oscillations."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,8 +45,9 @@ class Regulation:
     @property
     def stopped(self) -> bool:
         """Whether the leg rests during the whole last part, and not only for a moment as it reverses."""
-        begin = int((1.0 - RESTING) * len(self.run.time))
-        return bool((np.abs(self.run.v[begin:]) < STILL).all())
+        # Share of the run, at its end, during which a stopped leg rests.
+        begin = int((1.0 - 0.1) * len(self.run.time))
+        return bool((np.abs(self.run.v[begin:]) < 1e-6).all())  # velocity below which a joint rests [rad/s]
 
     @property
     def outcome(self) -> str:
@@ -96,7 +82,7 @@ class Regulations:
         for run in self.runs:
             if run.name == name:
                 return run
-        raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
+        raise BadArgumentError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
 
     def to_json(self) -> dict[str, Any]:
         """Convert the table to JSON types."""
@@ -147,9 +133,9 @@ def regulate(
     target: ArrayLike,
     away: ArrayLike,
     *,
-    shares: Sequence[float] = SHARES,
+    shares: Sequence[float] = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5),
     rate: float = RATE,
-    duration: float = DURATION,
+    duration: float = 20.0,
     log_rate: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Regulations:
@@ -198,7 +184,7 @@ def regulate(
                 run,
                 lyapunov(run, each, stiffness, damping),
                 find_equilibrium(each, law, aim),
-                find_limit_cycle(run, LAST),
+                find_limit_cycle(run, 0.25),  # share of the run, at its end, that is searched for oscillations
             )
             for name, run, each, law in zip(names, runs, plants, laws, strict=True)
         ),

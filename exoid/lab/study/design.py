@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.estimators import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
@@ -27,11 +27,6 @@ from .protocol import Protocol
 from .tracking_task import TrackingTask
 
 SCHEMA = "exoid-study-1"
-
-MOST_REPLICATES = 10**7
-"""Largest number of replicates of each protocol and noise."""
-
-FOLLOWED = ("exactly", "by a rig")
 
 WITHOUT_MODEL = "pd"
 """Controller that needs no model of the leg."""
@@ -72,7 +67,9 @@ class LegText(NamedTuple):
         """
         about = leg.description
         if leg.base != "fixed":
-            raise ExoidError("studies simulate legs on a fixed base", where=about.name, remedy='use base="fixed"')
+            raise NotSupportedError(
+                "studies simulate legs on a fixed base", where=about.name, remedy='use base="fixed"'
+            )
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
 
 
@@ -133,29 +130,41 @@ class Study:
     def __post_init__(self) -> None:
         """Check the settings before anything runs."""
         unknown = [name for name in self.estimators if name not in ESTIMATORS]
-        if unknown or not self.estimators:
-            raise ExoidError(
-                f"no estimator {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(ESTIMATORS)}"
-            )
-        if len(set(self.estimators)) < len(self.estimators):
-            raise ExoidError(f"estimators {', '.join(self.estimators)}", remedy="name each once")
-        if self.followed not in FOLLOWED:
-            raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
-        if self.replicates > MOST_REPLICATES:
-            raise ExoidError(f"{self.replicates} replicates", remedy=f"ask for at most {MOST_REPLICATES:.0e}")
-        if self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises:
-            raise ExoidError(
+        names, joints = self.model.names, len(self.leg.joints)
+        few = self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises
+        rules = (
+            (
+                bool(unknown) or not self.estimators,
+                f"no estimator {', '.join(unknown) or 'at all'}",
+                f"use some of {', '.join(ESTIMATORS)}",
+            ),
+            (
+                len(set(self.estimators)) < len(self.estimators),
+                f"estimators {', '.join(self.estimators)}",
+                "name each once",
+            ),
+            (
+                self.followed not in ("exactly", "by a rig"),
+                f"motions followed {self.followed!r}",
+                "use one of exactly, by a rig",
+            ),
+            (self.replicates > 10**7, f"{self.replicates} replicates", "ask for at most 1e+07"),
+            (
+                few,
                 f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
                 f"{len(self.protocols)} protocols, {len(self.noises)} noises",
-                remedy="at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
-            )
-        names, joints = self.model.names, len(self.leg.joints)
-        if len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises):
-            raise ExoidError(
+                "at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
+            ),
+            (
+                len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises),
                 f"{len(self.truth)} true parameters and noise of {', '.join(str(len(n.std)) for n in self.noises)} "
                 f"joints for a leg of {joints}",
-                remedy=f"give one value for each of {', '.join(names)} and noise for each joint",
-            )
+                f"give one value for each of {', '.join(names)} and noise for each joint",
+            ),
+        )
+        for applies, what, remedy in rules:
+            if applies:
+                raise BadArgumentError(what, remedy=remedy)
         if self.course is not None:
             self.course.check_leg(self.model, np.array(self.truth))
 

@@ -8,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.files import write_bytes, write_whole
 
 from .design import Study
 from .replicates import Outcomes
 from .tracking_runs import MEASURES
-
-ABOUT = "study.json"
 
 TRACKING = "driven"
 """Key of the tracking metrics in the file of a chunk."""
@@ -31,14 +29,14 @@ class Folder:
             path.mkdir(parents=True, exist_ok=True)
             found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
         except OSError as error:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"is no folder for results ({error.strerror or error})", where=str(path), remedy="name a new folder"
             ) from None
-        about = path / ABOUT
+        about = path / "study.json"
         if about.exists():  # checked after the chunks, because it is written before them
             self._refuse_another(about)
         elif found:
-            raise ExoidError("holds other files", where=str(path), remedy="name a new folder for the results")
+            raise BadArgumentError("holds other files", where=str(path), remedy="name a new folder for the results")
         else:
             described = {"sha256": study.sha256, **study.to_json()}
             write_whole(about, [json.dumps(described, indent=1, ensure_ascii=False), "\n"])
@@ -73,7 +71,7 @@ class Folder:
         except (OSError, ValueError, KeyError, TypeError):
             known = ""
         if known != self._study.sha256:
-            raise ExoidError(
+            raise BadArgumentError(
                 "holds the results of another study",
                 where=str(self.path),
                 remedy="ask for the same leg, protocols, noise, estimators, replicates and seed, or name a new folder",

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Noise:
     def __post_init__(self) -> None:
         """Check the numbers."""
         if not (all(0.0 < s < np.inf for s in self.std) and 0.0 <= self.share <= 1.0 and 0.0 < self.memory < np.inf):
-            raise ExoidError(f"{self}", remedy="deviations and memory are positive, the share is between 0 and 1")
+            raise BadArgumentError(f"{self}", remedy="deviations and memory are positive, the share is between 0 and 1")
 
     def draw(self, rng: np.random.Generator, samples: int, rate: float) -> FloatArray:
         """Draw noise.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.experiments import Harmonics, bleex, cuhk
 from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.fourier import States
@@ -110,7 +110,7 @@ def document(leg: Leg, duration: float) -> Protocol:
     elif leg.joint_labels == ("hip", "knee"):
         motions = (cuhk.multisine(leg, np.random.default_rng(0)),)
     else:
-        raise ExoidError(
+        raise NotSupportedError(
             f"no document moved {', '.join(leg.joint_names)}", remedy="study the protocol 'planned', or a built-in leg"
         )
     return Protocol("document", motions, duration / len(motions), (0.0,) * len(motions))

@@ -21,9 +21,6 @@ from exoid.signals import Recording
 from .design import Chunk, Study
 from .tracking_runs import MEASURES, track_cases
 
-LEVEL = 0.95
-"""Probability level of the intervals."""
-
 ENCODER = 2.0**16
 """Encoder counts per turn of the rigs."""
 
@@ -51,7 +48,7 @@ def run_chunk(study: Study, number: int) -> Outcomes:
         for k, recordings in enumerate(_recorded(study, chunk)):
             for e, name in enumerate(study.estimators):
                 estimate = identify(model.leg, recordings, study.terms, name, cutoff=study.cutoff, check=False)
-                low, high = estimate.interval(LEVEL).T
+                low, high = estimate.interval(0.95).T  # probability level of the intervals
                 values[e, k], std[e, k] = estimate.values, estimate.std
                 inside[e, k] = (low <= truth) & (truth <= high)
                 if study.course is not None:

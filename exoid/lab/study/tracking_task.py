@@ -14,7 +14,7 @@ from exoid.control.law import RATE
 from exoid.control.model import ModelSource
 from exoid.control.standard_laws import refuse_unknown_laws
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.experiments import Harmonics
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.tools.json_values import attributes
@@ -49,9 +49,9 @@ class TrackingTask:
         """Check what does not depend on the leg."""
         refuse_unknown_laws(self.laws)
         if len(set(self.laws)) != len(self.laws):
-            raise ExoidError(f"controllers {', '.join(self.laws)}", remedy="name each controller once")
+            raise BadArgumentError(f"controllers {', '.join(self.laws)}", remedy="name each controller once")
         if not (0.0 < self.period < np.inf and self.periods >= 2):
-            raise ExoidError(f"{self.periods} periods of {self.period:g} s", remedy="give two periods or more")
+            raise BadArgumentError(f"{self.periods} periods of {self.period:g} s", remedy="give two periods or more")
         plant_step(self.rate, max(self.rate, RATE))
 
     @classmethod
@@ -117,7 +117,7 @@ class TrackingTask:
         """
         leg = model.leg
         if {len(self.kp), len(self.kd)} != {len(leg.joint_names)}:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{len(self.kp)} Kp and {len(self.kd)} Kd for {len(leg.joint_names)} joints",
                 remedy="give one for each joint",
             )
@@ -138,5 +138,7 @@ class TrackingTask:
 
 def _each(values: tuple[float, ...], joints: int) -> FloatArray:
     if len(values) not in (1, joints):
-        raise ExoidError(f"{len(values)} gains for {joints} joints", remedy="give one number, or one for each joint")
+        raise BadArgumentError(
+            f"{len(values)} gains for {joints} joints", remedy="give one number, or one for each joint"
+        )
     return np.broadcast_to(np.array(values), (joints,)).copy()

@@ -30,7 +30,6 @@ NOTE = (
     "band holds errors of the parameters and noise of torques, angles and IMU, not that of the plates. The centre of "
     "pressure is at the height of the sole, from the origin of the link."
 )
-HEADERS = ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]")
 
 
 class FootForce(NamedTuple):
@@ -51,7 +50,11 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
     if not rows:
         return
     yield Text([NOTE])
-    yield DataTable("Vertical force of the ground on resting feet, from joint torques", HEADERS, rows)
+    yield DataTable(
+        "Vertical force of the ground on resting feet, from joint torques",
+        ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]"),
+        rows,
+    )
     shown: set[frozenset[str]] = set()
     for recording, feet in each:
         links = frozenset(foot.link for foot in feet)

@@ -20,14 +20,8 @@ from exoid.tools.files import write_whole
 from exoid.tools.tables import DataTable
 from exoid.view.style import paper
 
-UNQUOTED = " /:;=,+()!*$@?"
-"""Characters, besides letters and digits, that a data URL within an attribute may contain unquoted."""
-
 PAGE_COLUMN = 2.9
 """Width of a figure on a page [inches]: narrower than a column of a paper, so that its text is readable on a phone."""
-
-SCATTER_DPI = 130
-"""Resolution of scatter plots, which are bitmaps within the drawing."""
 
 PATH, DIGITS = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 """Paths of a drawing, and the digits of their coordinates beyond hundredths."""
@@ -47,13 +41,15 @@ class Picture:
         """Render a figure."""
         file = io.BytesIO()
         with paper(), rc_context({"svg.hashsalt": "exoid"}):
-            figure.savefig(file, format="svg", dpi=SCATTER_DPI, metadata={"Date": None})
+            # Resolution of scatter plots, which are bitmaps within the drawing.
+            figure.savefig(file, format="svg", dpi=130, metadata={"Date": None})
         return cls(PATH.sub(_rounded, file.getvalue()), alt_text, caption, full)
 
     @property
     def data_url(self) -> str:
         """Drawing as a data URL. It is quoted: base64 makes text a third longer."""
-        return "data:image/svg+xml," + quote(self.svg, safe=UNQUOTED)
+        # Characters, besides letters and digits, that a data URL within an attribute may contain unquoted.
+        return "data:image/svg+xml," + quote(self.svg, safe=" /:;=,+()!*$@?")
 
 
 @dataclass(frozen=True)

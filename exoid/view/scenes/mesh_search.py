@@ -13,9 +13,6 @@ from pathlib import Path
 PACKAGE = "package.xml"
 """File in the folder of a package of ROS."""
 
-LONGEST_NAME = 200
-"""Number of characters of a name in messages."""
-
 
 def find_mesh(name: str, folder: Path | None) -> Path:
     """Find the file of a mesh below the folder of the URDF, or in a package."""
@@ -30,7 +27,8 @@ def find_mesh(name: str, folder: Path | None) -> Path:
         found = _in_package(path, here.resolve()) if scheme == "package" else _in_folder(path, here.resolve())
     except (OSError, ValueError) as problem:  # a name that is too long, a null byte, no permission
         reason = getattr(problem, "strerror", None) or problem
-        raise FileNotFoundError(f"mesh {name[:LONGEST_NAME]!r} not found ({reason})") from None
+        # Number of characters of a name in messages.
+        raise FileNotFoundError(f"mesh {name[:200]!r} not found ({reason})") from None
     if found is None:
         raise FileNotFoundError(f"mesh {name!r} not found")
     return found

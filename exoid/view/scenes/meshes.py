@@ -34,9 +34,6 @@ MAX_TRIANGLES = 20_000
 SMALLEST_SCALE, LARGEST_MESH = 1e-9, 1e6
 """Smallest scale of a mesh, and largest size of one [m]."""
 
-CREASE = np.deg2rad(40.0)
-"""Crease angle [rad]: faces that meet at a larger angle keep a sharp edge."""
-
 
 class Mesh(NamedTuple):
     """Triangles of one colour, with a normal at each vertex."""
@@ -67,7 +64,8 @@ def mesh_arrays(file: str, scale: list[float]) -> Content:
     with reading(file, "a mesh", "export it again, as STL, OBJ, DAE or GLB"):
         parts = _simplified(_parts(file, scale))
         for k, part in enumerate(parts.values()):
-            shaded = smooth_shade(part, angle=CREASE, facet_minarea=None)
+            # Crease angle [rad]: faces that meet at a larger angle keep a sharp edge.
+            shaded = smooth_shade(part, angle=np.deg2rad(40.0), facet_minarea=None)
             arrays[f"points {k}"] = np.asarray(shaded.vertices, dtype=np.float64)
             areas = shaded.face_normals * shaded.area_faces[:, np.newaxis]  # so that rounded edges leave faces flat
             arrays[f"normals {k}"] = mean_vertex_normals(len(shaded.vertices), shaded.faces, areas)

@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.view.colours import MEASURED, PREDICTED, WEIGHT
 
 
@@ -56,4 +56,4 @@ def _viewer_file(name: str) -> str:
         path = Path(folder) / "viewer" / name
         if path.is_file():
             return path.read_text(encoding="utf-8")
-    raise ExoidError("meshcat's viewer is missing", where=name, remedy="pip install --force-reinstall meshcat")
+    raise NotSupportedError("meshcat's viewer is missing", where=name, remedy="pip install --force-reinstall meshcat")

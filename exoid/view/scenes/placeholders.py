@@ -14,9 +14,6 @@ from .visual import Material, Visual, box, cylinder, torus
 BAR, FRAME, RUBBER = Material("#b3b8bf"), Material("#4a4e55"), Material("#1c1d20")
 """Materials of bars, of joint housings and belts, and of soles and straps."""
 
-FEET = ("foot", "ankle", "toe", "sole")
-"""Words in the name of a link or joint that identify the last body as a foot."""
-
 
 def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]:
     """Make a joint housing, and bars to the next joints or through the centre of mass."""
@@ -33,7 +30,8 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         if parent == body and np.linalg.norm(placement[:3, 3]) > 0.05 * size
     ]
     names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
-    if not ends and any(word in names for word in FEET):
+    # Words in the name of a link or joint that identify the last body as a foot.
+    if not ends and any(word in names for word in ("foot", "ankle", "toe", "sole")):
         return [*visuals, *_foot(skeleton, body, size)]
     if not ends:
         lever = np.asarray(leg.model.inertias[body].lever)

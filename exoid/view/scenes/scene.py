@@ -116,7 +116,7 @@ class Scene:
             >>> with exoid.view.scene(exoid.load_leg("bleex")).serve() as server:  # doctest: +SKIP
             ...     server.pose({"left_knee": -0.5})
         """
-        return SceneServer(self, port)
+        return SceneServer(lambda: write_page(self.to_json(), live=True), self.pose, port)
 
     def pose(self, angles: Mapping[str, float]) -> list[Command]:
         """Commands that move joints to angles, and all other joints to zero.

@@ -12,19 +12,15 @@ import os
 import queue
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from exoid.errors import BadArgumentError
 
 from .commands import Command
-from .page import write_page
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 LOOPBACK = "127.0.0.1"
 
@@ -38,9 +34,15 @@ class SceneServer:
     # url: Address for a browser.
     # port: Port that it listens on.
 
-    def __init__(self, scene: Scene, port: int | None = None, patience: float = 10.0) -> None:
-        """Start listening."""
-        self._scene = scene
+    def __init__(
+        self,
+        page: Callable[[], str],
+        pose: Callable[[Mapping[str, float]], list[Command]],
+        port: int | None = None,
+        patience: float = 10.0,
+    ) -> None:
+        """Start listening; ``patience`` [s] is that with a connection that sends no request, or takes no data."""
+        self.page, self._pose = page, pose
         self._listeners: set[queue.Queue[str | None]] = set()
         self._latest: dict[tuple[object, ...], Command] = {}
         self._lock = threading.Lock()
@@ -54,7 +56,7 @@ class SceneServer:
 
     def pose(self, angles: Mapping[str, float]) -> None:
         """Move joints to angles in every open page, and all other joints to zero."""
-        self.send(self._scene.pose(angles))
+        self.send(self._pose(angles))
 
     def send(self, commands: list[Command]) -> None:
         """Send drawing commands to every open page."""
@@ -80,10 +82,6 @@ class SceneServer:
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
-
-    def page(self) -> bytes:
-        """Render the page of the scene."""
-        return write_page(self._scene.to_json(), live=True).encode()
 
     def subscribe(self) -> queue.Queue[str | None]:
         """Register a page for changes of the scene."""
@@ -159,7 +157,7 @@ class _Handler(BaseHTTPRequestHandler):
         if host not in (LOOPBACK, "localhost"):
             self.send_error(HTTPStatus.FORBIDDEN)
         elif self.path == "/":
-            self._answer("text/html; charset=utf-8", self.server.scene_server.page())
+            self._answer("text/html; charset=utf-8", self.server.scene_server.page().encode())
         elif self.path == "/events":
             self._answer("text/event-stream")
             self._stream()

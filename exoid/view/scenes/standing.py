@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.signals.link_wrenches import refuse_unknown_links, wrenches_on_links
@@ -42,7 +42,7 @@ class Standing:
             return None
         pose = None if recording.base is None else recording.base.pose
         if pose is None and any(wrench.axes == "world" for wrench in recording.wrenches.values()):
-            raise ExoidError(
+            raise BadArgumentError(
                 "a wrench in the laboratory cannot be drawn where the pose of the base is not known",
                 where=recording.source.name if recording.source else "",
                 remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',

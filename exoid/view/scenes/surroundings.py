@@ -14,7 +14,6 @@ from .scene import Camera
 from .transforms import align_z, homogeneous
 from .visual import Material, Visual, box, cylinder
 
-GROUND = Material("#c8ced6", finish="matte")
 LINES = Material("#b9bfc8", finish="flat")
 
 GRID_STEPS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
@@ -74,7 +73,9 @@ def _ground(size: float) -> list[Visual]:
     """Make a disc with a grid of lines."""
     radius, thickness = 0.5 * size, 0.002 * size
     step = max((each for each in GRID_STEPS if each <= 0.3 * radius), default=GRID_STEPS[0])
-    disc = cylinder(radius, thickness, GROUND).placed(homogeneous((0.0, 0.0, -0.5 * thickness)))
+    disc = cylinder(radius, thickness, Material("#c8ced6", finish="matte")).placed(
+        homogeneous((0.0, 0.0, -0.5 * thickness))
+    )
     lines = []
     for offset in np.arange(-np.floor(radius / step), np.floor(radius / step) + 1.0) * step:
         length = 2.0 * float(np.sqrt(max(radius**2 - offset**2, 0.0)))

@@ -21,12 +21,6 @@ from exoid.tools.tables import DataTable, to_text, with_error
 
 from .rows import JointRows
 
-DEPENDENT = 1e-9
-"""Fraction of the largest singular value below which a singular value counts as zero."""
-
-HEADERS = ("parameter", "value", "± std")
-"""Headers of a printed estimate."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SequentialEstimate:
@@ -49,7 +43,9 @@ class SequentialEstimate:
     def __str__(self) -> str:
         """Print as a table, one line a parameter."""
         rows = [(name, *with_error(*each)) for name, *each in zip(self.names, self.values, self.std, strict=True)]
-        return to_text(DataTable(f"Sequential estimate of {len(rows)} parameters", HEADERS, rows))
+        return to_text(
+            DataTable(f"Sequential estimate of {len(rows)} parameters", ("parameter", "value", "± std"), rows)
+        )
 
     @property
     def std(self) -> FloatArray:
@@ -118,7 +114,8 @@ def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
     scale = np.linalg.norm(W, axis=0)
     scale[scale == 0.0] = 1.0
     U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
-    if sigma[-1] <= DEPENDENT * sigma[0]:
+    # Fraction of the largest singular value below which a singular value counts as zero.
+    if sigma[-1] <= 1e-9 * sigma[0]:
         raise NotIdentifiableError(
             f"the measurements do not determine {', '.join(names)} one by one",
             parameters=tuple(names),

@@ -13,7 +13,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.control.model import ControlModel, ModelSource
 from exoid.control.sensitivity_amplification import sensitivity_amplification
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.rig import Plant, Wearer
 from exoid.tools.json_values import attributes, json_value
@@ -24,17 +24,8 @@ from .limiting import limiting_shares
 from .worn_leg import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
-DRAWS = 200
-"""Number of draws."""
-
 MOST = 100.0
 """Largest amplification tried."""
-
-DRIFT = 0.1
-"""Frequency below which a growing motion is a drift [Hz]."""
-
-LISTED = 5
-"""Number of parameters in the printed table."""
 
 AmplifiedLaw = Callable[[Any, float], AnyLaw]
 """Function that makes a controller from the source of its model and an amplification."""
@@ -103,7 +94,7 @@ class Amplification:
             ExoidError: The amplification is below 1 or above ``most``.
         """
         if not 1.0 <= amplification <= self.most:
-            raise ExoidError(f"an amplification of {amplification:g}", remedy=f"give one from 1 to {self.most:g}")
+            raise BadArgumentError(f"an amplification of {amplification:g}", remedy=f"give one from 1 to {self.most:g}")
         return float(np.mean(self.values >= amplification))
 
     def to_json(self) -> dict[str, Any]:
@@ -135,10 +126,12 @@ class Amplification:
         parts.append(f"with an exact model: {_text(self.exact, self.most)}")
         if len(self.pose):
             pose = ", ".join(f"{x:.0f}°" for x in np.rad2deg(self.pose))
-            grows = f"{self.frequency:.2g} Hz grow" if self.frequency > DRIFT else "the leg drifts away (its weight)"
+            # Frequency below which a growing motion is a drift [Hz].
+            grows = f"{self.frequency:.2g} Hz grow" if self.frequency > 0.1 else "the leg drifts away (its weight)"
             parts.append(f"beyond it, {grows} at the pose ({pose})")
         if self.variance_shares:
-            listed = sorted(self.variance_shares.items(), key=lambda item: -item[1])[:LISTED]
+            # Number of parameters in the printed table.
+            listed = sorted(self.variance_shares.items(), key=lambda item: -item[1])[:5]
             rows = [(name, f"{100.0 * share:.0f} %") for name, share in listed]
             parts.append(make_table(("limiting parameter", "variance of the boundary that it explains"), rows))
         if self.rejected:
@@ -156,7 +149,7 @@ def largest_amplification(
     poses: ArrayLike | None = None,
     delay: int = 0,
     share: float = 0.95,
-    draws: int = DRAWS,
+    draws: int = 200,
     most: float = MOST,
     seed: int = 0,
 ) -> Amplification:
@@ -199,7 +192,7 @@ def largest_amplification(
     """
     model = ControlModel.of(source)
     if not (0.0 < share < 1.0 and draws >= 1 and 1.0 < most < np.inf):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a share of {share:g}, {draws} draws, amplifications up to {most:g}",
             remedy="give a share between 0 and 1, at least one draw, and a largest amplification above 1",
         )
@@ -215,7 +208,7 @@ def largest_amplification(
         exact = float(loop.largest(loop.legs_of([model]))[0])
         return Amplification(name, values, exact, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
     if not isinstance(source, Estimate):
-        raise ExoidError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
+        raise BadArgumentError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
     return amplification_of_draws(loop, source, source.covariance, share, draws, most, seed)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.sensitivity_amplification import sensitivity_amplification
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments.excitation import MotionLimits, Plan, StaticRows, TorqueNoise, plan_excitation
 from exoid.experiments.excitation.precision import information_of
@@ -26,12 +26,6 @@ HIGHEST = {"slow": 0.3, "walking speed": 1.0, "fast": 2.0}
 
 TILTS = (-20.0, 20.0)
 """Torso tilts of one more candidate [deg]."""
-
-DRAWS = 100
-"""Number of draws for each experiment."""
-
-STARTS = 2
-"""Starts of the search for each candidate."""
 
 Experiment = Plan | Sequence[Recording | StaticRows]
 """A planned motion, or motions and poses."""
@@ -84,7 +78,7 @@ def better_experiments(
     poses: ArrayLike | None = None,
     delay: int = 0,
     share: float = 0.95,
-    draws: int = DRAWS,
+    draws: int = 100,
     most: float = MOST,
     seed: int = 0,
 ) -> BetterExperiments:
@@ -117,7 +111,7 @@ def better_experiments(
         ExoidError: There is no experiment, a motion cannot be planned, or see :func:`largest_amplification`.
     """
     if experiments is not None and not experiments:
-        raise ExoidError("no experiments to compare", remedy="leave experiments out for planned motions")
+        raise BadArgumentError("no experiments to compare", remedy="leave experiments out for planned motions")
     of_noise = _noise(estimate, noise, noise_bandwidth)
     candidates = _planned(estimate, of_noise, duration, seed) if experiments is None else experiments
     at = poses_of(estimate.leg, poses)
@@ -177,7 +171,7 @@ def _planned(estimate: Estimate, noise: TorqueNoise, duration: float, seed: int)
             noise=noise.std,
             noise_bandwidth=noise.bandwidth,
             values=values,
-            starts=STARTS,
+            starts=2,  # starts of the search for each candidate
             seed=seed,
         )
 

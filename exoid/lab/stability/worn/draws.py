@@ -7,13 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError
 from exoid.torques import TorqueModel, Viscous
 
 from .worn_leg import mass_matrices
-
-POSES = 50
-"""Number of random poses at which the mass matrix must be positive definite."""
 
 TRIES = 20
 """Draws that may be made for each that is needed."""
@@ -31,9 +28,12 @@ def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, 
     # Viscous friction that is drawn negative becomes zero, as on the rig.
     if not np.isfinite(covariance).all():
         unknown = [name for name, row in zip(model.names, covariance, strict=True) if not np.isfinite(row).all()]
-        raise ExoidError(f"the covariance of {', '.join(unknown)} is not finite", remedy="record what determines them")
+        remedy = "record what determines them"
+        what = f"the covariance of {', '.join(unknown)} is not finite"
+        raise NotIdentifiableError(what, parameters=tuple(unknown), remedy=remedy)
     rng, n = np.random.default_rng(seed), len(model.joint_names)
-    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSES, n))
+    # Number of random poses at which the mass matrix must be positive definite.
+    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (50, n))
     root, bounded = _root(covariance), _never_negative(model)
     kept: list[FloatArray] = []
     for tries in range(1, TRIES + 1):
@@ -42,7 +42,7 @@ def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, 
         kept.extend(drawn[np.linalg.eigvalsh(mass_matrices(model, drawn, poses)).min(axis=(0, 2)) > 0.0])
         if len(kept) >= count:
             return Draws(np.array(kept[:count]), 1.0 - len(kept) / (tries * count))
-    raise ExoidError(
+    raise NotIdentifiableError(
         f"only {len(kept)} of {TRIES * count} draws have a positive definite mass matrix",
         where=model.leg.description.name,
         remedy="identify again with more excitation, or with known masses as priors",

@@ -14,18 +14,6 @@ from exoid.torques import TorqueModel
 from .draws import draw_truths
 from .worn_loop import WornLoop
 
-TAIL = 8
-"""Number of draws with the smallest amplifications at whose boundaries the gradient is taken."""
-
-STEP = 0.01
-"""Step of the gradient in standard deviations."""
-
-WIDER = (4.0, 16.0, 64.0)
-"""Factors of the standard deviations with which draws are made again until some have a boundary."""
-
-WIDER_DRAWS = 60
-"""Number of such draws."""
-
 
 def limiting_shares(
     loop: WornLoop,
@@ -41,16 +29,18 @@ def limiting_shares(
     # gradient −(∂ρ/∂β)/(∂ρ/∂s). Shares of variance are the mean over the draws with the smallest
     # amplifications. If no draw has a boundary, draws with wider standard deviations tell which parameter would
     # limit first.
-    for factor in WIDER:
+    # Factors of the standard deviations with which draws are made again until some have a boundary.
+    for factor in (4.0, 16.0, 64.0):
         if _bounded(largest).any() or not covariance.any():
             break
         try:
-            draws = draw_truths(model, mean, factor**2 * covariance, WIDER_DRAWS, seed).parameters
+            draws = draw_truths(model, mean, factor**2 * covariance, 60, seed).parameters  # number of such draws
         except ExoidError:  # hardly any bodies are so far from the mean
             break
         largest = loop.largest(loop.legs(model, draws))
     chosen = np.flatnonzero(_bounded(largest))
-    chosen = chosen[np.argsort(largest[chosen], kind="stable")][:TAIL]
+    # Number of draws with the smallest amplifications at whose boundaries the gradient is taken.
+    chosen = chosen[np.argsort(largest[chosen], kind="stable")][:8]
     if not len(chosen):
         return np.zeros(len(mean))
 
@@ -80,7 +70,7 @@ def _shares_at(
 ) -> FloatArray:
     """Shares of variance at one boundary. The factor ∂ρ/∂s is common to all parameters and cancels."""
     std = np.sqrt(np.diag(covariance))
-    step = STEP * np.where(std > 0.0, std, 1.0)
+    step = 0.01 * np.where(std > 0.0, std, 1.0)  # step of the gradient in standard deviations
     around = point + np.vstack([np.diag(step), -np.diag(step)])
     ahead, behind = np.split(radius(around, np.full(len(around), share)), 2)
     return variance_shares(np.where(std > 0.0, (ahead - behind) / (2.0 * step), 0.0), covariance)

@@ -18,9 +18,6 @@ from .worn_leg import SPEED, HeldLeg
 STEP = 1e-6
 """Step of central differences, relative to numbers above 1."""
 
-SMOOTH = 1e-3
-"""Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth."""
-
 
 class LinearLaw(NamedTuple):
     """One step of a controller, linearised: δτ = F δy + H δm and δm⁺ = E δy + N δm."""
@@ -47,7 +44,8 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     # compensation is constant. Limits of torque and of its rate count as inactive.
     full = stateful(law)
     first, second = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
-    if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
+    # Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth.
+    if np.abs(first - second).max() > 1e-3 * np.abs(first).max():
         raise NotSupportedError(
             f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
             remedy="use a smooth controller, and a pose away from its limits",

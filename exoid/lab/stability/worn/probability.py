@@ -10,16 +10,13 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.stateful import AnyLaw
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.rig import Wearer
 from exoid.tools.json_values import attributes
 
 from .draws import draw_truths
 from .worn_loop import NEUTRAL, WornLoop, poses_of
-
-DRAWS = 200
-"""Number of draws."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,7 +72,7 @@ def stability_probability(
     wearer: Wearer | None = None,
     poses: ArrayLike | None = None,
     delay: int = 0,
-    draws: int = DRAWS,
+    draws: int = 200,
     seed: int = 0,
 ) -> StabilityProbability:
     """Compute the probability that a controller is stable, if the truth has the distribution of an estimate.
@@ -97,7 +94,7 @@ def stability_probability(
             derivatives at a pose.
     """
     if draws < 1:
-        raise ExoidError(f"{draws} draws", remedy="make at least one")
+        raise BadArgumentError(f"{draws} draws", remedy="make at least one")
     loop = WornLoop.of([law], np.zeros(1), wearer, poses_of(estimate.leg, poses), delay)
     model = estimate.model.loaded_by(estimate.values)
     drawn = draw_truths(model, estimate.values, estimate.covariance, draws, seed)
