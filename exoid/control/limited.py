@@ -29,12 +29,12 @@ class Wrapped(ABC):
         return self.law.rate
 
     @abstractmethod
-    def changed(self, torque: FloatArray, state: State) -> FloatArray:
+    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
         """Compute what becomes of a torque of the other controller."""
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class."""
-        return self.changed(torque_without_memory(self.law, state, target), state)
+        return self._changed(torque_without_memory(self.law, state, target), state)
 
     def begin(self, state: State) -> Memory:
         """Compute the memory of the other controller before the first sample."""
@@ -43,7 +43,7 @@ class Wrapped(ABC):
     def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
         """Compute the torque, and the memory of the other controller."""
         torque, memory = stateful(self.law).step(memory, state, target)
-        return self.changed(torque, state), memory
+        return self._changed(torque, state), memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,16 +80,8 @@ class Limited(Wrapped):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
-    def changed(self, torque: FloatArray, state: State) -> FloatArray:
-        """Clip a torque to the limits.
-
-        Args:
-            torque: Torque of the other controller [N·m], of the shape of ``state.q``.
-            state: Measured state with the last torque, (n,) or (n, B).
-
-        Returns:
-            Torque within the limits [N·m], of the same shape.
-        """
+    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Clip a torque to the limits of its change and size."""
         last = np.zeros_like(torque) if state.last is None else state.last
         change = spread(np.asarray(self.slew), torque) / self.rate
         torque = np.clip(torque, last - change, last + change)
