@@ -11,7 +11,7 @@ from standing import mirrored, standing
 
 import exoid
 from exoid import BaseMotion, ExoidError, Wrench
-from exoid.torques.contacts.placements import link_placements
+from exoid.signals.link_wrenches import link_placements
 from exoid.view import scene
 
 FEET = ("left_foot", "right_foot")

@@ -14,10 +14,11 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.filters.low_pass import slow_part
+from exoid.signals.link_wrenches import link_placements
 from exoid.signals.noise_size import robust_std
 
 from .imu import ENDS
-from .placements import level_rotation, link_placements
+from .placements import level_rotation
 from .standing_base import standing_reading
 
 SLIDING, TILTING = 0.03, 0.15

@@ -13,8 +13,9 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.model import joint_axis
 from exoid.signals import BaseMotion, Recording
+from exoid.signals.link_wrenches import link_placements
 
-from .placements import level_rotation, link_placements
+from .placements import level_rotation
 
 CUTOFF = 15.0
 """Cut-off frequency of the motion [Hz], above that of the filter that follows."""

@@ -12,9 +12,8 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
-from exoid.signals.link_wrenches import refuse_unknown_links, wrenches_on_links
+from exoid.signals.link_wrenches import link_placements, refuse_unknown_links, wrenches_on_links
 from exoid.torques.contacts import level_rotation
-from exoid.torques.contacts.placements import link_placements
 from exoid.torques.contacts.stretches import contact_of
 
 from .leg_geometry import LegGeometry

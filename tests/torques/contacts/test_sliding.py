@@ -8,8 +8,8 @@ from standing import standing
 
 import exoid
 from exoid import BaseMotion
+from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
-from exoid.torques.contacts.placements import link_placements
 
 FEET = ("left_foot", "right_foot")
 GYRO, FORCE, ENCODER = 0.005, 0.05, 1e-4

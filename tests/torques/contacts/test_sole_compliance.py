@@ -11,8 +11,8 @@ from exoid import Coulomb, Viscous
 from exoid.lab.reproduce.stance import TERMS as OF_RIG
 from exoid.lab.reproduce.stance import true_values
 from exoid.lab.reproduce.stance_logs import StanceExtent, run_stance
+from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
-from exoid.torques.contacts.placements import link_placements
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
 
 TERMS = (Coulomb(smoothing=0.05), Viscous())
