@@ -213,7 +213,7 @@ def study_dfki() -> None:
     inner = (found.time >= data.test.time[0] + 0.48) & (found.time <= data.test.time[-1] - 0.48)
     away = np.sqrt((found.residual[inner] ** 2).mean(axis=0)) / found.measured[inner].std(axis=0)
     print("   test NRMSE", found.nrmse.round(4), "and 0.48 s away from the ends", away.round(4))
-    everything = Search(data.leg, [data.train], ZeroPhase(8.0), 5)
+    everything = Search(data.leg, [data.train], 8.0, 5)
     whole = search_joint_by_joint(everything)
     speed = np.linalg.norm(whole.tables.design.v, axis=1)
     limit, time_ = float(np.quantile(speed, 0.6)), whole.tables.design.time

@@ -24,7 +24,8 @@ from scipy.signal import lfilter
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.signals import ZeroPhase, edge_length
+from exoid.signals import ZeroPhase
+from exoid.signals.filters.low_pass import edge_length
 
 TERMS = (exoid.Coulomb(), exoid.Viscous())
 FRICTION = np.array([0.8, 0.6, 0.4, 0.5, 0.3, 0.2])

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from exoid import Coulomb, Leg, Recording, Viscous
-from exoid.signals import Kinematics, ZeroPhase, central_difference, second_difference, zero_phase
+from exoid.signals import Kinematics, ZeroPhase, zero_phase
+from exoid.signals.differentiation import central_difference, second_difference
 
 TERMS = (Coulomb(), Viscous())
 """What acts on the joints of every :class:`Swing`."""

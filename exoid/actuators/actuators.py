@@ -12,7 +12,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
 from exoid.leg.leg import Leg
-from exoid.signals import Poses, Recording, Recordings, central_difference, smooth_motion
+from exoid.signals import Poses, Recording, Recordings
+from exoid.signals.differentiation import central_difference, smooth_motion
 from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling

@@ -45,7 +45,7 @@ def select(
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select friction of each joint, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+    """Select friction, filter and estimator for LEG by blocked cross-validation inside the LOGs.
 
     Example: exoid select bleex bleex_swing:train -o est.json
     """

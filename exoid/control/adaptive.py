@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.rig import Target
 
 from .law import RATE, State, acceleration, gains, refuse_rate
@@ -46,29 +46,16 @@ class Adaptive:
     measurement, teaches nothing; neither does one whose torque was limited; β̂ stays in a :class:`ParameterCone`, in
     which M(q) is positive definite and friction is not negative. Nobody may wear or touch the leg: the controller would
     take their torque for parameters of the leg.
-
-    Attributes:
-        model: Linear model, initial values and covariance.
-        kp: Kp [N·m/rad], a number or (n,).
-        kd: Kd [N·m·s/rad], likewise.
-        cone: Set of the parameters.
-        time_constant: Time in which the error of the worst expected change decays, about [s].
-        dead_zone: Half width of the dead zone of s [rad/s], a number or (n,).
-        still: Velocity below which a joint stands [rad/s], a number or (n,).
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: A gain, time, velocity or rate is out of range.
     """
 
-    model: SlotineLiModel
-    kp: FloatArray
-    kd: FloatArray
-    cone: ParameterCone
-    time_constant: float
-    dead_zone: ArrayLike
-    still: ArrayLike
-    rate: float
+    model: SlotineLiModel  # linear model, initial values and covariance
+    kp: FloatArray  # Kp [N·m/rad], a number or (n,)
+    kd: FloatArray  # Kd [N·m·s/rad], likewise
+    cone: ParameterCone  # set of the parameters
+    time_constant: float  # time in which the error of the worst expected change decays, about [s]
+    dead_zone: ArrayLike  # half width of the dead zone of s [rad/s], a number or (n,)
+    still: ArrayLike  # velocity below which a joint stands [rad/s], a number or (n,)
+    rate: float  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -128,13 +115,13 @@ class Adaptive:
         return torque.reshape(shape), AdaptiveMemory(learned.T.reshape(-1, *shape[1:]), torque.reshape(shape))
 
     def estimate_of(self, memory: AdaptiveMemory) -> dict[str, float]:
-        """Read the parameters of one leg."""
+        """Parameters of one leg in SI units, by name."""
         return dict(zip(self.names, np.ravel(memory.values).tolist(), strict=True))
 
     def _project(self, values: FloatArray, before: FloatArray) -> FloatArray:
         """Project the parameters of each leg on the cone, (B, P)."""
         if not np.isfinite(values).all():
-            raise BadArgumentError(
+            raise UnreadableInputError(
                 "a reading, a target or a held torque is not finite",
                 remedy="stop the leg, and begin again with good readings",
             )
@@ -169,7 +156,7 @@ def adaptive(
     still: ArrayLike = 0.05,
     rate: float = RATE,
 ) -> Adaptive:
-    """Make an :class:`Adaptive` controller from a model of the leg.
+    """Make a controller that adapts its parameters, by Slotine and Li, from a model of the leg.
 
     Args:
         source: An estimate, whose covariance is part of the metric; or a leg, or a plant of one rig. Parameters that

@@ -43,17 +43,18 @@ class ExpectedChange:
         if not (0.0 <= self.payload < np.inf and 0.0 <= self.friction < np.inf):
             raise BadArgumentError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
 
-    def of_bodies(self, leg: Leg) -> FloatArray:
-        """Covariance E[δ δᵀ] of changes δ of the leg's parameters by a point mass on each link, (p, p)."""
-        changes = []
-        for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
-            centre = P[:3, 3] / P[3, 3]
-            squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
-            reach = axes * np.sqrt(squares)
-            places = centre + SPREAD * np.vstack([np.zeros(3), AXES / np.linalg.norm(AXES, axis=1)[:, None]]) @ reach.T
-            changes.append(point_masses(leg, link, places) / np.sqrt(len(places)))
-        change = self.payload * np.hstack(changes)
-        return np.asarray(change @ change.T)
+
+def payload_covariance(payload: float, leg: Leg) -> FloatArray:
+    """Covariance E[δ δᵀ] of changes δ of the leg's parameters by a payload [kg] at a point of each link, (p, p)."""
+    changes = []
+    for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
+        centre = P[:3, 3] / P[3, 3]
+        squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
+        reach = axes * np.sqrt(squares)
+        places = centre + SPREAD * np.vstack([np.zeros(3), AXES / np.linalg.norm(AXES, axis=1)[:, None]]) @ reach.T
+        changes.append(point_masses(leg, link, places) / np.sqrt(len(places)))
+    change = payload * np.hstack(changes)
+    return np.asarray(change @ change.T)
 
 
 def point_masses(leg: Leg, link: int, places: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.online.advance import Recursion, advance
 from exoid.online.rows import Block
@@ -27,12 +27,6 @@ from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel
 from .tracking_law import TrackingLaw
-
-LOOSE = 100.0
-"""Factor of the variances with which the recursive estimator begins, so that the prior counts once."""
-
-TORQUE_STD = 1.0
-"""Standard deviation of the torque's error that a source without residuals is given at first [N·m]."""
 
 
 class SelfTuningMemory(NamedTuple):
@@ -62,28 +56,17 @@ class SelfTuning:
     β̂ moves along straight lines inside the cone, a convex set, so M(q; β̂) is positive definite at every sample. Its
     distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
     for parameters of the leg.
-
-    Attributes:
-        feedback: PD feedback.
-        model: Linear model, initial values and P₀ of the adapted parameters.
-        cone: Set of the parameters.
-        source: Initial estimate, of which the recursive one has the parameters; other terms keep their coefficients.
-        covariance: P₀ of all of these, (R, R).
-        recursion: Settings of the recursive estimator.
-        time_constant: Time constant with which β̂ approaches β* [s].
-        slew: Largest rate of each parameter, in standard deviations of P₀ [1/s].
-        bound: Largest distance of each parameter from β₀, in standard deviations of P₀.
     """
 
-    feedback: TrackingLaw
-    model: SlotineLiModel
-    cone: ParameterCone
-    source: Estimate
-    covariance: FloatArray
-    recursion: Recursion
-    time_constant: float
-    slew: float
-    bound: float
+    feedback: TrackingLaw  # PD feedback
+    model: SlotineLiModel  # linear model, initial values and P₀ of the adapted parameters
+    cone: ParameterCone  # set of the parameters
+    source: Estimate  # initial estimate, with the parameters of the recursive one; other terms keep their coefficients
+    covariance: FloatArray  # P₀ of all of these, (R, R)
+    recursion: Recursion  # settings of the recursive estimator
+    time_constant: float  # time constant with which β̂ approaches β* [s]
+    slew: float  # largest rate of each parameter, in standard deviations of P₀ [1/s]
+    bound: float  # largest distance of each parameter from β₀, in standard deviations of P₀
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -112,7 +95,7 @@ class SelfTuning:
         return SelfTuningMemory(values, values, (self._start,) * count, nothing, unknown, unknown[0])
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
-        """Compute the torque, and refresh the parameters; see the class."""
+        """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
         n, shape = self.model.n, state.q.shape
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
@@ -125,7 +108,7 @@ class SelfTuning:
         return torque, memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
-        """Make an estimate of what the recursive estimator of one leg knows, without the prior."""
+        """Estimate of what the recursive estimator of one leg knows, without the prior."""
         return estimate_of(self.recursion.settings, memory.online[leg], ())
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
@@ -134,7 +117,9 @@ class SelfTuning:
         held = memory.requested if state.last is None else state.last.reshape(n, -1)
         now = np.array([state.q.reshape(n, -1), state.v.reshape(n, -1), held])
         if not np.isfinite(now[:2]).all():
-            raise BadArgumentError("a reading is not finite", remedy="stop the leg, and begin again with good readings")
+            raise UnreadableInputError(
+                "a reading is not finite", remedy="stop the leg, and begin again with good readings"
+            )
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
             moved = 0.5 * (before[2] + held) - self.model.fixed(before[0], before[1], np.zeros_like(held))
@@ -196,7 +181,7 @@ class SelfTuning:
     @cached_property
     def _start(self) -> OnlineState:
         """State of the recursive estimator before the first sample."""
-        loose = replace(self.source, covariance=LOOSE * self.covariance)
+        loose = replace(self.source, covariance=100.0 * self.covariance)  # so that the prior counts once
         return started(self.recursion.settings, self.recursion.begin(), loose)
 
 
@@ -214,7 +199,7 @@ def self_tuning(
     false_alarms: float = 0.1,
     rate: float = RATE,
 ) -> SelfTuning:
-    """Make a :class:`SelfTuning` controller from a model of the leg.
+    """Make a self-tuning controller from a model of the leg.
 
     Args:
         source: An estimate, whose covariance is part of the prior; or a leg, or a plant of one rig.
@@ -242,11 +227,13 @@ def self_tuning(
         ('X1', 'Y1', 'J1', 'X2', 'Y2', 'J2')
     """
     refuse_rate(rate)
-    estimate = as_estimate(source, TORQUE_STD)
+    estimate = as_estimate(source, 1.0)  # N·m, the torque's error at first where a source has no residuals
     model = replace(SlotineLiModel.of(estimate, change or ExpectedChange()), model=ControlModel.of(source))
     cone = ParameterCone.of(model.model.leg, model.positive)
     covariance = estimate.covariance.copy()
     places = places_of(model.names, estimate.names)
+    held = places[np.diagonal(model.covariance) == 0.0]  # what does not vary is correlated with nothing
+    covariance[held], covariance[:, held] = 0.0, 0.0
     covariance[np.ix_(places, places)] = model.covariance
     covariance = regular(covariance, estimate.values)
     own = covariance[np.ix_(places, places)]

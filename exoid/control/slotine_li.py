@@ -13,7 +13,7 @@ from exoid.estimate import Estimate
 
 from .friction import WIDTH
 from .model import ControlModel, ModelSource
-from .parameter_change import ExpectedChange
+from .parameter_change import ExpectedChange, payload_covariance
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class SlotineLiModel:
         values = np.append(model.leg.parameters, [rows[symbol][joint] for symbol, joint in kinds])
         names = (*model.leg.parameter_names, *(f"{symbol}_{labels[joint]}" for symbol, joint in kinds))
         covariance = np.zeros((len(names), len(names)))
-        covariance[:count, :count] = change.of_bodies(model.leg)
+        covariance[:count, :count] = payload_covariance(change.payload, model.leg)
         for k, (symbol, _) in enumerate(kinds, start=count):
             covariance[k, k] = (change.friction * values[k]) ** 2 if symbol in ("c0", "d") else 0.0
         if isinstance(source, Estimate):

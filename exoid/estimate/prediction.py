@@ -14,7 +14,8 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.regression.rows import for_leg
-from exoid.signals import Recording, base_during
+from exoid.signals import Recording
+from exoid.signals.moving_base import base_during
 
 from .data import EstimateData
 

@@ -3,28 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
-from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import check_group
-from .drive_constants import refuse_unknown_scale, with_found
 from .drives import DrivenGroups, Drives
-from .estimators import find_estimator
-from .findings import signal_findings
-from .fitting import Task
+from .findings.checkup import signal_findings
 from .group_rows import Group
-from .identify import fit_model, fit_on_ground
-from .recording_summary import are_on_ground, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
-from .repeats import counted_once
-from .rotors_apart import rotors_apart
-from .unmeasured import only_measured
+from .identify import identify
 
 
 def check(
@@ -37,7 +27,7 @@ def check(
     known: Mapping[str, float] | None = None,
     actuators: Drives | None = None,
 ) -> tuple[Finding, ...]:
-    """Check logs for the mistakes that real logs have.
+    """Check logs for the mistakes that real logs have: the findings of :func:`exoid.identify`.
 
     Channels are checked first: rails, frozen and repeated values, dropouts, missing samples. Then the leg is
     identified, and the residuals are tested against late torques, wrong zeros and scales, a tilted base, wrong lengths,
@@ -64,43 +54,18 @@ def check(
         >>> exoid.check(data.leg, data.train)
         ()
     """
-    used = DEFAULT_TERMS if terms is None else tuple(terms)
-    groups: tuple[Group, ...] = (Group.alone(leg, recordings),)
-    mounted, unknown, knowledge = None, None, PriorKnowledge.of(known, None, nonnegative=False)
-    if actuators is not None:
-        driven = DrivenGroups.of(groups, actuators)
-        used = driven.default_terms() if terms is None else used
-        groups, mounted = driven.groups, driven.actuators[0]
-        knowledge = replace(knowledge, known=driven.known_rotors(used, knowledge))
-        driven.refuse_unknown(find_estimator("wls"), used, None, knowledge.names)
-        unknown = driven.unknown
-    model = TorqueModel.at_start(leg, used, tuple(knowledge.known))
-    data = groups[0].data
-    signals = signal_findings(model, data)
+    group = Group.alone(leg, recordings)
     try:
-        summaries = summarize_groups(
-            groups, {"": model}, (), knowledge, for_cutoff=preparation is None and cutoff is None
+        found = identify(
+            leg, group.data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators
         )
-        if has_unmeasured_joints(summaries.values()):
-            used, (unmeasured,) = only_measured(find_estimator("wls"), used, groups, summaries, knowledge)
-            model = TorqueModel.at_start(leg, used, tuple(knowledge.known))
-            signals = (*signals, *unmeasured)
-        groups, summaries, (repeats,) = counted_once(groups, {"": model}, summaries)
-        if bases_turn(summaries.values()):
-            model = TorqueModel.at_start(leg, used, (*knowledge.known, *rotors_apart([model])))
-        prepared = prepare_groups(groups, {"": model}, summaries, preparation, cutoff)
-        if unknown is not None:
-            refuse_unknown_scale(unknown, summaries[""], knowledge)
-        task = Task(prepared, (model,), used, find_estimator("wls"), (), knowledge, unknown=unknown)
-        if are_on_ground(leg, summaries.values()):
-            standing = fit_on_ground(task, by_noise=preparation is None and cutoff is None)
-            return ordered((*repeats, *signals, *standing.findings))
-        fitted = fit_model(task)
     except ExoidError as error:
+        used, names = DEFAULT_TERMS if terms is None else tuple(terms), tuple(known or ())
+        if actuators is not None:  # what is wrong with the drives is no finding of the log
+            driven = DrivenGroups.of((group,), actuators)
+            used, (group,) = driven.default_terms() if terms is None else used, driven.groups
+            names = tuple(driven.known_rotors(used, PriorKnowledge.of(known, None, nonnegative=False)))
+        model = TorqueModel.at_start(leg, used, names)
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
-        return ordered((*signals, refused))
-    covariance = uncertainty_of(fitted.problem, fitted.fit, white=False).covariance
-    count = len(fitted.models[0].names)
-    without = (finding for finding in signals if finding.kind == "unmeasured-torque")
-    mounted = mounted if unknown is None else with_found(unknown, fitted)
-    return ordered((*repeats, *without, *check_group(fitted, 0, covariance[:count, :count], mounted).findings))
+        return ordered((*signal_findings(model, group.data), refused))
+    return found.findings

@@ -16,7 +16,10 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
-from .findings import Checkup, FittedLeg, check_fit, torque_delays
+from .findings.arms import arm_shapes
+from .findings.checkup import Checkup, check_fit
+from .findings.sample import FittedLeg, few_of
+from .findings.search import delays, find_faults
 from .fitting import Fitted, Task
 from .friction_form import friction_form_error, friction_rows
 from .group_rows import Group
@@ -24,8 +27,8 @@ from .group_rows import Group
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
     """Check the logs of one group, and the fit to them."""
-    data = fitted.problem.groups[group].data
-    return check_fit(_fitted_leg(fitted, group, covariance)._replace(actuators=actuators), data)
+    leg = _fitted_leg(fitted, group, covariance)
+    return check_fit(leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
 
 
 def model_error(
@@ -36,13 +39,11 @@ def model_error(
     noise: Sequence[JointNoise],
 ) -> ModelError | None:
     """Estimate how far friction of another form may move the torques that one group's estimate predicts."""
-    data = fitted.problem.groups[group].data
     if checkup.ranges is None:
         return None
-    speed = checkup.ranges.speed
-    leg = _fitted_leg(fitted, group, np.zeros((len(fitted.models[group].names),) * 2))
+    speed, leg = checkup.ranges.speed, _fitted_leg(fitted, group)
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
-    rows = friction_rows(leg, speed, data) if checkup.friction is None else checkup.friction
+    rows = friction_rows(leg, speed) if checkup.friction is None else checkup.friction
     return friction_form_error(leg, speed, residual_rms, share, rows)
 
 
@@ -58,11 +59,11 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
     """Estimate by how much torques are late, and shift them."""
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
-        nothing = np.zeros((len(fitted.models[k].names),) * 2)
-        delays = torque_delays(_fitted_leg(fitted, k, nothing), group.data)
-        groups.append(_shifted(group, delays.values) if delays.values.any() else group)
-        found.append(delays.values)
-        each = zip(group.leg.joint_names, delays.values, delays.half, strict=True)
+        leg = _fitted_leg(fitted, k)
+        late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled()), len(leg.model.joint_names))
+        groups.append(_shifted(group, late.values) if late.values.any() else group)
+        found.append(late.values)
+        each = zip(group.leg.joint_names, late.values, late.half, strict=True)
         shifts.append(tuple(_shift_finding(joint, delay, half) for joint, delay, half in each if delay))
     return WithoutDelays(task._replace(groups=tuple(groups)), tuple(found), tuple(shifts))
 
@@ -78,25 +79,31 @@ def _shifted(group: Group, delays: FloatArray) -> Group:
 
 def _shift_finding(joint: str, delay: float, half: float) -> Finding:
     """Say that a torque was shifted."""
+    message = (
+        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
+        "and was shifted by that"
+    )
+    remedy = "correct the time stamps of the log; validation shifts its torques by the same"
     return Finding(
         "torque-delay",
         joint,
         float(delay),
         "s",
         "info",
-        f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
-        "and was shifted by that",
-        "correct the time stamps of the log; validation shifts its torques by the same",
+        message,
+        remedy,
         interval=(float(delay - half), float(delay + half)),
     )
 
 
-def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray) -> FittedLeg:
+def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
     """Gather what a check of one group needs."""
     model, problem = fitted.models[group], fitted.problem
+    rows = problem.groups[group]
     names = problem.layout.names_of(group)
     known = problem.layout.known_by(group, problem.prior_knowledge).known
     held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
     fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
     values = fitted.values[problem.layout.places[group][: len(model.names)]]
-    return FittedLeg(model, problem.groups[group].preparation, fixed, values, covariance)
+    errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
+    return FittedLeg(model, rows.data, rows.preparation, fixed, values, errors)

@@ -14,22 +14,12 @@ from exoid.estimate.alternative_friction import COUNT, KINDS, with_alternatives
 from exoid.estimate.model_error import ModelError
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, decimated, form_rows, prepare
-from exoid.signals import Poses, Recording
+from exoid.signals import Recording
 
-from .findings import FittedLeg
-from .findings.sample import few_of, some_samples
-
-SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
-"""Prior sizes of an alternative's torque, as parts of the RMS torque of its joint."""
+from .findings.sample import FittedLeg, few_of, some_samples
 
 TINY = 1e-12
 """Smallest norm to divide by."""
-
-RANK = 1e-12
-"""Directions of the parameters whose squared singular value is below this part of the largest absorb nothing."""
-
-KEPT = 1e-9
-"""Directions whose variance is below this part of the largest are left out."""
 
 
 def friction_form_error(
@@ -41,7 +31,7 @@ def friction_form_error(
 ) -> ModelError | None:
     """Average over forms of friction that the terms do not have (Bayesian model averaging)."""
     # The candidates are presliding, Stribeck, quadratic and load-dependent friction, each alone and all together. Each
-    # has coefficients c ~ N(0, s²), with s in `SIZES` (in units of a joint's RMS torque). With X the alternatives'
+    # has coefficients c ~ N(0, s²), with s from 1e-4 to 0.1 of a joint's RMS torque. With X the alternatives'
     # weighted rows less what the parameters absorb, and r the weighted residuals, c has the posterior covariance
     # S = (XᵀX + s⁻²)⁻¹ and mean S Xᵀr, and the evidence of the candidate is log p = ½ rᵀX S Xᵀr − ½ log|1 + s² XᵀX|.
     # Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
@@ -53,7 +43,7 @@ def friction_form_error(
     H, h = np.zeros((size, size)), np.zeros(size)
     for j, joint in enumerate(joints):
         X = -joint.W @ G
-        X[:, _places(j)] += joint.Z
+        X[:, j * COUNT : (j + 1) * COUNT] += joint.Z
         share = min(max(float(independent[j]), 0.0), 1.0)
         H += share * X.T @ X
         h += share * X.T @ joint.residual
@@ -87,11 +77,6 @@ class _Joint(NamedTuple):
         return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
 
 
-def _places(j: int) -> slice:
-    """Places of a joint's alternatives among those of all joints."""
-    return slice(j * COUNT, (j + 1) * COUNT)
-
-
 def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     """Regress the alternatives on the parameters that are free, (P, n K)."""
     WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
@@ -99,15 +84,15 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     used = free & (np.diag(WW) > TINY)
     scale = 1.0 / np.sqrt(np.diag(WW)[used])
     G = np.zeros_like(WZ)
-    inverse = np.linalg.pinv(scale[:, None] * WW[np.ix_(used, used)] * scale, rcond=RANK, hermitian=True)
+    inverse = np.linalg.pinv(scale[:, None] * WW[np.ix_(used, used)] * scale, rcond=1e-12, hermitian=True)
     G[used] = scale[:, None] * (inverse @ (scale[:, None] * WZ[used]))
     return G
 
 
-def friction_rows(fitted: FittedLeg, speed: FloatArray, data: Sequence[Recording | Poses]) -> list[Rows]:
+def friction_rows(fitted: FittedLeg, speed: FloatArray) -> list[Rows]:
     """Form decimated rows of recordings in motion, of as many samples as checks look at."""
     model, found = with_alternatives(fitted.model, fitted.values, speed), []
-    moving = [one for one in few_of(data) if isinstance(one, Recording)]
+    moving = [one for one in few_of(fitted.data) if isinstance(one, Recording)]
     for one in some_samples(fitted.model, moving):
         try:
             prepared = decimated(prepare(model, one, fitted.preparation))
@@ -119,7 +104,8 @@ def friction_rows(fitted: FittedLeg, speed: FloatArray, data: Sequence[Recording
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
     """Average the second moment E[c cᵀ] over all candidates."""
-    sizes, spectra, evidence = np.array(SIZES)[:, None], [], []
+    # prior sizes of an alternative's torque, as parts of the RMS torque of its joint
+    sizes, spectra, evidence = np.array([1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1])[:, None], [], []
     for columns in (*KINDS.values(), tuple(range(COUNT))):
         chosen = np.flatnonzero(np.tile(np.isin(np.arange(COUNT), columns), joints) & (unit > 0.0))
         scale = unit[chosen]
@@ -140,5 +126,5 @@ def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:
     """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques, (n K, r)."""
     scale = np.where(scale > TINY, scale, 1.0)
     sizes, vectors = np.linalg.eigh(scale[:, None] * moment * scale)
-    kept = sizes > KEPT * max(sizes[-1], TINY)
+    kept = sizes > 1e-9 * max(sizes[-1], TINY)
     return np.asarray((vectors[:, kept] * np.sqrt(sizes[kept])) / scale[:, None])

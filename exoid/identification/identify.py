@@ -19,6 +19,7 @@ from .checkup import without_delays
 from .drive_constants import refuse_unknown_scale, search_constants, with_found
 from .drives import DrivenGroups, Drives
 from .estimators import Estimator, find_estimator, fit_by, name_of
+from .findings.repeats import counted_once
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
@@ -32,7 +33,6 @@ from .recording_summary import (
     prepare_groups,
     summarize_groups,
 )
-from .repeats import counted_once
 from .result import Preliminaries, Result
 from .rotors_apart import rotors_apart
 from .sole_compliance import sole_compliance, tilted

@@ -23,7 +23,7 @@ from exoid.torques.contacts.imu import ImuErrors
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
-from .findings import signal_findings
+from .findings.checkup import signal_findings
 from .fitting import Fitted, Task
 from .group_rows import Group
 from .problem import Problem
@@ -70,7 +70,7 @@ class FittedOnGround(NamedTuple):
 def channel_findings(task: Task) -> tuple[Finding, ...]:
     """Check the channels and times of the logs, which needs no fit."""
     (group,), (model,) = _alone(task)
-    return signal_findings(model, group.data)
+    return tuple(signal_findings(model, group.data))
 
 
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:

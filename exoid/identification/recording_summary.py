@@ -17,8 +17,9 @@ from exoid.estimate.data import Input
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.regression.rows import for_leg, source_of
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
-from exoid.signals.default_preparation import AccelerationPower, acceleration_power, cutoff_from
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase
+from exoid.signals.cutoff import AccelerationPower, acceleration_power, cutoff_from
+from exoid.signals.preparation_names import preparation_by_name
 from exoid.torques import TorqueModel
 
 from .group_rows import Group, map_recordings, within

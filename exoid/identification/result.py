@@ -39,7 +39,8 @@ from exoid.torques.contacts.support_model import LOOP
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
 from .estimators import Estimator, name_of
-from .findings import Checkup
+from .findings.checkup import Checkup
+from .findings.factors import never_negative
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
 from .sole_compliance import SoleCompliance
@@ -374,9 +375,7 @@ def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
     """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
     limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
-    planar = bool(model.leg.limbs)
-    inertia = np.array([planar and name in model.leg.parameter_names and name[0] in "JM" for name in model.names])
-    below = (model.nonnegative | inertia) & (values < 0.0) & (values < -limit * std)
+    below = never_negative(model) & (values < 0.0) & (values < -limit * std)
     if not below.any():
         return ()
     names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
-from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
+from exoid.signals import ParallelFilter, Poses, Preparation, Recording
+from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
+from exoid.signals.moving_base import base_during
 
 from .model import MotionSamples, RegressorModel
 from .row_data import Rows, TakenOut

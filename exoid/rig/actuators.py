@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 
 class Drive(NamedTuple):
@@ -24,8 +24,23 @@ class Drive(NamedTuple):
     damping: FloatArray
 
 
-class Actuator(Protocol):
-    """Actuators of B rigs: a command, constant during a step, becomes torque; the internal state is an array (n, B)."""
+class Actuator(ABC):
+    """Actuators of B rigs: a command, constant during a step, becomes torque.
+
+    The internal state is an array (n, B). An actuator that has none only defines :meth:`torque`.
+    """
+
+    @abstractmethod
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
+        """Compute the torque at this instant, which a torque sensor measures.
+
+        Args:
+            state: Internal state, (n, B).
+            command: Command, (n, B).
+
+        Returns:
+            Torque [N·m], (n, B).
+        """
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
         """Compute the torque during the next step.
@@ -38,7 +53,7 @@ class Actuator(Protocol):
         Returns:
             Torque as a linear function of the mean velocity.
         """
-        ...
+        return Drive(self.torque(state, command), np.zeros_like(command))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
         """Compute the internal state after the step.
@@ -52,39 +67,11 @@ class Actuator(Protocol):
         Returns:
             Internal state after, (n, B).
         """
-        ...
-
-    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Compute the torque at this instant, which a torque sensor measures.
-
-        Args:
-            state: Internal state, (n, B).
-            command: Command, (n, B).
-
-        Returns:
-            Torque [N·m], (n, B).
-        """
-        ...
-
-
-class _Memoryless(ABC):
-    """Actuator without internal state and without damping."""
-
-    @abstractmethod
-    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Compute the torque of a command, see :meth:`Actuator.torque`."""
-
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """Return the torque of the command and no damping, see :meth:`Actuator.drive`."""
-        return Drive(self.torque(state, command), np.zeros_like(command))
-
-    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """Return the state unchanged, see :meth:`Actuator.advance`."""
         return state
 
 
 @dataclass(frozen=True)
-class IdealTorque(_Memoryless):
+class IdealTorque(Actuator):
     """Torque source: the torque is the command [N·m], limited.
 
     Attributes:
@@ -101,20 +88,12 @@ class IdealTorque(_Memoryless):
         _refuse_unless(self.limit > 0.0, self)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Limit the command.
-
-        Args:
-            state: Not used.
-            command: Requested torque [N·m], (n, B).
-
-        Returns:
-            Torque [N·m], (n, B).
-        """
+        """Limit the command [N·m]."""
         return np.clip(command, -self.limit, self.limit)
 
 
 @dataclass(frozen=True)
-class DcMotor(_Memoryless):
+class DcMotor(Actuator):
     """Motor with a gear, commanded by current [A]: τ = ratio · kt · i, from which document 2 computes its torque.
 
     The rotor belongs to the plant: add :attr:`armature` to ``Ia`` of the joint.
@@ -145,20 +124,12 @@ class DcMotor(_Memoryless):
         return self.ratio**2 * self.rotor_inertia
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Compute the torque of the limited current.
-
-        Args:
-            state: Not used.
-            command: Requested current [A], (n, B).
-
-        Returns:
-            Torque at the joint [N·m], (n, B).
-        """
+        """Compute the torque of the limited current."""
         return self.ratio * self.torque_constant * np.clip(command, -self.current_limit, self.current_limit)
 
 
 @dataclass(frozen=True)
-class HydraulicServo:
+class HydraulicServo(Actuator):
     """Linearised valve and cylinder with the torque A as state: Ȧ = kh (Kv u − cl A − v).
 
     Flow through the valve, less leakage and joint motion, compresses the oil. Under P control u = Kp (θ_d − θ) the
@@ -186,49 +157,22 @@ class HydraulicServo:
         _refuse_unless(bool(finite and (kh > 0.0).all() and (cl >= 0.0).all() and (Kv > 0.0).all()), self)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Return the state, which is the torque.
-
-        Args:
-            state: Torque A [N·m], (n, B).
-            command: Not used.
-
-        Returns:
-            Torque A [N·m], (n, B).
-        """
+        """Return the state, which is the torque."""
         return state
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """Compute the mean torque ½ (A + A⁺) as a function of the mean velocity.
-
-        Args:
-            state: Torque A before the step [N·m], (n, B).
-            command: Valve command u [V], (n, B).
-            dt: Step [s].
-
-        Returns:
-            Mean torque of the step and its damping.
-        """
+        """Compute the mean torque ½ (A + A⁺) as a function of the mean velocity."""
         half = 0.5 * dt * np.asarray(self.stiffness)
         scale = 1.0 / (1.0 + half * np.asarray(self.leakage))
         torque = scale * (state + half * np.asarray(self.valve_gain) * command)
         return Drive(torque, np.broadcast_to(scale * half, command.shape))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """Compute the torque A⁺ at the end of the step.
-
-        Args:
-            state: Torque A before the step [N·m], (n, B).
-            command: Valve command u [V], (n, B).
-            mean_velocity: Mean velocity of the step [rad/s], (n, B).
-            dt: Step [s].
-
-        Returns:
-            Torque A⁺ [N·m], (n, B).
-        """
+        """Compute the torque A⁺ at the end of the step."""
         torque, damping = self.drive(state, command, dt)
         return 2.0 * (torque - damping * mean_velocity) - state
 
 
 def _refuse_unless(valid: bool, actuator: object) -> None:
     if not valid:
-        raise ExoidError(f"invalid actuator: {actuator}", remedy="give finite and positive constants")
+        raise BadArgumentError(f"invalid actuator: {actuator}", remedy="give finite and positive constants")

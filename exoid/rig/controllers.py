@@ -76,7 +76,7 @@ class WornController(Protocol):
 
 
 @dataclass(frozen=True)
-class Proportional:
+class Proportional(Controller):
     """P control u = K (θ_ref − θ), used in both documents.
 
     Document 2 prints the opposite sign, which is positive feedback.
@@ -88,21 +88,12 @@ class Proportional:
     gain: ArrayLike
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute u, see the class.
-
-        Args:
-            target: Reference motion at this time.
-            q: Measured angles [rad], (n, B).
-            v: Not used.
-
-        Returns:
-            Command u, (n, B).
-        """
+        """Compute u, see the class."""
         return _gains(self.gain) * (target.q - q)
 
 
 @dataclass(frozen=True)
-class ProportionalDerivative:
+class ProportionalDerivative(Controller):
     """PD control u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)).
 
     Attributes:
@@ -114,16 +105,7 @@ class ProportionalDerivative:
     damping: ArrayLike
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute u, see the class.
-
-        Args:
-            target: Reference motion at this time.
-            q: Measured angles [rad], (n, B).
-            v: Measured velocities [rad/s], (n, B).
-
-        Returns:
-            Command u, (n, B).
-        """
+        """Compute u, see the class."""
         return _gains(self.stiffness) * (target.q - q) + _gains(self.damping) * (target.v - v)
 
 

@@ -1,8 +1,7 @@
 """Rig of one leg whose motors a coupling connects to several joints: friction and rotors of both sides.
 
-The scheme is that of :class:`exoid.rig.SmoothStepper`, with Pinocchio's rigid bodies. With θ̇_m = A⁻¹ q̇, the friction
-c tanh(θ̇_m / smoothing) + d θ̇_m of the motors acts on the joints as A⁻ᵀ times it, and their rotors J add A⁻ᵀ J A⁻¹ to
-the mass matrix.
+With θ̇_m = A⁻¹ q̇, the friction c tanh(θ̇_m / smoothing) + d θ̇_m of the motors acts on the joints as A⁻ᵀ times it, and
+their rotors J add A⁻ᵀ J A⁻¹ to the mass matrix.
 """
 
 from __future__ import annotations
@@ -10,15 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Coupling
-from exoid.errors import ExoidError
-from exoid.leg.model import configuration
+from exoid.errors import BadArgumentError
 
+from .pinocchio_stepper import PinocchioBodies
 from .plant import Plant
-from .stepper import Equations, Step, spring_energy
+from .smooth_stepper import SmoothStepper, linearised
+from .stepper import Equations, RigidBodies, Step
+from .stick_slip import eliminate
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class CoupledMotors:
             values = np.asarray(getattr(self, name), dtype=np.float64)
             count = len(self.coupling.joints)
             if values.shape not in ((), (count,)) or not np.isfinite(values).all() or (values < 0.0).any():
-                raise ExoidError(f"{name} = {getattr(self, name)!r} of {count} motors", remedy="give numbers ≥ 0")
+                raise BadArgumentError(f"{name} = {getattr(self, name)!r} of {count} motors", remedy="give numbers ≥ 0")
             object.__setattr__(self, name, np.broadcast_to(values, (count,)))
 
 
-class CoupledStepper:
+class CoupledStepper(SmoothStepper):
     """Single rig of any leg with coupled motors, without sticking and without end stops.
 
     Args:
@@ -80,107 +80,38 @@ class CoupledStepper:
         motors: CoupledMotors | None = None,
         smoothing: float = 0.02,
     ) -> None:
-        if plant.count != 1:
-            raise ExoidError(f"coupled motors on {plant.count} rigs", remedy="use plant.take([k])")
-        self.plant, self.dt = plant, dt
-        self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
-        self._ahead = self.v[:, 0]
-        leg = plant.leg.with_parameters(plant.parameters[:, 0])
-        self._model = pin.Model(leg.model)
-        self._model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
-        self._data = self._model.createData()
-        self._axes = np.eye(plant.n)  # joints, then motors: angles of each per angle of the joints
-        self._coulomb, self._viscous = plant.coulomb[:, 0], plant.viscous[:, 0]
-        rotors = plant.armature[:, 0]
+        super().__init__(plant, q, v, dt, smoothing)
+        self._axes, self._coulomb, self._viscous = np.eye(plant.n), plant.coulomb, np.zeros((plant.n, 1))
+        self._rotors = np.zeros((plant.n, plant.n))
         if motors is not None:
             coupling = motors.coupling.on(plant.leg)
-            axes = np.zeros((len(coupling.joints), plant.n))
-            axes[:, [plant.leg.joint_names.index(joint) for joint in coupling.joints]] = coupling.inverse
-            self._axes = np.vstack([self._axes, axes])
-            self._coulomb = np.append(self._coulomb, motors.coulomb)
-            self._viscous = np.append(self._viscous, motors.viscous)
-            rotors = np.append(rotors, motors.rotor)
-        self._rotors = self._axes.T * rotors @ self._axes
-        self._smoothing = smoothing * np.linalg.norm(self._axes, axis=1)
-        self._steady, self._gain = np.zeros(plant.n), np.zeros((plant.n, plant.n))
+            own = np.zeros((len(coupling.joints), plant.n))
+            own[:, [plant.leg.joint_names.index(joint) for joint in coupling.joints]] = coupling.inverse
+            self._axes = np.vstack([self._axes, own])  # angles of joints, then motors, per angle of the joints
+            self._coulomb, self._viscous = (
+                np.concatenate([x, np.asarray(y)[:, None]])
+                for x, y in ((self._coulomb, motors.coulomb), (self._viscous, motors.viscous))
+            )
+            self._rotors = own.T * np.asarray(motors.rotor) @ own
+        self._widths = smoothing * np.linalg.norm(self._axes, axis=1, keepdims=True)
 
-    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, 1).
-            damping: Damping of the actuators [N·m·s/rad], (n, 1).
-
-        Returns:
-            Mean velocity and impulse of friction, that of the motors included.
-        """
-        return self.solve(self.equations(torque, damping))
+    def _rigid_bodies(self) -> RigidBodies:
+        return PinocchioBodies(self.plant)
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step, with smooth friction of joints and motors.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, 1).
-            damping: Damping of the actuators [N·m·s/rad], (n, 1).
-
-        Returns:
-            Mass matrix and impulse.
-        """
-        dt, v, axes = self.dt, self.v[:, 0], self._axes
-        q = self.q[:, 0] + 0.5 * dt * v
-        ahead = axes @ self._ahead
-        sign = np.tanh(ahead / self._smoothing)
-        slope = self._coulomb * (1.0 - sign * sign) / self._smoothing
-        self._steady = axes.T @ (self._coulomb * sign - slope * ahead)
-        self._gain = axes.T * (slope + self._viscous) @ axes
-        M = self._mass_matrix(q)
-        at = configuration(self._model, q[None])[0]
-        bias = pin.nonLinearEffects(self._model, self._data, at, self._ahead)
-        b2, b1, b0 = self.plant.stiffness[..., 0]
-        D = self._gain + np.diag(damping[:, 0])
-        force = torque[:, 0] - bias - (b2 * q + b1) * q - b0 - self._steady - D @ v
-        return Equations((M + 0.5 * dt * D)[..., None], dt * force[:, None])
+        """Compute the equations of the next step, with smooth friction of joints and motors."""
+        axes, half = self._axes, 0.5 * self.dt
+        steady, slope = linearised(axes @ self._ahead, self._widths)
+        self._steady = axes.T @ (self._coulomb * steady)
+        self._gain = axes.T * (self._coulomb * slope + self._viscous)[:, 0] @ axes
+        M, impulse = self._equations(torque, self.plant.viscous + damping, self._steady)
+        return Equations(M + (half * self._gain + self._rotors)[..., None], impulse - self.dt * self._gain @ self.v)
 
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations.
-
-        Args:
-            equations: Equations of the step.
-
-        Returns:
-            Mean velocity and impulse of friction, that of the motors included.
-        """
-        M, impulse = equations
-        mean = self.move(self.v + np.linalg.solve(M[..., 0], impulse))
-        of_joints = self.plant.viscous * mean  # the rig counts these itself
-        return Step(mean, self.dt * (self._steady[:, None] + self._gain @ mean - of_joints))
-
-    def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities.
-
-        Args:
-            v: Velocities after the step [rad/s], (n, 1).
-
-        Returns:
-            Mean velocity of the step [rad/s], (n, 1).
-        """
-        mean = 0.5 * (self.v + v)
-        self.v, self._ahead = v, (2.0 * v - mean)[:, 0]
-        self.q = self.q + self.dt * mean
-        return mean
+        """Advance by dt: solve the linear equations; the impulse is that of joints and motors."""
+        mean = self.move(self.v + eliminate(*equations))
+        return Step(mean, self.dt * (self._steady + self._gain @ mean))
 
     def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included.
-
-        Returns:
-            Energy [J], (1,).
-        """
-        q, v = self.q[:, 0], self.v[:, 0]
-        at = configuration(self._model, q[None])[0]
-        raised = pin.computePotentialEnergy(self._model, self._data, at)
-        return np.asarray(0.5 * v @ self._mass_matrix(q) @ v + raised + spring_energy(self.plant, self.q))
-
-    def _mass_matrix(self, q: FloatArray) -> FloatArray:
-        """Mass matrix with all rotors [kg·m²], (n, n)."""
-        upper = np.triu(pin.crba(self._model, self._data, configuration(self._model, q[None])[0]))
-        return np.asarray(upper + np.triu(upper, 1).T + self._rotors)
+        """Compute the mechanical energy, springs and all rotors included."""
+        return np.asarray(super().energy() + 0.5 * np.einsum("ib,ij,jb->b", self.v, self._rotors, self.v))

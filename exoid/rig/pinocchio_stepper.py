@@ -9,11 +9,11 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.model import configuration
 
 from .plant import Plant
-from .stepper import Equations, Step, spring_energy
+from .stepper import Equations, Step, Stepper, spring_energy
 from .stick_slip import CORRECTIONS, REVERSALS, Friction, descend
 
 Matrix = list[list[float]]
@@ -35,7 +35,35 @@ class _Joint(NamedTuple):
     upper: float
 
 
-class PinocchioStepper:
+class PinocchioBodies:
+    """Rigid bodies of one rig of any leg by Pinocchio's algorithms."""
+
+    def __init__(self, plant: Plant) -> None:
+        if plant.count != 1:
+            raise BadArgumentError(
+                f"Pinocchio steps one rig, not the {plant.count} rigs given", remedy="use plant.take([k])"
+            )
+        leg = plant.leg.with_parameters(plant.parameters[:, 0])
+        self.model = pin.Model(leg.model)
+        self.model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
+        self.data = self.model.createData()
+
+    def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mass matrix, (n, n, 1), and bias torque, (n, 1)."""
+        at = configuration(self.model, q.T)[0]
+        upper = np.triu(pin.crba(self.model, self.data, at))
+        bias = pin.nonLinearEffects(self.model, self.data, at, v[:, 0])
+        return (upper + np.triu(upper, 1).T)[..., None], np.array(bias)[:, None]
+
+    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Kinetic and potential energy, (1,)."""
+        at = configuration(self.model, q.T)[0]
+        self.model.armature[:] = 0.0  # only some versions of Pinocchio include rotors in the kinetic energy
+        moving = pin.computeKineticEnergy(self.model, self.data, at, v[:, 0])
+        return np.array([moving + pin.computePotentialEnergy(self.model, self.data, at)])
+
+
+class PinocchioStepper(Stepper):
     """Single rig of any leg, with the scheme of :class:`exoid.rig.PlanarStepper`.
 
     NumPy's overhead on arrays of three numbers exceeds their arithmetic, so that only Pinocchio receives arrays and all
@@ -53,16 +81,12 @@ class PinocchioStepper:
     """
 
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
-        if plant.count != 1:
-            raise ExoidError(f"Pinocchio steps one rig, not {plant.count}", remedy="use plant.take([k])")
-        leg = plant.leg.with_parameters(plant.parameters[:, 0])
         self.plant, self.dt = plant, dt
         self._q: list[float] = np.asarray(q, dtype=np.float64)[:, 0].tolist()
         self._v: list[float] = np.asarray(v, dtype=np.float64)[:, 0].tolist()
         self._ahead = self._v  # velocities expected in the middle of the next step
-        self._model = pin.Model(leg.model)
-        self._model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
-        self._data = self._model.createData()
+        self._bodies = PinocchioBodies(plant)
+        self._model, self._data = self._bodies.model, self._bodies.data
         self._turns = self._model.nq != self._model.nv
         self._at, self._rate, self._force = np.zeros((3, plant.n))
         self._inertia = self._model.armature  # a view of the armature that Pinocchio adds to its mass matrix
@@ -70,25 +94,17 @@ class PinocchioStepper:
         self._kinetic = [dt * joint.kinetic for joint in self._joints]
 
     @property
-    def q(self) -> FloatArray:
+    def q(self) -> FloatArray:  # type: ignore[override] - the state is in plain floats
         """Angles [rad], (n, 1)."""
         return np.array([self._q]).T
 
     @property
-    def v(self) -> FloatArray:
+    def v(self) -> FloatArray:  # type: ignore[override]
         """Velocities [rad/s], (n, 1)."""
         return np.array([self._v]).T
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, 1).
-            damping: Damping of the actuators [N·m·s/rad], (n, 1).
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
+        """Advance by dt in plain floats."""
         before = self._v
         impulse = self.advance(torque[:, 0].tolist(), damping[:, 0].tolist())
         mean = [0.5 * (x + y) for x, y in zip(before, self._v, strict=True)]
@@ -127,15 +143,7 @@ class PinocchioStepper:
         return impulse
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, 1).
-            damping: Damping of the actuators [N·m·s/rad], (n, 1).
-
-        Returns:
-            Mass matrix and impulse.
-        """
+        """Compute the equations of the next step."""
         half, force = 0.5 * self.dt, []
         for i, (b2, b1, b0, viscous, armature, *_) in enumerate(self._joints):
             y = self._v[i]
@@ -148,40 +156,18 @@ class PinocchioStepper:
         return Equations(np.array(M)[..., None], np.array([impulse]).T)
 
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with stick-slip friction and end stops.
-
-        Args:
-            equations: Equations of the step.
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
+        """Advance by dt with stick-slip friction and end stops."""
         new, impulse = self._stick_or_slip(equations.M[..., 0].tolist(), equations.impulse[:, 0].tolist())
         return Step(np.array([self._move(new)]).T, np.array([impulse]).T)
 
     def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities.
-
-        Args:
-            v: Velocities after the step [rad/s], (n, 1).
-
-        Returns:
-            Mean velocity of the step [rad/s], (n, 1).
-        """
+        """Advance by dt to known velocities."""
         return np.array([self._move(v[:, 0].tolist())]).T
 
     def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included.
-
-        Returns:
-            Energy [J], (1,).
-        """
-        self._inertia[:] = 0.0  # only some versions of Pinocchio include rotors in the kinetic energy
-        q, v = configuration(self._model, self.q.T)[0], self.v[:, 0]
-        moving = pin.computeKineticEnergy(self._model, self._data, q, v)
-        raised = pin.computePotentialEnergy(self._model, self._data, q)
-        rotors = 0.5 * float(self.plant.armature[:, 0] @ v**2)
-        return np.asarray(moving + raised + rotors + spring_energy(self.plant, self.q))
+        """Compute the mechanical energy, springs and rotors included."""
+        rotors = 0.5 * float(self.plant.armature[:, 0] @ self.v[:, 0] ** 2)
+        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
     def _slide(self) -> list[float] | None:
         """Velocities after the step if every joint keeps sliding in its direction; None otherwise."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 
 @dataclass(frozen=True)
@@ -47,16 +48,18 @@ class Sensors:
     def __post_init__(self) -> None:
         """Check the numbers."""
         positive = ("angle_noise", "velocity_noise", "torque_noise", "torque_resolution", "interaction_noise")
-        for name in (*positive, "torque_offset", "interaction_offset"):
-            values = np.asarray(getattr(self, name), dtype=np.float64)
-            if not np.isfinite(values).all() or (name in positive and (values < 0.0).any()):
-                raise ExoidError(f"{name} of the sensors is {getattr(self, name)}", remedy="give finite SI numbers ≥ 0")
+        check_numbers(self, positive)
+        check_numbers(self, ("torque_offset", "interaction_offset"), signed=True)
         if not self.encoder_counts > 0.0:
-            raise ExoidError(f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf")
+            raise BadArgumentError(
+                f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf"
+            )
         if self.delay != int(self.delay) or self.delay < 0:
-            raise ExoidError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
+            raise BadArgumentError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
         if self.noise_blocks != int(self.noise_blocks) or self.noise_blocks < 1:
-            raise ExoidError(f"{self.noise_blocks} blocks of rigs with the same noise", remedy="give an integer ≥ 1")
+            raise BadArgumentError(
+                f"{self.noise_blocks} blocks of rigs with the same noise", remedy="give an integer ≥ 1"
+            )
 
     def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read angles.
@@ -128,7 +131,7 @@ class Sensors:
     def _noise(self, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
         joints, rigs = like.shape
         if rigs % self.noise_blocks:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{rigs} rigs in {self.noise_blocks} blocks with the same noise",
                 remedy="give the same number of rigs to each block",
             )
@@ -139,3 +142,17 @@ class Sensors:
 def _column(value: ArrayLike) -> FloatArray:
     """Shape one value, or one a joint, as a column that broadcasts over rigs."""
     return np.asarray(value, dtype=np.float64).reshape(-1, 1)
+
+
+def check_numbers(sensors: object, names: Iterable[str], *, signed: bool = False) -> None:
+    """Refuse numbers of sensors that are not finite, or negative."""
+    for name in names:
+        values = np.asarray(getattr(sensors, name), dtype=np.float64)
+        if not np.isfinite(values).all() or (not signed and (values < 0.0).any()):
+            remedy = "give finite SI numbers ≥ 0"
+            raise BadArgumentError(f"{name} of the sensors is {getattr(sensors, name)}", remedy=remedy)
+
+
+def noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Add white noise."""
+    return np.asarray(x + std * rng.standard_normal(x.shape))

@@ -12,60 +12,53 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators
 from exoid.actuators.actuators import DRIVE_CHANNELS
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable, to_text, value_range
 
-from .actuators import Actuator
-from .controllers import Controller, Reference, WornController
+from .actuators import Actuator, Drive
+from .controllers import Controller, Reference, Target, WornController
 from .plant import Plant
 from .sensors import Sensors
 from .stepper import PlanarStepper, Step, Stepper
 from .wearer import Wearer
-from .worn_stepper import Exchange, WornStepper
-
-STEP = 5e-4
-"""Default step of the plant [s]."""
+from .worn_stepper import TOLERANCE, WornStepper
 
 DIVERGED_SPEED = 1e4
 """Speed from which a joint counts as diverged [rad/s]."""
-
-STOP_TOLERANCE = 1e-9
-"""Tolerance of a start at an end stop [rad]."""
-
-HEADERS = ("joint", "angle [deg]", "max speed [rad/s]", "max error [deg]", "rms error [deg]", "max torque [N·m]")
-"""Headers of a printed run."""
 
 
 class Rates(NamedTuple):
     """Rates of controller and log; each period must be a multiple of the plant's step.
 
     Attributes:
-        control: Rate of the controller [Hz].
+        control: Rate of the controller [Hz]; inf for an analogue one, or one so fast that its torque follows the motion
+            continuously. Its command is evaluated at the middle of each step, so that the scheme stays of second order.
         log: Rate of the log [Hz]; a sample of both has the same readings.
         step: Step of the plant [s].
     """
 
     control: float = 500.0
     log: float = 50.0
-    step: float = STEP
+    step: float = 5e-4
 
     def steps(self) -> tuple[int, int]:
         """Count the steps of the plant in each period.
 
         Returns:
-            Steps in a period of the controller, and of the log.
+            Steps in a period of the controller, 0 for a continuous one, and of the log.
 
         Raises:
             ExoidError: A rate or the step is not positive, or a period is not a multiple of the step.
         """
-        if not all(np.isfinite(x) and x > 0.0 for x in self):
-            raise ExoidError(f"rates and step must be positive: {self}", remedy="give them in Hz, Hz and s")
+        if not (self.control > 0.0 and all(np.isfinite(x) and x > 0.0 for x in self[1:])):
+            raise BadArgumentError(f"rates and step must be positive: {self}", remedy="give them in Hz, Hz and s")
         counts = [1.0 / (rate * self.step) for rate in (self.control, self.log)]
         whole = [round(count) for count in counts]
-        if min(whole) < 1 or any(abs(count - k) > 1e-6 * k for count, k in zip(counts, whole, strict=True)):
-            raise ExoidError(
+        wrong = [abs(count - k) > 1e-6 * k or (k < 1 and count > 0.0) for count, k in zip(counts, whole, strict=True)]
+        if any(wrong):
+            raise BadArgumentError(
                 f"rates of {self.control:g} and {self.log:g} Hz do not fit a step of {self.step:g} s",
                 remedy="choose periods that are whole multiples of the step",
             )
@@ -151,7 +144,15 @@ class Run:
             )
             for joint, name in enumerate(self.plant.leg.joint_names)
         ]
-        table = DataTable(f"Run of {self.plant.description}: {self._size}", HEADERS, rows)
+        headers = (
+            "joint",
+            "angle [deg]",
+            "max speed [rad/s]",
+            "max error [deg]",
+            "rms error [deg]",
+            "max torque [N·m]",
+        )
+        table = DataTable(f"Run of {self.plant.description}: {self._size}", headers, rows)
         return to_text(table, f"energy balance: relative error up to {self.energy.relative_error.max():.1g}")
 
     @property
@@ -186,7 +187,7 @@ class Run:
             ExoidError: There is no such rig, the run is too short for a recording, or a drive cannot make the torque.
         """
         if not -self.plant.count <= rig < self.plant.count:
-            raise ExoidError(f"no rig {rig} among {self.plant.count}", remedy="count from 0")
+            raise BadArgumentError(f"no rig {rig} among {self.plant.count}", remedy="count from 0")
         names = self.plant.leg.joint_names
         log = Recording(
             time=self.time,
@@ -223,7 +224,8 @@ def simulate(
     Args:
         plant: B rigs.
         reference: Motion to follow.
-        controller: Controller, whose command is held between its samples.
+        controller: Controller, whose command is held between its samples. A continuous one (see :class:`Rates`) reads
+            true angles and velocities.
         actuator: Actuator of each joint, initially in state zero.
         duration: Duration [s].
         start: Initial angles [rad], (n, B) or (n, 1); the rigs then start at rest. None for angles and velocities of
@@ -254,56 +256,70 @@ def simulate(
     """
     rates, sensors, rng = rates or Rates(), sensors or Sensors(encoder_counts=np.inf), np.random.default_rng(seed)
     every_control, every_log = rates.steps()
-    dt, count = rates.step, _step_count(duration, rates)
-    rig = stepper(plant, *_start(plant, reference, start), dt)
-    limb = None if wearer is None else WornStepper(rig, wearer, count)
-    rig = limb or rig
+    dt, count = rates.step, _step_count(duration, rates.step)
+    leg = stepper(plant, *_start(plant, reference, start), dt)
+    limb = None if wearer is None else WornStepper(leg, wearer, count)
+    rig = limb or leg
     state, command, torque = np.zeros((3, plant.n, plant.count))
     past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
-    log, balance = _Log(), _Balance(plant, rig.energy())
-    commanded: Callable[..., FloatArray] = controller.command
-    senses = isinstance(controller, WornController)
-    if limb and isinstance(controller, WornController):
-        commanded = controller.command_worn
+    samples: list[tuple[FloatArray, ...]] = []
+    before, begin, exchanged = rig.v, rig.energy(), np.zeros((3, plant.count))
+    feels = isinstance(controller, WornController) and limb is not None
+    law: Callable[..., FloatArray] = controller.command_worn if feels else controller.command  # type: ignore[attr-defined]
+
+    def commanded(target: Target, *reading: FloatArray) -> FloatArray:
+        return _broadcast(law(target, *reading), plant, "command of the controller")
+
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
-            past.append((rig.q, rig.v, torque, *((limb.limb_q, limb.limb_v) if limb else ())))
-            controls, logs = k % every_control == 0, k % every_log == 0
+            past.append((torque, rig.q, rig.v, *((limb.limb.q, limb.limb.v) if limb else ())))
+            logs, controls = k % every_log == 0, every_control and k % every_control == 0
             if controls or logs:
                 _refuse_divergence(rig.v, k * dt)
-                target, (q, v, tau, *_) = reference.at(k * dt), past[0]
-                reading = sensors.angle(q, rng), sensors.velocity(v, rng)
+                target, (tau, *motion) = reference.at(k * dt), past[0]
+                reading = sensors.angle(motion[0], rng), sensors.velocity(motion[1], rng)
+                felt = (sensors.interaction(limb.interaction(*motion), rng),) if limb and feels and controls else ()
             if controls:
-                felt = (sensors.interaction(_interaction(limb, past[0]), rng),) if limb and senses else ()
-                command = _broadcast(commanded(target, *reading, *felt), plant, "command of the controller")
+                command = commanded(target, *reading, *felt)
             if logs:
-                measured = (*reading, sensors.torque(tau, rng))
-                worn = (_interaction(limb, past[-1]), limb.limb_q) if limb else ()
-                log.add(rig.q, rig.v, torque, *measured, _broadcast(target.q, plant, "target"), *worn)
+                if not every_control:
+                    tau = torque = actuator.torque(state, commanded(target, rig.q, rig.v))
+                worn = (limb.interaction(*past[-1][1:]), limb.limb.q) if limb else ()
+                targets = _broadcast(target.q, plant, "target")
+                samples.append((rig.q, rig.v, torque, *reading, sensors.torque(tau, rng), targets, *worn))
                 if progress is not None:
                     progress(k / count)
-            if k < count:
-                drive = actuator.drive(state, command, dt)
-                step = rig.step(drive.torque, drive.damping)
-                state = actuator.advance(state, command, step.mean_velocity, dt)
-                balance.add(drive.torque - drive.damping * step.mean_velocity, step, dt)
-                torque = actuator.torque(state, command)
-    time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
-    energy = balance.energy(rig.energy(), limb.exchange if limb else None)
-    q, v, tau, q_measured, v_measured, tau_measured, targets, *of_wearer = log.arrays()
+            if k == count:
+                break
+            if not every_control:
+                ahead = rig.v + 0.5 * (rig.v - before)
+                command = commanded(reference.at((k + 0.5) * dt), rig.q + 0.5 * dt * rig.v, ahead)
+            drive, before = actuator.drive(state, command, dt), rig.v
+            step = rig.step(drive.torque, drive.damping)
+            state = actuator.advance(state, command, step.mean_velocity, dt)
+            torque = actuator.torque(state, command)
+            exchanged += _exchanged(plant, drive, step, dt)
+    work, dissipated, turnover = exchanged + (limb.exchange if limb else 0.0)
+    energy = Energy(work, rig.energy() - begin, dissipated, np.maximum(turnover, dissipated))
+    time = every_log * dt * np.arange(len(samples), dtype=np.float64)
+    q, v, tau, q_measured, v_measured, tau_measured, targets, *of_wearer = (
+        np.array(x) for x in zip(*samples, strict=True)
+    )
     return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, energy, *of_wearer)
 
 
-def _interaction(limb: WornStepper, sample: tuple[FloatArray, ...]) -> FloatArray:
-    """Torque of the wearers at a sample of angles, velocities, torques, and angles and velocities of limbs."""
-    q, v, _, limb_q, limb_v = sample
-    return limb.interaction(q, v, limb_q, limb_v)
+def _exchanged(plant: Plant, drive: Drive, step: Step, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Work, dissipated energy and turnover of one step [J], (B,) each."""
+    travelled = dt * step.mean_velocity
+    work = (drive.torque - drive.damping * step.mean_velocity) * travelled
+    lost = (step.friction_impulse + plant.viscous * travelled) * step.mean_velocity
+    return work.sum(axis=0), lost.sum(axis=0), np.abs(work).sum(axis=0)
 
 
-def _step_count(duration: float, rates: Rates) -> int:
-    count = duration / rates.step
+def _step_count(duration: float, step: float) -> int:
+    count = duration / step
     if not (np.isfinite(count) and count >= 0.5):
-        raise ExoidError(f"a run of {duration:g} s", remedy=f"give a duration of at least {rates.step:g} s")
+        raise BadArgumentError(f"a run of {duration:g} s", remedy=f"give a duration of at least {step:g} s")
     return round(count)
 
 
@@ -313,13 +329,14 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
     q = _broadcast(first.q if start is None else start, plant, "start")
     v = _broadcast(first.v if start is None else 0.0, plant, "velocity of the reference")
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
-        raise ExoidError("the start is not finite", remedy="give angles in rad")
-    beyond = (q < plant.lower - STOP_TOLERANCE) | (q > plant.upper + STOP_TOLERANCE)
+        raise BadArgumentError("the start is not finite", remedy="give angles in rad")
+    beyond = (q < plant.lower - TOLERANCE) | (q > plant.upper + TOLERANCE)
     if beyond.any():
         joint, which = np.argwhere(beyond)[0]
-        raise ExoidError(
+        raise BadArgumentError(
             f"{plant.leg.joint_names[joint]} starts at {q[joint, which]:.4g} rad in rig {which}, beyond its end stops "
             f"at {plant.lower[joint, which]:.4g} and {plant.upper[joint, which]:.4g} rad",
+            joints=(plant.leg.joint_names[joint],),
             remedy="start between them, or build the plant with end_stops=False",
         )
     return q, v
@@ -330,54 +347,15 @@ def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
     try:
         return np.broadcast_to(np.asarray(values, dtype=np.float64), (plant.n, plant.count))
     except (TypeError, ValueError) as error:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{name}: shape {np.shape(values)} for {plant.n} joints of {plant.count} rigs",
             remedy=f"give ({plant.n}, {plant.count}) or ({plant.n}, 1) numbers",
         ) from error
-
-
-class _Log:
-    """Samples of a run so far."""
-
-    def __init__(self) -> None:
-        self.samples: list[tuple[FloatArray, ...]] = []
-
-    def add(self, *sample: FloatArray) -> None:
-        """Append a sample."""
-        self.samples.append(sample)
-
-    def arrays(self) -> tuple[FloatArray, ...]:
-        """Return the samples as arrays, samples first."""
-        return tuple(np.array(x) for x in zip(*self.samples, strict=True))
-
-
-class _Balance:
-    """Energy balance of a run so far."""
-
-    def __init__(self, plant: Plant, begin: FloatArray) -> None:
-        self._plant, self._begin = plant, begin
-        self._work, self._dissipated, self._turnover = np.zeros((3, plant.count))
-
-    def add(self, torque: FloatArray, step: Step, dt: float) -> None:
-        """Add the work of a step [J]."""
-        travelled = dt * step.mean_velocity
-        work = torque * travelled
-        self._work += work.sum(axis=0)
-        self._turnover += np.abs(work).sum(axis=0)
-        self._dissipated += ((step.friction_impulse + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
-
-    def energy(self, end: FloatArray, exchange: Exchange | None) -> Energy:
-        """Sum up the energy, given the kinetic and potential one at the end."""
-        work, dissipated, turnover = self._work, self._dissipated, self._turnover
-        if exchange is not None:
-            work, dissipated = work + exchange.work, dissipated + exchange.dissipated
-            turnover = turnover + exchange.turnover
-        return Energy(work, end - self._begin, dissipated, np.maximum(turnover, dissipated))
 
 
 def _refuse_divergence(v: FloatArray, time: float) -> None:
     if not (np.abs(v) < DIVERGED_SPEED).all():
         raise ExoidError(
             f"the rig diverged before {time:.3g} s",
-            remedy="lower the gain, add damping or leakage, or shorten the step",
+            remedy="lower the gain, add damping or leakage, or shorten the step; check gains and model",
         )

@@ -32,34 +32,22 @@ class SmoothStepper(PlanarStepper):
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float, smoothing: float = 0.02) -> None:
         super().__init__(plant, q, v, dt)
         self.smoothing = smoothing
-        self._steady = self._gain = np.zeros_like(self.q)
+        self._steady = self._gain = np.zeros_like(self.q)  # of the torque of friction, steady + gain v̄
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step, with smooth friction.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mass matrices and impulses.
-        """
-        plant, ahead = self.plant, self._ahead
-        sign = np.tanh(ahead / self.smoothing)
-        slope = (1.0 - sign * sign) / self.smoothing
-        self._steady, self._gain = plant.coulomb * (sign - slope * ahead), plant.coulomb * slope  # τ = steady + gain·v̄
-        self._middle = self.q + 0.5 * self.dt * self.v
-        M, force = self._equations(torque, plant.viscous + damping + self._gain, self._steady)
-        return Equations(M, self.dt * force)
+        """Compute the equations of the next step, with smooth friction."""
+        steady, slope = linearised(self._ahead, self.smoothing)
+        self._steady, self._gain = self.plant.coulomb * steady, self.plant.coulomb * slope
+        return self._equations(torque, self.plant.viscous + damping + self._gain, self._steady)
 
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations.
-
-        Args:
-            equations: Equations of the step.
-
-        Returns:
-            Mean velocity and impulse of friction.
-        """
+        """Advance by dt: solve the linear equations."""
         mean = self.move(self.v + eliminate(*equations))
         return Step(mean, self.dt * (self._steady + self._gain * mean))
+
+
+def linearised(v: FloatArray, smoothing: float | FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Linearise tanh(v / smoothing) about v: its value at v = 0, and its slope."""
+    sign = np.tanh(v / smoothing)
+    slope = (1.0 - sign * sign) / smoothing
+    return sign - slope * v, slope

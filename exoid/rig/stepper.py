@@ -11,6 +11,7 @@ with the impulse r of friction and end stops from :mod:`exoid.rig.stick_slip`.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -34,29 +35,38 @@ class Step(NamedTuple):
     friction_impulse: FloatArray
 
 
-class Stepper(Protocol):
+class Equations(NamedTuple):
+    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops.
+
+    Attributes:
+        M: Mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B).
+        impulse: Impulse of all other torques [N·m·s], (n, B).
+    """
+
+    M: FloatArray
+    impulse: FloatArray
+
+
+class Stepper(ABC):
     """Integrator with the state of B rigs.
+
+    A step has two parts, so that another body may be coupled to the leg in between: the equations, then `solve` or
+    `move`, once.
 
     Attributes:
         plant: B rigs.
         dt: Step [s].
+        q: Angles [rad], (n, B).
+        v: Velocities [rad/s], (n, B).
     """
 
     plant: Plant
     dt: float
-
-    @property
-    def q(self) -> FloatArray:
-        """Angles [rad], (n, B)."""
-        ...
-
-    @property
-    def v(self) -> FloatArray:
-        """Velocities [rad/s], (n, B)."""
-        ...
+    q: FloatArray
+    v: FloatArray
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄.
+        """Advance by dt under the actuator torque τ₀ − damping · v̄, with friction and end stops.
 
         Args:
             torque: Torque τ₀ [N·m], (n, B).
@@ -65,43 +75,64 @@ class Stepper(Protocol):
         Returns:
             Mean velocity and impulse of friction and end stops.
         """
-        ...
+        return self.solve(self.equations(torque, damping))
 
+    @abstractmethod
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mass matrices and impulses.
+        """
+
+    @abstractmethod
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations with friction and end stops.
+
+        Args:
+            equations: Equations of the step.
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
+
+    @abstractmethod
+    def move(self, v: FloatArray) -> FloatArray:
+        """Advance by dt to known velocities, without friction.
+
+        Args:
+            v: Velocities after the step [rad/s], (n, B).
+
+        Returns:
+            Mean velocity of the step [rad/s], (n, B).
+        """
+
+    @abstractmethod
     def energy(self) -> FloatArray:
         """Compute the mechanical energy, springs and rotors included.
 
         Returns:
             Energy [J], (B,).
         """
+
+
+class RigidBodies(Protocol):
+    """Rigid bodies of B rigs."""
+
+    def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mass matrices, (n, n, B), and bias torques, (n, B)."""
+        ...
+
+    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Kinetic and potential energy, (B,)."""
         ...
 
 
-class Equations(NamedTuple):
-    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops."""
-
-    M: FloatArray  # mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B)
-    impulse: FloatArray  # impulse of all other torques [N·m·s], (n, B)
-
-
-class CoupledMotion(Stepper, Protocol):
-    """Integrator whose step has two parts, so that another body may be coupled to the leg in between."""
-
-    # The equations of a step come first, then `solve` or `move`, once.
-
-    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step."""
-        ...
-
-    def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with friction and end stops."""
-        ...
-
-    def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities, without friction."""
-        ...
-
-
-class PlanarStepper:
+class PlanarStepper(Stepper):
     """B planar rigs in one batch of array operations.
 
     Args:
@@ -119,62 +150,21 @@ class PlanarStepper:
         self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
         self._ahead = self.v  # velocity expected in the middle of the next step
         self._middle = self.q  # angles in the middle of the step that the equations are for
-        self._bodies = PlanarBodies.from_parameters(plant.leg, plant.parameters, plant.pitch)
+        self._bodies = self._rigid_bodies()
         self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static, stops=False)
         self._stops = bool(np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any())
 
-    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄, with stick-slip friction and end stops.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
-        return self.solve(self.equations(torque, damping))
+    def _rigid_bodies(self) -> RigidBodies:
+        return PlanarBodies.from_parameters(self.plant.leg, self.plant.parameters, self.plant.pitch)
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step.
+        """Compute the equations of the next step."""
+        return self._equations(torque, self.plant.viscous + damping)
 
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mass matrices and impulses.
-        """
-        self._middle = self.q + 0.5 * self.dt * self.v
-        M, force = self._equations(torque, self.plant.viscous + damping)
-        return Equations(M, self.dt * force)
-
-    def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with stick-slip friction and end stops.
-
-        Args:
-            equations: Equations of the step.
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
-        v, impulse = solve_stick_slip(*equations, self._with_stops(), self.v)
-        return Step(self.move(v), impulse)
-
-    def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included.
-
-        Returns:
-            Energy [J], (B,).
-        """
-        rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
-        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
-
-    def _equations(
-        self, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Effective mass matrix, (n, n, B), and net torque without dry friction, (n, B), at the middle of the step."""
-        plant, q = self.plant, self._middle
+    def _equations(self, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None) -> Equations:
+        """Equations under a damping of all kinds and a torque of smooth friction."""
+        plant = self.plant
+        q = self._middle = self.q + 0.5 * self.dt * self.v
         b2, b1, b0 = plant.stiffness
         M, force = self._bodies.dynamics(q, self._ahead)
         force += (b2 * q + b1) * q + b0
@@ -184,21 +174,24 @@ class PlanarStepper:
         np.subtract(torque, force, out=force)
         diagonal = M.reshape(-1, plant.count)[:: plant.n + 1]
         diagonal += plant.armature + 0.5 * self.dt * damping
-        return M, force
+        return Equations(M, self.dt * force)
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt with stick-slip friction and end stops."""
+        v, impulse = solve_stick_slip(*equations, self._with_stops(), self.v)
+        return Step(self.move(v), impulse)
 
     def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities.
-
-        Args:
-            v: Velocities after the step [rad/s], (n, B).
-
-        Returns:
-            Mean velocity of the step [rad/s], (n, B).
-        """
+        """Advance by dt to known velocities."""
         mean = 0.5 * (self.v + v)
         self.v, self._ahead = v, 2.0 * v - mean
         self.q = self.q + self.dt * mean
         return mean
+
+    def energy(self) -> FloatArray:
+        """Compute the mechanical energy, springs and rotors included."""
+        rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
+        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
     def _with_stops(self) -> Friction:
         if not self._stops:

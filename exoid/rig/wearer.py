@@ -7,24 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
 
 from .anthropometry import limb_of
 from .controllers import Reference
-
-CUFF_STIFFNESS = 1000.0
-"""Default stiffness of a cuff at the joint [N·m/rad], an assumption."""
-
-CUFF_DAMPING = 30.0
-"""Default damping of a cuff at the joint [N·m·s/rad], an assumption."""
-
-MUSCLE_STIFFNESS = 100.0
-"""Default stiffness of the muscles of an active wearer [N·m/rad], an assumption."""
-
-MUSCLE_DAMPING = 5.0
-"""Default damping of the muscles of an active wearer [N·m·s/rad], an assumption."""
 
 IMPEDANCES = ("cuff_stiffness", "cuff_damping", "muscle_stiffness", "muscle_damping")
 """Attributes of a wearer that are numbers for each joint."""
@@ -48,7 +36,7 @@ class Wearer:
     Attributes:
         limb: Geometry of the leg with the rigid-body parameters of the limb, see :func:`exoid.rig.limb_of`. It has no
             friction.
-        cuff_stiffness: Stiffness k of the cuffs [N·m/rad].
+        cuff_stiffness: Stiffness k of the cuffs [N·m/rad]; like all default impedances an assumption.
         cuff_damping: Damping d of the cuffs [N·m·s/rad].
         muscle_stiffness: Stiffness k_m of the muscles [N·m/rad]; 0 for a passive limb.
         muscle_damping: Damping d_m of the muscles, or of the joints of a passive limb [N·m·s/rad].
@@ -62,8 +50,8 @@ class Wearer:
     """
 
     limb: Leg
-    cuff_stiffness: ArrayLike = CUFF_STIFFNESS
-    cuff_damping: ArrayLike = CUFF_DAMPING
+    cuff_stiffness: ArrayLike = 1000.0
+    cuff_damping: ArrayLike = 30.0
     muscle_stiffness: ArrayLike = 0.0
     muscle_damping: ArrayLike = 0.0
     intention: Reference | None = None
@@ -72,7 +60,7 @@ class Wearer:
     def __post_init__(self) -> None:
         """Check base, numbers and intention."""
         if not isinstance(self.limb, Leg):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a limb of type {type(self.limb).__name__}",
                 remedy="give a Leg, or use Wearer.build(leg, height, mass)",
             )
@@ -80,12 +68,12 @@ class Wearer:
         for name in IMPEDANCES:
             object.__setattr__(self, name, _impedance(getattr(self, name), name, len(self.limb.joint_names)))
         if self.intention is None and np.any(self.muscle_stiffness):
-            raise ExoidError(
+            raise BadArgumentError(
                 "muscles with stiffness but without intention", remedy="give an intention, or muscle_stiffness=0"
             )
         active = self.feedforward or np.any(self.muscle_stiffness) or np.any(self.muscle_damping)
         if self.intention is not None and not active:
-            raise ExoidError("an intention without muscles", remedy="give muscle_stiffness, or intention=None")
+            raise BadArgumentError("an intention without muscles", remedy="give muscle_stiffness, or intention=None")
 
     @classmethod
     def build(
@@ -95,8 +83,8 @@ class Wearer:
         mass: float = 70.0,
         *,
         intention: Reference | None = None,
-        cuff_stiffness: ArrayLike = CUFF_STIFFNESS,
-        cuff_damping: ArrayLike = CUFF_DAMPING,
+        cuff_stiffness: ArrayLike = 1000.0,
+        cuff_damping: ArrayLike = 30.0,
         muscle_stiffness: ArrayLike | None = None,
         muscle_damping: ArrayLike | None = None,
         feedforward: bool = True,
@@ -130,8 +118,8 @@ class Wearer:
             limb_of(leg, height, mass),
             cuff_stiffness,
             cuff_damping,
-            MUSCLE_STIFFNESS * active if muscle_stiffness is None else muscle_stiffness,
-            MUSCLE_DAMPING * active if muscle_damping is None else muscle_damping,
+            100.0 * active if muscle_stiffness is None else muscle_stiffness,
+            5.0 * active if muscle_damping is None else muscle_damping,
             intention,
             feedforward,
         )
@@ -149,7 +137,7 @@ def _impedance(value: ArrayLike, name: str, n: int) -> FloatArray:
     except (TypeError, ValueError):
         array = np.full(1, np.nan)
     if array.ndim > 2 or (array.ndim > 0 and len(array) != n) or not np.isfinite(array).all() or (array < 0.0).any():
-        raise ExoidError(
+        raise BadArgumentError(
             f"{name} of the wearer is {value!r}", remedy=f"give SI numbers ≥ 0, one or one for each of {n} joints"
         )
     column = array[:, None] if array.ndim == 1 else array

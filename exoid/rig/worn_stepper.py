@@ -21,23 +21,17 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
-from .muscles import Muscles, intended
+from .muscles import intended, muscle_torques
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
-from .stepper import CoupledMotion, Equations, PlanarStepper, Step, Stepper
-from .wearer import Wearer
+from .stepper import Equations, PlanarStepper, Step, Stepper
+from .wearer import IMPEDANCES, Wearer
 
 TOLERANCE = 1e-9
 """Tolerance of equal geometry [m], and of an end stop [rad]."""
-
-CHECK_RATE = 100.0
-"""Rate at which an intended motion is checked [Hz]."""
-
-LARGEST_ANGLE = 2.0 * np.pi
-"""Largest angle of an intended motion [rad]; a larger one is in degrees."""
 
 
 class Exchange(NamedTuple):
@@ -52,20 +46,17 @@ class WornStepper:
     """B rigs with their wearers. Angles, velocities and friction are those of the legs."""
 
     def __init__(self, leg: Stepper, wearer: Wearer, count: int) -> None:
-        self.plant, self.dt, self._wearer = leg.plant, leg.dt, wearer
-        self._leg = _coupled(leg)
+        self.plant, self.dt, self._leg = leg.plant, leg.dt, leg
         limb = limb_plant(leg.plant, wearer)
         refuse_intention(leg.plant, wearer, count * leg.dt)
         stepper = PlanarStepper if limb.count > 1 else PinocchioStepper
-        self._limb: CoupledMotion = stepper(limb, leg.q, leg.v, leg.dt)
-        self._muscles = Muscles(wearer, limb, leg.dt, count)
+        self.limb: Stepper = stepper(limb, leg.q, leg.v, leg.dt)
+        self._muscles = muscle_torques(wearer, limb, leg.dt, count)
         shape = (leg.plant.n, leg.plant.count)
-        k, d, muscle_k, muscle_d = (
-            np.broadcast_to(x, shape)
-            for x in (wearer.cuff_stiffness, wearer.cuff_damping, wearer.muscle_stiffness, wearer.muscle_damping)
+        self._k, self._d, self._muscle_k, muscle_d = (
+            np.broadcast_to(getattr(wearer, name), shape) for name in IMPEDANCES
         )
-        self._k, self._d, self._muscle_k = k, d, muscle_k
-        self._c, self._muscle_c = d + 0.5 * leg.dt * k, muscle_d + 0.5 * leg.dt * muscle_k
+        self._c, self._muscle_c = self._d + 0.5 * leg.dt * self._k, muscle_d + 0.5 * leg.dt * self._muscle_k
         self._half = 0.5 * leg.dt * self._c
         self._work, self._dissipated, self._turnover = (np.zeros(shape) for _ in range(3))
 
@@ -79,16 +70,6 @@ class WornStepper:
         """Velocities of the legs [rad/s], (n, B)."""
         return self._leg.v
 
-    @property
-    def limb_q(self) -> FloatArray:
-        """Angles of the limbs [rad], (n, B)."""
-        return self._limb.q
-
-    @property
-    def limb_v(self) -> FloatArray:
-        """Velocities of the limbs [rad/s], (n, B)."""
-        return self._limb.v
-
     def interaction(self, q: FloatArray, v: FloatArray, limb_q: FloatArray, limb_v: FloatArray) -> FloatArray:
         """Compute the torque of the wearers on the legs, k (q_l − q) + d (v_l − v)."""
         return np.asarray(self._k * (limb_q - q) + self._d * (limb_v - v))
@@ -100,10 +81,10 @@ class WornStepper:
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄."""
-        leg, limb, c = self._leg, self._limb, self._c
+        leg, limb, c = self._leg, self.limb, self._c
         q, v, limb_v = leg.q, leg.v, limb.v
         spring = self._k * (limb.q - q)
-        drive = self._muscles.next() - self._muscle_k * limb.q
+        drive = next(self._muscles) - self._muscle_k * limb.q
         of_leg = leg.equations(torque + spring + c * limb_v, damping + c)
         of_limb = limb.equations(drive - spring + c * v, self._muscle_c + c)
         free, response = _limb_response(of_limb, self._half)
@@ -111,34 +92,32 @@ class WornStepper:
         step = leg.solve(Equations(of_leg.M - half * response, of_leg.impulse + self._half * free))
         change = 2.0 * (step.mean_velocity - v)
         mean = limb.move(limb_v + free + (response * change).sum(axis=1))
-        self._add(drive - self._muscle_c * mean, mean, mean - step.mean_velocity)
+        slip, work = mean - step.mean_velocity, self.dt * (drive - self._muscle_c * mean) * mean
+        self._work += work
+        self._turnover += np.abs(work)
+        self._dissipated += self.dt * self._d * slip * slip
         return step
 
     def energy(self) -> FloatArray:
         """Compute the mechanical energy of legs and limbs, springs of the cuffs included."""
-        cuffs = 0.5 * (self._k * (self._limb.q - self._leg.q) ** 2).sum(axis=0)
-        return np.asarray(self._leg.energy() + self._limb.energy() + cuffs)
-
-    def _add(self, muscles: FloatArray, mean: FloatArray, slip: FloatArray) -> None:
-        """Count the energy of a step, with the mean torque of the muscles and the mean velocity of the cuffs."""
-        work = self.dt * muscles * mean
-        self._work += work
-        self._turnover += np.abs(work)
-        self._dissipated += self.dt * self._d * slip * slip
+        cuffs = 0.5 * (self._k * (self.limb.q - self._leg.q) ** 2).sum(axis=0)
+        return np.asarray(self._leg.energy() + self.limb.energy() + cuffs)
 
 
 def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
     """Build the limbs of the rigs of a plant: bodies without friction, on the same torso."""
     leg, limb = plant.leg, wearer.limb
     if limb.joint_names != leg.joint_names or not _same_geometry(leg, limb):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}",
             remedy="make the wearer of the plant's leg: Wearer.build(plant.leg, height, mass)",
         )
-    for name in ("cuff_stiffness", "cuff_damping", "muscle_stiffness", "muscle_damping"):
+    for name in IMPEDANCES:
         columns = np.shape(getattr(wearer, name))[1:]
         if columns not in ((), (1,), (plant.count,)):
-            raise ExoidError(f"{name} for {columns[0]} rigs on {plant.count}", remedy="give one number for each joint")
+            raise BadArgumentError(
+                f"{name} for {columns[0]} rigs on {plant.count}", remedy="give one number for each joint"
+            )
     return Plant.build(limb, pitch=plant.pitch, end_stops=False)
 
 
@@ -146,13 +125,13 @@ def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
     """Refuse an intended motion that the rigs cannot follow."""
     if wearer.intention is None:
         return
-    times = np.linspace(0.0, duration, max(2, round(duration * CHECK_RATE) + 1)).tolist()
+    times = np.linspace(0.0, duration, max(2, round(100.0 * duration) + 1)).tolist()
     q = intended(wearer.intention, times, (plant.n, plant.count), wearer.feedforward)[0]
-    lower, upper = (np.clip(x, -LARGEST_ANGLE, LARGEST_ANGLE) for x in (plant.lower, plant.upper))
+    lower, upper = (np.clip(x, -2.0 * np.pi, 2.0 * np.pi) for x in (plant.lower, plant.upper))  # larger: degrees
     beyond = np.argwhere((q < lower - TOLERANCE) | (q > upper + TOLERANCE))
     if len(beyond):
         k, joint, rig = beyond[0]
-        raise ExoidError(
+        raise BadArgumentError(
             f"the wearer intends {q[k, joint, rig]:.4g} rad of {plant.leg.joint_names[joint]} at {times[k]:.2f} s, "
             f"beyond {lower[joint, rig]:.4g} and {upper[joint, rig]:.4g} rad",
             remedy="give an intention in rad between the end stops, or build the plant with end_stops=False",
@@ -164,14 +143,6 @@ def _same_geometry(leg: Leg, limb: Leg) -> bool:
     kinds = [[joint.shortname() for joint in model.joints] for model in (one, other)]
     placements = zip(one.jointPlacements, other.jointPlacements, strict=False)
     return kinds[0] == kinds[1] and all(at.isApprox(there, TOLERANCE) for at, there in placements)
-
-
-def _coupled(leg: Stepper) -> CoupledMotion:
-    if not all(hasattr(leg, name) for name in ("equations", "solve", "move")):
-        raise ExoidError(
-            f"{type(leg).__name__} cannot carry a wearer", remedy="use PlanarStepper, SmoothStepper or PinocchioStepper"
-        )
-    return leg  # type: ignore[return-value]
 
 
 def _limb_response(limb: Equations, half: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,15 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError, within
 
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
 from .readers import Table
 from .readers.text import BASE_POSITION
-
-ORIGIN = (0.0, 0.0, 0.0)
 
 
 def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
@@ -29,7 +27,7 @@ def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
         if not absent:
             return names
         if len(absent) < len(names):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"the motion of the base lacks {', '.join(absent)}",
                 where=table.file,
                 remedy=f"give all of {', '.join(names)}, or none",
@@ -52,7 +50,7 @@ def read_base(
     said = _said_position(table)
     if not columns:
         if position is not None:
-            raise ExoidError(
+            raise UnreadableInputError(
                 "a position of the base's sensor, and no motion of the base",
                 where=table.file,
                 remedy=f"give columns {', '.join(BASE_COLUMNS)}, or leave out base_position",
@@ -60,23 +58,21 @@ def read_base(
             )
         return None
     if position is not None and said is not None and tuple(position) != said:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the file puts the base's sensor at {said} m, and not at {tuple(position)} m",
             where=table.file,
             remedy="leave out base_position, or correct the line '# base position:' of the file",
             command="leave out --base-position, or correct the line '# base position:' of the file",
         )
-    place = position if position is not None else said or ORIGIN
+    place = position if position is not None else said or (0.0, 0.0, 0.0)
     values = np.column_stack(list(columns.values()))
     imu, pose = values[:, :-7], values[:, -7:]
-    try:
+    with within(table.file):
         if tuple(columns) == BASE_COLUMNS:
             return BaseMotion.from_imu(values[:, :3], values[:, 3:], position=place)
         if tuple(columns) == POSE_COLUMNS:
             return BaseMotion.from_pose(pose[:, :3], pose[:, 3:], time, at=place)
         return BaseMotion.from_imu(imu[:, :3], imu[:, 3:], position=place, pose=BasePose(pose[:, :3], pose[:, 3:]))
-    except ExoidError as error:
-        raise error.within(table.file) from error
 
 
 def log_of_base(base: BaseMotion) -> LogPart:
@@ -96,7 +92,7 @@ def _said_position(table: Table) -> tuple[float, ...] | None:
         (text,) = texts
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{' and '.join(texts)} is no position of the base's sensor",
             where=f"{table.file}, line of a base position",
             remedy="write one line '# base position: x,y,z' in m",

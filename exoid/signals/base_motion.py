@@ -8,25 +8,20 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks, timebase
 from .base_pose import BasePose, turn_upright
 from .pose_motion import STANDARD_CUTOFF, motion_of_pose
+from .sampled import Sampled, means
 from .source_location import SourceLocation
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
 
-FARTHEST = 5.0
-"""Largest distance of the sensor from the origin of the root link [m]; larger ones are in another unit."""
-
-ORTHONORMAL = 1e-3
-"""Largest error of a mounting rotation that counts as rounding."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BaseMotion:
+class BaseMotion(Sampled):
     """Angular velocity and specific force of the base at the samples of a recording.
 
     The base is the root link of the URDF, and all vectors are in its axes, whose z axis points up when it stands
@@ -67,13 +62,13 @@ class BaseMotion:
         checks.refuse_shape(self.position, (3,), "position of the sensor on the base")
         checks.refuse_not_finite(self.columns, BASE_COLUMNS, SourceLocation())
         checks.refuse_implausible("", self.columns, BASE_COLUMNS, SourceLocation())
-        if not (np.abs(self.position) <= FARTHEST).all():
-            raise ExoidError(
+        if not (np.abs(self.position) <= 5.0).all():  # larger ones are in another unit
+            raise BadArgumentError(
                 f"the sensor of the base is at {_point(self.position)} m of the root link",
-                remedy=f"give its position in m, at most {FARTHEST:g} m from the origin of the root link",
+                remedy="give its position in m, at most 5 m from the origin of the root link",
             )
         if self.pose is not None and len(self.pose) != samples:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the pose of the base has {len(self.pose)} samples, and its motion {samples}",
                 remedy="give both at the same time stamps",
             )
@@ -162,28 +157,12 @@ class BaseMotion:
         return np.hstack([self.angular_velocity, self.specific_force])
 
     def rows(self, rows: slice | BoolArray) -> BaseMotion:
-        """Select samples.
-
-        Args:
-            rows: The samples.
-
-        Returns:
-            Their motion.
-        """
+        """Select samples."""
         pose = None if self.pose is None else self.pose.rows(rows)
         return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position, pose)
 
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BaseMotion:
-        """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump.
-
-        Args:
-            time: Time stamps of the samples that are used [s], (K,).
-            grid: New time stamps [s], (M,).
-            rows: Samples that are used, K of them.
-
-        Returns:
-            The motion at the new time stamps.
-        """
+        """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump."""
         return BaseMotion(
             timebase.interpolate(time, self.angular_velocity[rows], grid, smooth=True),
             timebase.interpolate(time, self.specific_force[rows], grid, smooth=False),
@@ -192,18 +171,10 @@ class BaseMotion:
         )
 
     def averaged(self, size: int) -> BaseMotion:
-        """Average neighbouring samples.
-
-        Args:
-            size: Number of samples that become one.
-
-        Returns:
-            The shorter motion; samples that do not fill a group are left out.
-        """
-        count = len(self) // size * size
-        means = self.columns[:count].reshape(-1, size, 6).mean(axis=1)
+        """Average neighbouring samples."""
+        columns = means(self.columns, size)
         pose = None if self.pose is None else self.pose.averaged(size)
-        return BaseMotion(means[:, :3], means[:, 3:], self.position, pose)
+        return BaseMotion(columns[:, :3], columns[:, 3:], self.position, pose)
 
     def __len__(self) -> int:
         return len(self.angular_velocity)
@@ -221,10 +192,9 @@ def _mounting(rotation: ArrayLike) -> FloatArray:
     matrix = checks.as_numbers(rotation, "rotation")
     checks.refuse_shape(matrix, (3, 3), "rotation")
     error = np.abs(matrix @ matrix.T - np.eye(3)).max()
-    if not error <= ORTHONORMAL or np.linalg.det(matrix) < 0.0:
-        raise ExoidError(
-            "the mounting of the sensor is not a rotation"
-            + ("; its axes are left-handed" if error <= ORTHONORMAL else ""),
+    if not error <= 1e-3 or np.linalg.det(matrix) < 0.0:
+        raise BadArgumentError(
+            "the mounting of the sensor is not a rotation" + ("; its axes are left-handed" if error <= 1e-3 else ""),
             remedy="pass a (3, 3) matrix whose columns are the sensor's x, y, z in the axes of the root link",
         )
     return matrix

@@ -9,32 +9,18 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks, timebase
+from .sampled import Sampled, means
 from .source_location import SourceLocation
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 """Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
 
-NORM_ERROR = 1e-2
-"""Largest error of the norm of a quaternion that counts as rounding."""
-
-EXACT = 1e-14
-"""Error of the norm below which a quaternion is left as it is, so that files read back exactly."""
-
-FASTEST_TURN = 35.0
-"""Largest plausible angular velocity of a base [rad/s], about 2000 deg/s."""
-
-FASTEST = 20.0
-"""Largest plausible velocity of a base [m/s]."""
-
-SMALLEST = 1e-9
-"""Norm of a vertical below which it has no direction."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BasePose:
+class BasePose(Sampled):
     """Position and orientation of the root link in the laboratory, at the samples of a recording.
 
     The z axis of the laboratory points up. Quaternions are normalised when the pose is made, and their signs are
@@ -79,42 +65,18 @@ class BasePose:
         return np.hstack([self.position, self.quaternion])
 
     def rows(self, rows: slice | BoolArray) -> BasePose:
-        """Select samples.
-
-        Args:
-            rows: The samples.
-
-        Returns:
-            Their pose.
-        """
+        """Select samples."""
         return BasePose(self.position[rows], self.quaternion[rows])
 
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BasePose:
-        """Interpolate at other time stamps by cubic splines.
-
-        Args:
-            time: Time stamps of the samples that are used [s], (K,).
-            grid: New time stamps [s], (M,).
-            rows: Samples that are used, K of them.
-
-        Returns:
-            The pose at the new time stamps.
-        """
+        """Interpolate at other time stamps by cubic splines."""
         columns = timebase.interpolate(time, self.columns[rows], grid, smooth=True)
         return BasePose(columns[:, :3], _unit(columns[:, 3:]))
 
     def averaged(self, size: int) -> BasePose:
-        """Average neighbouring samples.
-
-        Args:
-            size: Number of samples that become one.
-
-        Returns:
-            The shorter pose; samples that do not fill a group are left out.
-        """
-        count = len(self) // size * size
-        means = self.columns[:count].reshape(-1, size, 7).mean(axis=1)
-        return BasePose(means[:, :3], _unit(means[:, 3:]))
+        """Average neighbouring samples."""
+        columns = means(self.columns, size)
+        return BasePose(columns[:, :3], _unit(columns[:, 3:]))
 
     def __len__(self) -> int:
         return len(self.position)
@@ -129,12 +91,13 @@ def continuous(quaternion: FloatArray) -> FloatArray:
         return quaternion
     norm = np.linalg.norm(quaternion, axis=1)
     worst = int(np.argmax(np.abs(norm - 1.0)))
-    if abs(norm[worst] - 1.0) > NORM_ERROR:
-        raise ExoidError(
+    if abs(norm[worst] - 1.0) > 1e-2:  # less is rounding
+        raise BadArgumentError(
             f"the quaternion of the base in row {worst} has norm {norm[worst]:.4g}",
             remedy="pass unit quaternions (x, y, z, w)",
         )
-    unit = np.where(np.abs(norm - 1.0)[:, np.newaxis] < EXACT, quaternion, quaternion / norm[:, np.newaxis])
+    # Exact ones stay as they are, so that files read back exactly
+    unit = np.where(np.abs(norm - 1.0)[:, np.newaxis] < 1e-14, quaternion, quaternion / norm[:, np.newaxis])
     flips = np.sum(unit[1:] * unit[:-1], axis=1) < 0.0
     signs = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
     return np.asarray(unit * signs[:, np.newaxis])
@@ -147,11 +110,11 @@ def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray)
     turning = 2.0 * np.arccos(overlap) / interval
     moving = np.linalg.norm(np.diff(position, axis=0), axis=1) / interval
     for speeds, limit, unit, what in (
-        (turning, FASTEST_TURN, "rad/s", "orientation"),
-        (moving, FASTEST, "m/s", "position"),
+        (turning, 35.0, "rad/s", "orientation"),
+        (moving, 20.0, "m/s", "position"),
     ):
         if speeds.max() > limit:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the {what} of the base jumps before row {int(np.argmax(speeds)) + 1}: {speeds.max():.3g} {unit}",
                 remedy="remove swapped or lost markers" + (", and give positions in m" if unit == "m/s" else ""),
             )
@@ -175,10 +138,10 @@ def turn_upright(up: ArrayLike) -> FloatArray:
     """
     vertical = checks.as_numbers(up, "up")
     checks.refuse_shape(vertical, (3,), "up")
-    if not np.isfinite(vertical).all() or not np.linalg.norm(vertical) > SMALLEST:
-        raise ExoidError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
+    if not np.isfinite(vertical).all() or not np.linalg.norm(vertical) > 1e-9:
+        raise BadArgumentError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
     x, y, z = vertical / np.linalg.norm(vertical)
-    if z < -1.0 + SMALLEST:
+    if z < -1.0 + 1e-9:
         return np.diag([1.0, -1.0, -1.0])
     # Rodrigues' formula about up × z = (y, −x, 0)
     return np.array(

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 
 from .units import is_unit, refuse_other_unit, zero_of
 
@@ -45,9 +45,11 @@ class Column:
         for name in ("scale", "zero"):
             value = getattr(self, name)
             if not isinstance(value, float | int | np.number) or not math.isfinite(value):
-                raise ExoidError(f"{name} of column {self.header!r} is {value!r}", remedy="pass a finite number")
+                raise BadArgumentError(f"{name} of column {self.header!r} is {value!r}", remedy="pass a finite number")
         if self.scale == 0.0:
-            raise ExoidError(f"scale of column {self.header!r} is zero", remedy="pass SI units per unit of the cells")
+            raise BadArgumentError(
+                f"scale of column {self.header!r} is zero", remedy="pass SI units per unit of the cells"
+            )
 
     @staticmethod
     def from_text(text: str) -> Column:
@@ -69,31 +71,6 @@ class Column:
             return replace(_behind(header.strip(), parts, text), _text=text)
         except ExoidError:  # the file may have this very header
             return Column(text, _text=text)
-
-    def among(self, headers: Collection[str], name: str, file: str) -> Column:
-        """Find the column in a file.
-
-        Args:
-            headers: Headers of the file.
-            name: Name of the exoid column, for messages.
-            file: Path of the file, for messages.
-
-        Returns:
-            The column whose header is one of the file, if there is any such.
-
-        Raises:
-            ExoidError: A part behind the header is neither a number nor a unit.
-        """
-        if not self._text:
-            return self
-        header = header_in(headers, self._text)
-        if header not in headers:
-            return self
-        parts = self._text[len(header) :].split(":")[1:]
-        try:
-            return _behind(header, parts, self._text)
-        except ExoidError as error:
-            raise ExoidError(f"--column {name}={error.what}", where=file, remedy=error.remedy) from None
 
     def read(self, name: str, cells: FloatArray, file: str = "") -> FloatArray:
         """Convert cells to scale · (cell − zero) in SI, or in the unit of the file where the column has none.
@@ -127,6 +104,19 @@ def header_in(headers: Collection[str], text: str) -> str:
     return beginning if beginning in headers else text
 
 
+def column_in(headers: Collection[str], column: str | Column, name: str, file: str) -> Column:
+    """Take a header as it is, or find the column of a file that a text of the command line means."""
+    if isinstance(column, str):
+        return Column(column)
+    header = header_in(headers, column._text)
+    if not column._text or header not in headers:
+        return column
+    try:
+        return _behind(header, column._text[len(header) :].split(":")[1:], column._text)
+    except ExoidError as error:
+        raise BadArgumentError(f"--column {name}={error.what}", where=file, remedy=error.remedy) from None
+
+
 def as_text(column: str | Column) -> str:
     """Write the header, followed by what the command line wrote behind it."""
     return column if isinstance(column, str) else (column._text or column.header)
@@ -143,8 +133,8 @@ def _behind(header: str, parts: list[str], text: str) -> Column:
         try:
             numbers.append(float(part))
         except ValueError:
-            raise ExoidError(f"{text}: {part!r} is neither a number nor a unit", remedy=SYNTAX) from None
+            raise BadArgumentError(f"{text}: {part!r} is neither a number nor a unit", remedy=SYNTAX) from None
     if len(numbers) > 2 or not header:
-        raise ExoidError(f"{text}: more than scale and zero" if header else f"{text}: no header", remedy=SYNTAX)
+        raise BadArgumentError(f"{text}: more than scale and zero" if header else f"{text}: no header", remedy=SYNTAX)
     scale, zero = (*numbers, *(1.0, 0.0)[len(numbers) :])
     return Column(header, scale, zero, unit)

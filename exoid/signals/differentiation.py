@@ -10,29 +10,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
-from .filters import TOLERANCE, both_passes, edge_length, refuse_short
+from .filters.low_pass import TOLERANCE, both_passes, edge_length, refuse_short
 from .recording import Recording
 
 Accuracy = Literal[2, 4]
-
-END_DEGREE = 7
-"""Degree of the polynomials that continue a motion beyond its ends; the filter itself passes this degree unchanged."""
-END_WINDOW = 2.0
-"""Length of motion that such a polynomial is fitted to, in periods of the cut-off,"""
-FEWEST_POINTS = 12
-"""or so many samples if that is more."""
-CONTINUED = 1e-8
-"""Response of the filter up to which a motion is continued."""
-SLOW_RATE = 4.0
-"""Rate, in cut-off frequencies, below which a filter rings for many samples,"""
-RINGING_RATE, STRICT = 3.0, 1e-6
-"""rate below which it rings at half the rate, which no motion does, and its tolerance,"""
-HIGHEST_ORDER = 4
-"""and highest order of one pass with which it does not."""
-END_LOSS = 1.0
-"""Length at each end of a motion that `smooth_motion` may distort, in periods of the cut-off; see `motion_edge`."""
 
 
 class Stencil(NamedTuple):
@@ -77,26 +60,12 @@ class Kinematics(NamedTuple):
 
 
 def smooth_motion(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature.
-
-    At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
-    best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
-    less than `motion_edge` from an end should not be used.
-
-    Args:
-        x: Motion in any unit, (N, ...); filtered along the first axis.
-        rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency of the two passes together [Hz], below ``rate`` / 2.
-        order: Order of one pass.
-
-    Returns:
-        Filtered motion, of the shape of ``x``.
-
-    Raises:
-        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the fit.
-    """
-    pad = edge_length(rate, cutoff, order, CONTINUED)
-    window = max(FEWEST_POINTS, round(END_WINDOW * rate / cutoff))
+    """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature."""
+    # At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
+    # best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
+    # less than `motion_edge` from an end should not be used.
+    pad = edge_length(rate, cutoff, order, 1e-8)
+    window = max(12, round(2.0 * rate / cutoff))
     refuse_short(x, rate, cutoff, window - 1)
     return both_passes(x, rate, cutoff, order, pad, partial(_continue, weights=_continuation(window, pad)))
 
@@ -127,9 +96,9 @@ def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    if rate < SLOW_RATE * cutoff or order > HIGHEST_ORDER:
-        return edge_length(rate, cutoff, order, TOLERANCE if rate > RINGING_RATE * cutoff else STRICT)
-    return max(FEWEST_POINTS // 2, math.ceil(END_LOSS * rate / cutoff))
+    if rate < 4.0 * cutoff or order > 4:
+        return edge_length(rate, cutoff, order, TOLERANCE if rate > 3.0 * cutoff else 1e-6)
+    return max(6, math.ceil(rate / cutoff))
 
 
 def _continue(signals: FloatArray, weights: FloatArray) -> FloatArray:
@@ -146,49 +115,24 @@ def _continuation(window: int, length: int) -> FloatArray:
     """Weights that continue ``window`` samples by ``length`` samples before them: least-squares polynomials."""
     inside = 2.0 * np.arange(window) / (window - 1) - 1.0
     before = 2.0 * np.arange(-length, 0) / (window - 1) - 1.0
-    fit = np.linalg.pinv(np.polynomial.legendre.legvander(inside, END_DEGREE))
-    weights: FloatArray = np.polynomial.legendre.legvander(before, END_DEGREE) @ fit
+    # Degree 7, which the filter itself passes unchanged
+    fit = np.linalg.pinv(np.polynomial.legendre.legvander(inside, 7))
+    weights: FloatArray = np.polynomial.legendre.legvander(before, 7) @ fit
     weights.flags.writeable = False
     return weights
 
 
 def central_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """Compute the first derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
-
-    ẋ_k = (x_{k+1} − x_{k−1})·rate/2 + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative
-    error is (ω dt)²/6 or (ω dt)⁴/30.
-
-    Args:
-        x: Samples [u], (N, ...).
-        rate: Sampling rate [Hz].
-        accuracy: Order of the error in dt.
-
-    Returns:
-        Derivative [u/s], of the shape of ``x``.
-
-    Raises:
-        ExoidError: There are too few samples.
-    """
+    """Compute the first derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
+    # ẋ_k = (x_{k+1} − x_{k−1})·rate/2 + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative error is
+    # (ω dt)²/6 or (ω dt)⁴/30.
     return rate * _apply(FIRST[accuracy], x)
 
 
 def second_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """Compute the second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
-
-    ẍ_k = (x_{k+1} − 2 x_k + x_{k−1})·rate² + O(dt²), or over five points + O(dt⁴). On a sine of ω the
-    relative error is (ω dt)²/12 or (ω dt)⁴/90.
-
-    Args:
-        x: Samples [u], (N, ...).
-        rate: Sampling rate [Hz].
-        accuracy: Order of the error in dt.
-
-    Returns:
-        Second derivative [u/s²], of the shape of ``x``.
-
-    Raises:
-        ExoidError: There are too few samples.
-    """
+    """Compute the second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
+    # ẍ_k = (x_{k+1} − 2 x_k + x_{k−1})·rate² + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative error
+    # is (ω dt)²/12 or (ω dt)⁴/90.
     return rate**2 * _apply(SECOND[accuracy], x)
 
 
@@ -197,7 +141,9 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
     margin, width = len(stencil.ends), stencil.ends.shape[1]
     samples = len(x)
     if samples < max(width, 2 * margin + 1):
-        raise ExoidError(f"{samples} samples are too few for a difference over {width}", remedy="record longer")
+        raise UnreadableInputError(
+            f"{samples} samples are too few for a difference over {width}", remedy="record longer"
+        )
     signals = x.reshape(samples, -1).T
     out = np.empty(signals.shape)
     parity = 1.0 if stencil.centre[0] == stencil.centre[-1] else -1.0
@@ -224,7 +170,7 @@ def inner_samples(recording: Recording, head: int, tail: int) -> slice:
     """Rows between the ends; a recording without such rows is refused."""
     samples = len(recording)
     if samples <= head + tail:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
             where=recording.source.name if recording.source else "",
             remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",

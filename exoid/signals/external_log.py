@@ -14,7 +14,7 @@ from .csv_writer import LogPart
 from .external import External
 from .readers import Table
 from .readers.text import WRENCH
-from .wrench import ORIGIN, WRENCH_PARTS, Wrench
+from .wrench import WRENCH_PARTS, Wrench
 from .wrench_frame import WrenchFrame, as_frames, frame_of_link
 
 POINT_PARTS = ("px", "py", "pz")
@@ -139,7 +139,7 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
     names = [f"wrench_{link}_{part}" for part in POINT_PARTS]
     if names[0] not in columns:
         axes, point = frame or WrenchFrame("link")
-        return Wrench(values[:, :3], values[:, 3:], ORIGIN if point is None else point, axes)  # type: ignore[arg-type]
+        return Wrench(values[:, :3], values[:, 3:], (0.0, 0.0, 0.0) if point is None else point, axes)  # type: ignore[arg-type]
     if frame is not None and (frame.axes != "world" or frame.point is not None):
         raise ExoidError(
             f"the point of the wrench is given by columns {', '.join(names)} in the laboratory, and as {frame}",

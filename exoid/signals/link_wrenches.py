@@ -29,15 +29,7 @@ class LinkPlacement(NamedTuple):
     translation: FloatArray
 
     def behind(self, rotation: FloatArray, translation: FloatArray) -> LinkPlacement:
-        """Chain a placement that is given in the axes of this link.
-
-        Args:
-            rotation: Rotation matrices, (N, 3, 3) or (3, 3).
-            translation: Positions [m], (N, 3) or (3,).
-
-        Returns:
-            Placement in the laboratory.
-        """
+        """Chain a placement that is given in the axes of this link."""
         place = self.translation + np.einsum(
             "nij,...j->ni" if translation.ndim == 1 else "nij,nj->ni", self.rotation, translation
         )
@@ -105,20 +97,7 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> LinkPlacement:
 
 
 def wrench_on_link(wrench: Wrench, placement: LinkPlacement) -> Wrench:
-    """Turn a wrench into the axes of its link.
-
-    With the placement (R, p) of the link, the force is Rᵀ f, and the moment about its origin Rᵀ (m + (point − p) × f).
-
-    Args:
-        wrench: The wrench.
-        placement: Placement of the link in the laboratory; see :func:`link_placement`.
-
-    Returns:
-        The wrench in the axes of the link, about its origin; one that has these axes already, as it is.
-
-    Raises:
-        ExoidError: Lengths differ.
-    """
+    """Turn a wrench into the axes of its link."""
     if wrench.axes == "link":
         return wrench
     if len(placement.translation) != len(wrench):

@@ -16,7 +16,7 @@ from . import checks, timebase
 from .base_log import base_columns, matrix_headers, read_base
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
-from .column import Column
+from .column import Column, column_in
 from .external_log import external_columns, is_external, read_external, wrench_headers
 from .quantities import QUANTITIES
 from .readers import ReadOptions, Table
@@ -33,7 +33,7 @@ def read_log(
     table: Table, joint_names: Sequence[str] | None, columns: Mapping[str, str | Column] | None, options: ReadOptions
 ) -> dict[str, Any]:
     """Take the fields of a recording from a table, and check them; see `Recording.from_file`."""
-    given = {name: _column(name, column, table) for name, column in (columns or {}).items()}
+    given = {name: column_in(table.header, column, name, table.file) for name, column in (columns or {}).items()}
     headers = _own_names(table, {name: column.header for name, column in given.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     left_out = _left_out(joints, options.get("unmeasured", ()))
@@ -204,13 +204,6 @@ def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str,
         joint = name.removeprefix(f"{quantity}_")
         if joint not in (name, *known) and get_close_matches(name, absent, n=1, cutoff=0.8):
             raise _missing(absent[0], f"and no angle belongs to {name}", table)
-
-
-def _column(name: str, column: str | Column, table: Table) -> Column:
-    """Take a header as it is, or find the column that a text of the command line means."""
-    if isinstance(column, Column):
-        return column.among(table.header, name, table.file)
-    return Column(column)
 
 
 def _left_out(joints: Sequence[str], unmeasured: Sequence[str]) -> set[str]:

@@ -7,34 +7,22 @@ import math
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS, BasePose
-from .pose_motion import STANDARD_GRAVITY
+from .pose_motion import STANDARD_GRAVITY, twice_imaginary
 from .preparation import Preparation
 from .recording import Recording
 
 
 def base_during(recording: Recording, preparation: Preparation) -> MovingBase | None:
-    """Compute the motion of the base at the origin of the root link.
-
-    Angular velocity and specific force pass the filter that the angles pass, and ω̇ is derived from the smoothed ω as
-    joint velocities are from angles. Then f(0) = f(r) − ω̇ × r + ω × (ω × (−r)) with the position r of the sensor.
-
-    A pose passes that filter itself. With position p and unit quaternion h of the base, R its rotation,
-    ω = 2 Im(h* ḣ), ω̇ = 2 Im(h* ḧ) and f = Rᵀ(p̈ − g).
-
-    Args:
-        recording: The recording.
-        preparation: Filter and differentiation.
-
-    Returns:
-        Motion at the samples of ``recording.resampled()``; the tilt of the torso for a base that stands still, None if
-        it is upright.
-    """
+    """Compute the motion of the base at the origin of the root link, at the samples of ``recording.resampled()``."""
+    # Angular velocity and specific force pass the filter that the angles pass, and ω̇ is derived from the smoothed ω as
+    # joint velocities are from angles. Then f(0) = f(r) − ω̇ × r + ω × (ω × (−r)) with the position r of the sensor.
+    # A pose passes that filter itself. With position p and unit quaternion h of the base, R its rotation,
+    # ω = 2 Im(h* ḣ), ω̇ = 2 Im(h* ḧ) and f = Rᵀ(p̈ − g).
     even = recording.resampled()
     if even.base is None:
         return even.torso
@@ -56,10 +44,4 @@ def _of_pose(recording: Recording, pose: BasePose, preparation: Preparation) -> 
     h, rate, change = (part[:, 3:] / size for part in (smooth, slope, curvature))
     force = curvature[:, :3] + (0.0, 0.0, STANDARD_GRAVITY)
     turned = scipy.spatial.transform.Rotation.from_quat(h).apply(force, inverse=True)
-    return BaseKinematics(_twice_imaginary(h, rate), _twice_imaginary(h, change), turned)
-
-
-def _twice_imaginary(h: FloatArray, other: FloatArray) -> FloatArray:
-    """2 Im(h* g) of quaternions (x, y, z, w), (N, 3)."""
-    vector, scalar = h[:, :3], h[:, 3:]
-    return np.asarray(2.0 * (scalar * other[:, :3] - other[:, 3:] * vector - np.cross(vector, other[:, :3])))
+    return BaseKinematics(twice_imaginary(h, rate), twice_imaginary(h, change), turned)

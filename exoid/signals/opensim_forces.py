@@ -13,7 +13,7 @@ from exoid.errors import ExoidError
 
 from . import checks, timebase
 from .base_pose import turn_upright
-from .filters import zero_phase
+from .filters.low_pass import zero_phase
 from .readers import Table, open_table
 from .recording import Recording
 from .source_location import SourceLocation

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks, timebase
 from .base_pose import POSE_COLUMNS, continuous, refuse_jumps
@@ -22,9 +22,6 @@ STANDARD_CUTOFF = 10.0
 
 DEGREE = 5
 """Degree of the polynomials."""
-
-STRONGEST = 100.0
-"""Largest plausible acceleration of a base, root mean square [m/s²]."""
 
 
 class PoseMotion(NamedTuple):
@@ -49,7 +46,9 @@ def motion_of_pose(
     checks.refuse_not_finite(np.column_stack([time, position, quaternion]), ("time", *POSE_COLUMNS), where)
     checks.refuse_time_disorder(time, where)
     if not timebase.is_uniform(time):
-        raise ExoidError("time stamps of the poses are uneven", remedy="resample the poses, as motion capture does")
+        raise BadArgumentError(
+            "time stamps of the poses are uneven", remedy="resample the poses, as motion capture does"
+        )
     rate = timebase.sampling_rate(time)
     turns = continuous(quaternion)
     refuse_jumps(time, position, turns)
@@ -59,23 +58,23 @@ def motion_of_pose(
     smooth, slope = smooth / norm, slope / norm
     body = scipy.spatial.transform.Rotation.from_quat(smooth)
     place, acceleration = (_savgol(position, half, rate, deriv=order) for order in (0, 2))
-    if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > STRONGEST:
-        raise ExoidError(
-            f"the poses accelerate by more than {STRONGEST:g} m/s²",
+    if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > 100.0:  # root mean square [m/s²]
+        raise BadArgumentError(
+            "the poses accelerate by more than 100 m/s²",
             remedy="give positions in m, or a lower cutoff",
         )
     gravity = -STANDARD_GRAVITY * up / np.linalg.norm(up)
     force = np.asarray(body.inv().apply(acceleration - gravity))
-    return PoseMotion(_angular_velocity(smooth, slope), force, place, smooth)
+    return PoseMotion(twice_imaginary(smooth, slope), force, place, smooth)
 
 
 def _half_window(rate: float, cutoff: float, samples: int) -> int:
     """Samples on each side, for a −3 dB frequency."""
     if not 0.0 < cutoff < 0.5 * rate:
-        raise ExoidError(f"a cutoff of {cutoff} Hz at {rate:.4g} Hz", remedy="pass one below half the rate")
+        raise BadArgumentError(f"a cutoff of {cutoff} Hz at {rate:.4g} Hz", remedy="pass one below half the rate")
     half = max(DEGREE // 2 + 1, round(((DEGREE + 1) * rate / (2.0 * cutoff) + 4.6) / 3.2))
     if 2 * half + 1 > samples:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{samples} poses are too few for a cutoff of {cutoff:g} Hz", remedy="record longer, or raise the cutoff"
         )
     return half
@@ -88,7 +87,7 @@ def _savgol(x: FloatArray, half: int, rate: float, *, deriv: int) -> FloatArray:
     )
 
 
-def _angular_velocity(turns: FloatArray, slope: FloatArray) -> FloatArray:
-    """Vector part of 2 q̄ q̇, in the axes of the body, (N, 3)."""
-    vector, scalar = turns[:, :3], turns[:, 3:]
-    return np.asarray(2.0 * (scalar * slope[:, :3] - slope[:, 3:] * vector - np.cross(vector, slope[:, :3])))
+def twice_imaginary(h: FloatArray, other: FloatArray) -> FloatArray:
+    """2 Im(h* g) of quaternions (x, y, z, w), (N, 3): with g = ḣ the angular velocity in the axes of the body."""
+    vector, scalar = h[:, :3], h[:, 3:]
+    return np.asarray(2.0 * (scalar * other[:, :3] - other[:, 3:] * vector - np.cross(vector, other[:, :3])))

@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, overload
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
-from .default_preparation import ZeroPhase
-from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
+from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
 
 KEY = "name"
 """Key of a preparation's name in files."""
-
-MEMBERS = ("name", "kinematics", "filter", "filter_columns", "parallel", "independent_fraction", "describe")
-"""Members of the protocol :class:`Preparation`."""
 
 Kind = TypeVar("Kind", bound=type[Preparation])
 
@@ -24,12 +20,12 @@ Kind = TypeVar("Kind", bound=type[Preparation])
 def _check(kind: type[Preparation]) -> None:
     """Refuse anything that is not a type of preparation."""
     if not isinstance(kind, type):
-        raise ExoidError(f"{kind!r} is no class", remedy="pass the class of a preparation, not an object")
+        raise BadArgumentError(f"{kind!r} is no class", remedy="pass the class of a preparation, not an object")
     refuse_unwritable_class(KEY, kind)
-    present = dir(kind)
-    missing = [member for member in MEMBERS if member not in present]
+    members = ("name", "kinematics", "filter", "filter_columns", "parallel", "independent_fraction", "describe")
+    missing = [member for member in members if member not in dir(kind)]
     if missing:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the preparation {kind.__name__} lacks {', '.join(missing)}",
             remedy="add what exoid.signals.Preparation has, or derive it from a preparation of exoid",
         )
@@ -84,24 +80,12 @@ def register_preparation(name: str, kind: Kind | None = None) -> Kind | Callable
     return kind
 
 
-register_preparation("finite-difference", FiniteDifference)
-register_preparation("moving-average", MovingAverage)
-register_preparation("smoothed", Smoothed)
-register_preparation("zero-phase", ZeroPhase)
+for _kind in (FiniteDifference, MovingAverage, Smoothed, ZeroPhase):
+    PREPARATIONS.register(_kind.name, _kind)
 
 
 def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings.
-
-    Args:
-        name: One of :data:`PREPARATIONS`.
-
-    Returns:
-        The preparation.
-
-    Raises:
-        ExoidError: There is none of that name, its package is broken, or it has settings without defaults.
-    """
+    """Make a preparation with its default settings."""
     return named_default(PREPARATIONS, name)
 
 

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
 _TORQUES = {"N·m": 1.0, "mN·m": 1e-3, "N·mm": 1e-3, "N·cm": 1e-2, "kN·m": 1e3}
@@ -14,55 +14,27 @@ _TORQUES = {"N·m": 1.0, "mN·m": 1e-3, "N·mm": 1e-3, "N·cm": 1e-2, "kN·m": 1
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0},
-    "q": _ANGLES,
-    "v": {**{f"{unit}/s": size for unit, size in _ANGLES.items()}, "rpm": math.pi / 30.0},
-    "a": {f"{unit}/s²": size for unit, size in _ANGLES.items()},
-    "tau": _TORQUES,
-    "i": {"A": 1.0, "mA": 1e-3},
-    "f": _FORCES,
-    "tm": _TORQUES,
-    "qm": _ANGLES,
-    "temp": {"°C": 1.0, "K": 1.0, "°F": 5.0 / 9.0},
-    "base_gyro": {f"{unit}/s": size for unit, size in _ANGLES.items()},
-    "base_acc": {"m/s²": 1.0, "mm/s²": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
-    "base_q": {},
-    "base": _LENGTHS,
-    "wrench_f": _FORCES,
-    "wrench_m": _TORQUES,
-    "wrench_p": _LENGTHS,
-    "contact": {},
+UNITS: Mapping[str, tuple[str, Mapping[str, float]]] = {
+    "time": ("time", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}),
+    "q": ("angle", _ANGLES),
+    "v": ("velocity", {**{f"{unit}/s": size for unit, size in _ANGLES.items()}, "rpm": math.pi / 30.0}),
+    "a": ("acceleration", {f"{unit}/s²": size for unit, size in _ANGLES.items()}),
+    "tau": ("torque", _TORQUES),
+    "i": ("current", {"A": 1.0, "mA": 1e-3}),
+    "f": ("force", _FORCES),
+    "tm": ("motor torque", _TORQUES),
+    "qm": ("motor angle", _ANGLES),
+    "temp": ("temperature", {"°C": 1.0, "K": 1.0, "°F": 5.0 / 9.0}),
+    "base_gyro": ("angular velocity of the base", {f"{unit}/s": size for unit, size in _ANGLES.items()}),
+    "base_acc": ("specific force of the base", {"m/s²": 1.0, "mm/s²": 1e-3, "g": 9.80665, "mg": 9.80665e-3}),
+    "base_q": ("a quaternion, which has none", {}),
+    "base": ("position of the base", _LENGTHS),
+    "wrench_f": ("force on a link", _FORCES),
+    "wrench_m": ("moment on a link", _TORQUES),
+    "wrench_p": ("point of a wrench", _LENGTHS),
+    "contact": ("a contact, which has none", {}),
 }
-"""Factor to SI of each unit, by the quantity of a column: "time", or the part of its name before ``_<joint>``."""
-
-ZEROS: Mapping[str, float] = {"K": 273.15, "degF": 32.0}
-"""Reading of each unit at zero SI, where that is not zero, by :func:`spelled` unit. Temperatures are in °C."""
-
-OF_BASE = ("base_gyro", "base_acc", "base_q", "base")
-"""Quantities of the base by the beginning of a column's name, the longer ones first."""
-
-MEANINGS = {
-    "time": "time",
-    "q": "angle",
-    "v": "velocity",
-    "a": "acceleration",
-    "tau": "torque",
-    "i": "current",
-    "f": "force",
-    "tm": "motor torque",
-    "qm": "motor angle",
-    "temp": "temperature",
-    "base_gyro": "angular velocity of the base",
-    "base_acc": "specific force of the base",
-    "base_q": "a quaternion, which has none",
-    "base": "position of the base",
-    "wrench_f": "force on a link",
-    "wrench_m": "moment on a link",
-    "wrench_p": "point of a wrench",
-    "contact": "a contact, which has none",
-}
-"""Word for each quantity."""
+"""Word for a quantity, and factor to SI of each unit, by the part of a column's name before ``_<joint>``."""
 
 BRACKETED = re.compile(r"[\[(]([^\])]+)[\])]\s*$")
 """Unit at the end of a header, such as ``hip torque [N·mm]``."""
@@ -79,13 +51,13 @@ def spelled(unit: str) -> str:
 
 def factor_of(unit: str, quantity: str) -> float | None:
     """Find the factor of a unit to SI."""
-    known = {spelled(name): size for name, size in UNITS[quantity].items()}
+    known = {spelled(name): size for name, size in UNITS[quantity][1].items()}
     return known.get(spelled(unit))
 
 
 def zero_of(unit: str) -> float:
     """Find the reading that stands for zero SI (0 °C of a temperature): 273.15 of kelvins."""
-    return ZEROS.get(spelled(unit), 0.0)
+    return {"K": 273.15, "degF": 32.0}.get(spelled(unit), 0.0)
 
 
 def is_unit(text: str) -> bool:
@@ -96,7 +68,7 @@ def is_unit(text: str) -> bool:
 def quantity_of(name: str) -> str:
     """Find the quantity of an exoid column."""
     if name.startswith("base_"):
-        return next(quantity for quantity in OF_BASE if name.startswith(quantity))
+        return next(kind for kind in ("base_gyro", "base_acc", "base_q", "base") if name.startswith(kind))
     if name.startswith("wrench_"):
         return f"wrench_{name.rpartition('_')[2][0]}"
     return name if name == "time" else name.partition("_")[0]
@@ -108,15 +80,16 @@ def refuse_other_unit(unit: str, name: str, where: str) -> float:
     factor = factor_of(unit, quantity)
     if factor is not None:
         return factor
-    remedy = f"units of {MEANINGS[quantity]} are {', '.join(UNITS[quantity])}"
+    meaning, units = UNITS[quantity]
+    remedy = f"units of {meaning} are {', '.join(units)}"
     command = remedy
     if quantity in ("tau", "f", "tm") and factor_of(unit, "i") is not None:
         joint, scale = name.partition("_")[2], "0.118"
         aim = "N" if quantity == "f" else "N·m"
         remedy = f'read it as current, columns={{"i_{joint}": ...}}, or give the scale in {aim} per A'
         command = f"read it as current (i_{joint}=HEADER:{unit}), or give {aim} per A: {name}=HEADER:{scale}"
-    raise ExoidError(
-        f"{unit!r} is not a unit of {MEANINGS[quantity]} ({name})", where=where, remedy=remedy, command=command
+    raise UnreadableInputError(
+        f"{unit!r} is not a unit of {meaning} ({name})", where=where, remedy=remedy, command=command
     )
 
 
@@ -130,8 +103,8 @@ def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> 
         in_degrees = quantity in ("q", "v", "a", "qm") and degrees
         expected = math.pi / 180.0 if in_degrees else 1.0
         if factor is None or not math.isclose(factor, expected) or zero_of(unit):
-            si = next(iter(UNITS[quantity]), "1") if not in_degrees else "degrees"
-            raise ExoidError(
+            si = next(iter(UNITS[quantity][1]), "1") if not in_degrees else "degrees"
+            raise UnreadableInputError(
                 f"column {header!r} says {unit}, and would be read as {name} in {si}",
                 where=where,
                 remedy=f'say its unit or its scale: columns={{"{name}": exoid.signals.Column({header!r}, unit=...)}}',
@@ -140,7 +113,7 @@ def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> 
     elif quantity in ("tau", "f", "tm") and CURRENT.search(header):
         aim = "N" if quantity == "f" else "N·m"
         joint = name.partition("_")[2]
-        raise ExoidError(
+        raise UnreadableInputError(
             f"column {header!r} is to be {name} [{aim}], and its name says that it is a current",
             where=where,
             remedy=f'give Column({header!r}, scale=...) in {aim} per A, map it to "i_{joint}", or say unit="{aim}"',

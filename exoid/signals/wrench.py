@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from . import checks, timebase
+from .sampled import Sampled, means
 from .source_location import SourceLocation
 from .wrench_checks import refuse_wrong_units
 
@@ -20,11 +21,9 @@ WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 AXES = ("link", "world")
 """Axes that the vectors of a wrench may have."""
 
-ORIGIN = (0.0, 0.0, 0.0)
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Wrench:
+class Wrench(Sampled):
     """Force and moment that the surroundings (ground, hand rail, harness) exert on a link, at each sample.
 
     Both act on the leg: a standing wearer has an upward ground force. The moment is about ``point``; about another
@@ -51,13 +50,13 @@ class Wrench:
 
     force: FloatArray
     moment: FloatArray
-    point: FloatArray = ORIGIN  # type: ignore[assignment]  # an array once it is made
+    point: FloatArray = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # an array once it is made
     axes: Literal["link", "world"] = "link"
 
     def __post_init__(self) -> None:
         """Copy and check."""
         if self.axes not in AXES:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a wrench in axes {self.axes!r}",
                 remedy='give its vectors in the axes of the URDF link (axes="link") or of the laboratory, z up '
                 '(axes="world")',
@@ -68,7 +67,7 @@ class Wrench:
         for name in ("force", "moment"):
             checks.refuse_shape(getattr(self, name), (samples, 3), f"{name} of a wrench")
         if self.moving_point and self.axes == "link":
-            raise ExoidError(
+            raise BadArgumentError(
                 f"point of a wrench in link axes has shape {self.point.shape}",
                 remedy="give one point (3,), and the moment about it: moment + np.cross(points - point, force)",
             )
@@ -106,14 +105,7 @@ class Wrench:
         return replace(self, moment=moment, point=other)
 
     def rows(self, rows: slice | BoolArray) -> Wrench:
-        """Select samples.
-
-        Args:
-            rows: The samples.
-
-        Returns:
-            Their wrench.
-        """
+        """Select samples."""
         point = self.point[rows] if self.moving_point else self.point
         return replace(self, force=self.force[rows], moment=self.moment[rows], point=point)
 
@@ -121,30 +113,14 @@ class Wrench:
         """Interpolate at other time stamps by a monotone cubic (PCHIP), as impacts make wrenches jump.
 
         A point that moves jumps where the foot leaves the ground. The moment is therefore taken about one point before.
-
-        Args:
-            time: Time stamps of the samples that are used [s], (K,).
-            grid: New time stamps [s], (M,).
-            rows: Samples that are used, K of them.
-
-        Returns:
-            The wrench at the new time stamps, about one point.
         """
         columns = timebase.interpolate(time, self._about_one_point.columns[rows], grid, smooth=False)
         return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 
     def averaged(self, size: int) -> Wrench:
-        """Average neighbouring samples, about one point.
-
-        Args:
-            size: Number of samples that become one.
-
-        Returns:
-            The shorter wrench; samples that do not fill a group are left out.
-        """
-        count = len(self) // size * size
-        means = self._about_one_point.columns[:count].reshape(-1, size, 6).mean(axis=1)
-        return replace(self._about_one_point, force=means[:, :3], moment=means[:, 3:])
+        """Average neighbouring samples, about one point."""
+        columns = means(self._about_one_point.columns, size)
+        return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 
     @property
     def _about_one_point(self) -> Wrench:

@@ -11,7 +11,7 @@ from walking import IMU, Walk
 import exoid
 from exoid import ExoidError, Leg
 from exoid.cli import app
-from exoid.signals import BASE_COLUMNS
+from exoid.signals.base_motion import BASE_COLUMNS
 
 
 def run(*arguments):

@@ -11,7 +11,7 @@ from exoid.cli import app
 from exoid.cli.inputs import LogOptions, read_log
 
 COLUMNS = [
-    f"wrench_rail_{part}=rail_{part}:{'kN' if part[0] == 'f' else 'N·mm'}" for part in exoid.signals.WRENCH_PARTS
+    f"wrench_rail_{part}=rail_{part}:{'kN' if part[0] == 'f' else 'N·mm'}" for part in exoid.signals.wrench.WRENCH_PARTS
 ]
 
 

@@ -27,7 +27,7 @@ from exoid.control.parameter_change import point_masses
 from exoid.control.parameter_cone import ParameterCone
 from exoid.control.slotine_li import SlotineLiModel
 from exoid.control.track import SENSORS
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.experiments import Hold, healthy_gait
 from exoid.leg.lift import check, lift
 from exoid.rig import Payload, Target, plant_with_payloads
@@ -420,14 +420,14 @@ def test_the_variance_of_a_parameter_that_is_not_determined_is_no_gain():
 def test_readings_that_are_not_finite_raise_an_error(what):
     law = adaptive(exact_estimate(), KP, KD)
     state, aim = on_the_move(12)
-    with pytest.raises(ExoidError, match="not finite"):
+    with pytest.raises(UnreadableInputError):
         law.step(law.begin(state), state._replace(**{what: np.array([0.5, np.nan])}), aim)
 
 
 def test_a_target_without_acceleration_raises_an_error():
     law = adaptive(exact_estimate(), KP, KD)
     state, aim = on_the_move(13)
-    with pytest.raises(ExoidError, match="acceleration"):
+    with pytest.raises(ExoidError):
         law.step(law.begin(state), state, aim._replace(a=None))
 
 

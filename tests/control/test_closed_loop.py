@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many
 from exoid.control.closed_loop import plant_step
-from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Sensors, Target
 
@@ -142,26 +141,6 @@ def test_the_step_divides_both_periods(control, log):
     assert 2.5e-4 <= step <= 5e-4 * (1.0 + 1e-12)
     for rate in (control, log):
         assert 1.0 / (rate * step) == pytest.approx(round(1.0 / (rate * step)), abs=1e-6)
-
-
-@pytest.mark.parametrize("rates", [(0.0, 100.0), (100.0, np.nan), (99.97, 100.0)])
-def test_rates_without_a_common_step_are_refused(rates):
-    with pytest.raises(ExoidError, match="Hz"):
-        plant_step(*rates)
-
-
-def test_bad_runs_are_refused():
-    plant, law, gait = cuhk_plant(), pd(KP, KD), healthy_gait()
-    with pytest.raises(ExoidError, match="plant of 2 rigs"):
-        simulate(plant.repeat(2), law, gait, 1.0)
-    with pytest.raises(ExoidError, match="1 names for 2 rigs"):
-        simulate_many(plant.repeat(2), law, gait, 1.0, names=("one",))
-    with pytest.raises(ExoidError, match="settle"):
-        simulate(plant, law, gait, 1.0, settle=1.0)
-    with pytest.raises(ExoidError, match="the motion asks left_knee"):
-        simulate(plant, law, healthy_gait(scale=3.0), 10.0)
-    with pytest.raises(ExoidError, match="diverged"):
-        simulate(plant, pd(1e7, 1e7), gait, 1.0)
 
 
 def test_a_result_prints_itself():

@@ -6,7 +6,6 @@ from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target, true
 from scipy.integrate import solve_ivp
 
 from exoid.control import SMOOTH, ControlModel, State, computed_torque, feedforward_pd, pd
-from exoid.errors import ExoidError
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -87,24 +86,3 @@ def test_without_gains_computed_torque_is_inverse_dynamics_of_what_is_wanted():
     target, state = random_target(), State(*np.random.default_rng(3).uniform(-1.0, 1.0, (2, 2)))
     torque = computed_torque(LEG, 0.0, 0.0, friction=None).torque(state, target)
     np.testing.assert_allclose(torque, LEG.inverse_dynamics(state.q, state.v, target.a)[0], atol=1e-12)
-
-
-@pytest.mark.parametrize("make", [feedforward_pd, computed_torque])
-def test_many_legs_at_once_get_what_each_gets_alone(make):
-    rng = np.random.default_rng(2)
-    law = make(exact_estimate(), (22.0, 56.0), (2.0, 5.0))
-    q, v = rng.uniform(-1.0, 1.0, (2, 2, 5))
-    target = Target(*rng.uniform(-1.0, 1.0, (3, 2, 5)))
-    torque = law.torque(State(q, v), target)
-    for k in range(5):
-        alone = law.torque(State(q[:, k], v[:, k]), Target(*(x[:, k] for x in target)))
-        np.testing.assert_allclose(torque[:, k], alone, atol=1e-12)
-
-
-@pytest.mark.parametrize("make", [feedforward_pd, computed_torque])
-def test_a_reference_without_acceleration_is_refused(make):
-    target = random_target()
-    with pytest.raises(ExoidError, match="no acceleration"):
-        make(LEG, 1.0, 1.0).torque(State(target.q, target.v), Target(target.q, target.v))
-    with pytest.raises(ExoidError, match="kp ="):
-        make(LEG, -1.0, 1.0)

@@ -6,7 +6,6 @@ from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate,
 
 import exoid
 from exoid.control import ControlModel
-from exoid.errors import ExoidError
 from exoid.rig import Plant
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 
@@ -122,12 +121,6 @@ def test_friction_can_be_made_wrong_on_purpose():
     q, v = RNG.uniform(-1.0, 1.0, (2, 2))
     np.testing.assert_allclose(model.with_friction(0.5).friction(q, v, 0.1), 0.5 * model.friction(q, v, 0.1))
     np.testing.assert_array_equal(model.with_friction(0.5).statics(q), model.statics(q))
-
-
-@pytest.mark.parametrize("source", [None, "est.json", cuhk_plant().repeat(2)])
-def test_what_is_no_model_is_refused(source):
-    with pytest.raises(ExoidError, match="no control model"):
-        ControlModel.of(source)
 
 
 def test_a_plant_of_one_rig_among_several_is_taken():

@@ -1,11 +1,9 @@
 """Limits of torque and of its rate, around any controller."""
 
 import numpy as np
-import pytest
 from controlled_legs import cuhk_plant
 
 from exoid.control import Limited, SideBySide, State, pd, simulate
-from exoid.errors import ExoidError
 from exoid.experiments import Hold
 from exoid.rig import Target
 
@@ -52,9 +50,3 @@ def test_side_by_side_each_controller_receives_its_last_torque():
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), last=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.array([[1.0], [-1.0]]), np.zeros((2, 1)))
     np.testing.assert_allclose(SideBySide(laws).torque(state, aim), [[2.0, 12.0], [2.0, -6.0]])
-
-
-@pytest.mark.parametrize("bad", [{"limit": 0.0}, {"slew": -1.0}, {"limit": np.nan}, {"slew": np.ones((2, 2))}])
-def test_bad_limits_are_refused(bad):
-    with pytest.raises(ExoidError, match=next(iter(bad))):
-        Limited(HARD, **bad)

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 import scipy
-from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless, random_target
+from controlled_legs import cuhk_plant, exact_estimate, frictionless, random_target
 
 from exoid import load_leg
 from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate
 from exoid.control.linearise import Linear, discretise, linearise
-from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits
-from exoid.rig import Payload, Plant, Target, plant_with_payloads
+from exoid.rig import Payload, Plant, plant_with_payloads
 
 control = pytest.importorskip("control")
 
@@ -121,37 +120,3 @@ def test_gains_that_follow_the_leg_hold_an_unknown_weight_better_than_one_gain(l
     print(leg, exact, of_one_exact, follows, one)
     assert exact.max() < 0.15
     assert follows.max() < ratio * one.max()
-
-
-def test_many_legs_at_once_get_what_each_gets_alone():
-    rng = np.random.default_rng(2)
-    law = lqr(exact_estimate(), GAIT, 10.0)
-    q, v = rng.uniform(-1.0, 1.0, (2, 2, 3))
-    target = Target(*rng.uniform(-1.0, 1.0, (3, 2, 3)))
-    torque = law.torque(State(q, v, 6.0), target)
-    for k in range(3):
-        alone = law.torque(State(q[:, k], v[:, k], 6.0), Target(*(x[:, k] for x in target)))
-        np.testing.assert_allclose(torque[:, k], alone, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("settings", "word"),
-    [
-        ({"period": 0.0}, "over 0 s"),
-        ({"period": np.nan}, "over nan s"),
-        ({"rate": 0.0}, "0 Hz"),
-        ({"weights": Weights(angle=0.0)}, "weights"),
-        ({"weights": Weights(torque=np.inf)}, "weights"),
-        ({"weights": Weights(angle=(1.0, 2.0, 3.0))}, "for 2 joints"),
-    ],
-)
-def test_bad_settings_are_refused(settings, word):
-    with pytest.raises(ExoidError, match=word):
-        lqr(LEG, GAIT, **{"period": 10.0, **settings})
-
-
-def test_a_reference_of_several_legs_is_refused():
-    with pytest.raises(ExoidError, match="that of one leg"):
-        lqr(LEG, GAIT.tile(2), 10.0)
-    with pytest.raises(ExoidError, match="2 joints for a leg of 3"):
-        lqr(load_leg("bleex"), GAIT, 10.0)

@@ -1,4 +1,4 @@
-"""PD with gravity and friction compensation is the same for one leg and for each of many."""
+"""Every law gives many legs at once what each gets alone."""
 
 from __future__ import annotations
 
@@ -8,7 +8,20 @@ from controlled_legs import cuhk_plant, exact_estimate
 
 import exoid
 from exoid import Coulomb, Stiffness
-from exoid.control import FrictionCompensation, State, gravity_friction_pd
+from exoid.control import (
+    ControlModel,
+    FrictionCompensation,
+    PassiveFriction,
+    State,
+    computed_torque,
+    feedforward_pd,
+    gravity_friction_pd,
+    gravity_support,
+    impedance,
+    lqr,
+    pd,
+)
+from exoid.experiments import Hold
 from exoid.rig import Target
 from exoid.torques import TorqueModel
 
@@ -22,15 +35,31 @@ FRICTIONS = {
 }
 
 
-@pytest.mark.parametrize("friction", FRICTIONS.values(), ids=FRICTIONS)
-@pytest.mark.parametrize("source", [exact_estimate(), cuhk_plant(), exoid.load_leg("bleex")], ids=["est", "rig", "leg"])
-def test_one_leg_and_many_get_the_same_torque(source, friction):
-    law = gravity_friction_pd(source, 20.0, 2.0, friction=friction)
-    n = law.model.n
-    q, v, qd, vd = np.random.default_rng(0).uniform(-1.0, 1.0, (4, n, 9))
-    v[:, 0] = vd[:, 0] = 0.0
-    many = law.torque(State(q, v), Target(qd, vd))
-    ones = [law.torque(State(q[:, k], v[:, k]), Target(qd[:, k], vd[:, k])) for k in range(9)]
+SOURCES = {"est": exact_estimate(), "rig": cuhk_plant(), "leg": exoid.load_leg("bleex")}
+LAWS = {
+    "pd": lambda source: pd(20.0, 2.0),
+    "feedforward": lambda source: feedforward_pd(source, 20.0, 2.0),
+    "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
+    "lqr": lambda source: lqr(source, Hold(np.zeros((ControlModel.of(source).n, 1))), 10.0),
+    "impedance": lambda source: impedance(source, 60.0, 5.0),
+    "support": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
+    **{
+        f"gravity, {name}": lambda source, friction=friction: gravity_friction_pd(source, 20.0, 2.0, friction=friction)
+        for name, friction in FRICTIONS.items()
+    },
+}
+
+
+@pytest.mark.parametrize("make", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("source", SOURCES.values(), ids=SOURCES)
+@pytest.mark.parametrize("count", [1, 3, 9])
+def test_one_leg_and_many_get_the_same_torque(source, make, count):
+    """Also as many legs as joints, where (n,) and (n, B) look alike."""
+    law, n = make(source), ControlModel.of(source).n
+    q, v, *aim = np.random.default_rng(0).uniform(-1.0, 1.0, (5, n, count))
+    v[:, 0] = aim[1][:, 0] = 0.0
+    many = law.torque(State(q, v, 6.0), Target(*aim))
+    ones = [law.torque(State(q[:, k], v[:, k], 6.0), Target(*(x[:, k] for x in aim))) for k in range(count)]
     np.testing.assert_allclose(np.array(ones).T, many, rtol=1e-12, atol=1e-12)
 
 

@@ -12,7 +12,6 @@ from exoid.control import (
     Limited,
     State,
     adaptive,
-    admittance,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
@@ -20,7 +19,6 @@ from exoid.control import (
     sensitivity_amplification,
     simulate,
 )
-from exoid.errors import ExoidError
 from exoid.experiments import healthy_gait
 from exoid.signals import Recording
 
@@ -112,41 +110,3 @@ def test_the_csv_reads_back_as_a_log(run, tmp_path):
     assert header == f"time,tau_{hip},tau_{knee},recorded_{hip},recorded_{knee}"
     back = np.array([[float(x) for x in row.split(",")] for row in rows])
     np.testing.assert_array_equal(back, np.column_stack([found.time, found.commanded, found.recorded]))
-
-
-def test_a_gap_in_the_log_raises_an_error(run):
-    keep = (run.time < 1.0) | (run.time > 1.5)
-    log = Recording(time=run.time[keep], q=run.q[keep], v=run.v[keep], joint_names=LEG.joint_names)
-    with pytest.raises(ExoidError, match="gap"):
-        replay_law(PD, log, GAIT)
-
-
-def test_missing_values_raise_an_error(run):
-    q = run.q.copy()
-    q[20, 1] = np.nan
-    with pytest.raises(ExoidError, match="row 20"):
-        replay_law(PD, Recording(time=run.time, q=q, joint_names=LEG.joint_names))
-
-
-def test_a_log_slower_than_the_law_raises_an_error(run):
-    log = run.recording
-    with pytest.raises(ExoidError, match="500 Hz"):
-        replay_law(sensitivity_amplification(exact_estimate(), 2.0), log)
-
-
-def test_a_torque_that_is_not_finite_raises_an_error(run):
-    broken = ControlModel.of(exact_estimate())
-    broken = replace(broken, spring=np.full_like(broken.spring, np.nan))
-    with pytest.raises(ExoidError, match="at 0 s"):
-        replay_law(gravity_support(broken), replace(run.recording, v=run.v), GAIT)
-
-
-def test_a_law_that_needs_the_wearers_torque_raises_its_error(run):
-    with pytest.raises(ExoidError):
-        replay_law(admittance(exact_estimate(), 0.5, 2.0), run.recording)
-
-
-def test_joints_that_do_not_fit_raise_an_error(run):
-    one = run.recording.select(LEG.joint_names[:1])
-    with pytest.raises(ExoidError, match="joints"):
-        replay_law(PD, replace(one, v=run.v[:, :1]), GAIT)

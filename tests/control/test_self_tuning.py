@@ -16,7 +16,7 @@ from exoid.control import (
 )
 from exoid.control.known_leg import as_estimate
 from exoid.control.track import SENSORS
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Payload, Target, plant_with_payloads
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
@@ -171,27 +171,27 @@ def test_its_error_is_at_most_a_fifth_above_that_of_a_feedforward_that_knew():
 
 
 @pytest.mark.parametrize(
-    ("settings", "message"),
+    "settings",
     [
-        ({"kp": -1.0}, "kp"),
-        ({"time_constant": 0.0}, "time constant"),
-        ({"slew": -1.0}, "slew"),
-        ({"bound": np.nan}, "bound"),
-        ({"rate": 0.0}, "0 Hz"),
-        ({"cutoff": 60.0}, "cut-off"),
-        ({"memory": 0.0}, "memory"),
-        ({"change": ExpectedChange(0.0, 0.0), "source": LEG}, "no parameter may change"),
+        {"kp": -1.0},
+        {"time_constant": 0.0},
+        {"slew": -1.0},
+        {"bound": np.nan},
+        {"rate": 0.0},
+        {"cutoff": 60.0},
+        {"memory": 0.0},
+        {"change": ExpectedChange(0.0, 0.0), "source": LEG},
     ],
 )
-def test_impossible_settings_raise_errors(settings, message):
-    with pytest.raises(ExoidError, match=message):
+def test_impossible_settings_raise_errors(settings):
+    with pytest.raises(ExoidError):
         self_tuning(**{"source": exact_estimate(), "kp": KP, "kd": KD, **settings})
 
 
 def test_readings_that_are_not_finite_raise_an_error():
     law = self_tuning(exact_estimate(), KP, KD)
     state = State(np.array([0.5, np.nan]), np.zeros(2))
-    with pytest.raises(ExoidError, match="not finite"):
+    with pytest.raises(UnreadableInputError):
         law.step(law.begin(state), state, Target(np.zeros(2), np.zeros(2), np.zeros(2)))
 
 

@@ -9,7 +9,6 @@ from controlled_legs import LEG, cuhk_plant
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Motor
 from exoid.control import Driven, Limited, SideBySide, State, StatefulLaw, pd, simulate, simulate_many, stateful
-from exoid.errors import ExoidError
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -45,11 +44,6 @@ def test_a_law_with_memory_is_itself_and_one_without_gets_an_empty_memory():
     torque, after = plain.step(memory, REST, AIM)
     assert memory == after == ()
     np.testing.assert_array_equal(torque, pd(10.0, 1.0).torque(REST, AIM))
-
-
-def test_something_else_is_no_law():
-    with pytest.raises(ExoidError, match="dict is no controller"):
-        stateful({})
 
 
 def test_the_closed_loop_hands_the_memory_on():
@@ -110,9 +104,3 @@ def test_side_by_side_each_law_receives_its_interaction():
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), interaction=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.zeros((2, 1)), np.zeros((2, 1)))
     np.testing.assert_array_equal(SideBySide((Follow(), Follow())).torque(state, aim), 2.0 * state.interaction)
-
-
-@pytest.mark.parametrize("law", [Limited(PI()), SideBySide((PI(),))])
-def test_torque_of_a_law_with_memory_is_refused(law):
-    with pytest.raises(ExoidError, match="PI has memory, which torque\\(\\) cannot keep"):
-        law.torque(REST, AIM)

@@ -133,7 +133,7 @@ def test_friction_that_falls_with_speed_is_not_given_a_negative_coefficient(leg)
 
 def test_an_offset_is_kept_where_there_is_one_and_a_coefficient_that_is_banned_is_not_chosen(leg):
     recording = recorded(leg, plain, offset=np.array([0.0, 0.3]))
-    found = search_joint_by_joint(Search(leg, [recording], ZeroPhase(8.0), 3))
+    found = search_joint_by_joint(Search(leg, [recording], 8.0, 3))
     hip, knee = ({column.symbol for column in columns} for columns in found.choice.columns)
     assert "offset" not in hip
     assert knee == {"c0", "d", "offset"}
@@ -172,7 +172,7 @@ def test_every_pattern_dissipates_at_every_speed_and_load():
 
 def test_every_row_is_tested_once_and_never_by_a_fit_that_saw_it(leg):
     recording = recorded(leg, plain)
-    design = form_design(base_model(leg), [recording], [ZeroPhase(8.0)], ((), ()))
+    design = form_design(base_model(leg), [recording], ZeroPhase(8.0), ((), ()))
     folds = [fold_of(blocks, design) for blocks in blocked_folds([recording], 5)]
     np.testing.assert_array_equal(np.sum([fold.tested for fold in folds], axis=0), 1)
     for fold in folds:
@@ -206,7 +206,7 @@ def test_what_is_selected_is_saved_and_written_to_a_urdf_joint_by_joint(selectio
 @pytest.fixture(scope="module")
 def design(leg):
     library = [(Column("c0"), Column("d"), Column("mu", 4e-3)), (Column("c0"), Column("offset"))]
-    return form_design(base_model(leg), [recorded(leg, different)], [ZeroPhase(8.0)], library, leg.parameters)
+    return form_design(base_model(leg), [recorded(leg, different)], ZeroPhase(8.0), library, leg.parameters)
 
 
 def test_columns_are_those_of_the_torque_model(leg, design):
@@ -312,7 +312,7 @@ def test_the_command_chooses_inside_the_training_part(dfki, tmp_path):
 @pytest.mark.real_data("dfki_double_pendulum")
 def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki):
     """Fitted to the slow rows, the fast ones are predicted nearly as well as by a fit of all: 1.10 and 1.07 times."""
-    everything = Search(dfki.leg, [dfki.train], ZeroPhase(8.0), 5)
+    everything = Search(dfki.leg, [dfki.train], 8.0, 5)
     whole = search_joint_by_joint(everything)
     speed, time = np.linalg.norm(whole.tables.design.v, axis=1), whole.tables.design.time
     slow_times = time[speed <= np.quantile(speed, 0.6)]

@@ -8,7 +8,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
 from exoid import ExoidError, Leg, TorsoMotion
-from exoid.identification.findings.out_of_plane import out_of_plane_torque
+from exoid.identification.findings.base_motion import out_of_plane_torque
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.torso import base_kinematics
 

@@ -95,7 +95,7 @@ def test_the_rows_of_a_swing_are_those_of_the_truth_behind_an_imu_that_takes_mea
     def error(window: float) -> float:
         log = walk.recording(replace(GroundSensors.exact(), imu_window=window)).select(leg.joint_names)
         q, v, a, _ = preparation.kinematics(log)
-        off = leg.regressor(q, v, a, signals.base_during(log, preparation)) @ leg.parameters - exact
+        off = leg.regressor(q, v, a, signals.moving_base.base_during(log, preparation)) @ leg.parameters - exact
         kept = preparation.filter(np.where(away[:, np.newaxis], off, 0.0), 500.0)[away]
         return float(np.sqrt(np.mean(kept**2)))
 

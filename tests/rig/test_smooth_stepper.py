@@ -10,7 +10,6 @@ from scipy.integrate import solve_ivp
 
 from exoid import ExoidError
 from exoid.rig import IdealTorque, Plant, Proportional, ProportionalDerivative, Rates, SmoothStepper, simulate
-from exoid.rig.continuous import follow
 
 SMOOTHING = 0.05
 PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))
@@ -22,15 +21,9 @@ def plant():
     return Plant.build(BLEEX, {**FRICTION, "d_knee": 0.3, "b1_hip": 5.0, "Ia_ankle": 0.02}, end_stops=False)
 
 
-def began(plant, dt):
-    first = Swing().at(0.0)
-    q, v = (np.tile(x, (1, plant.count)) for x in (first.q, first.v))
-    return SmoothStepper(plant, q, v, dt, SMOOTHING)
-
-
 def followed(plant, dt, controller=PD):
-    every = round(0.01 / dt)
-    return follow(began(plant, dt), Swing(), controller, IdealTorque(), 0.0, every, round(SECONDS / 0.01) + 1)
+    stepper = partial(SmoothStepper, smoothing=SMOOTHING)
+    return simulate(plant, Swing(), controller, IdealTorque(), SECONDS, rates=Rates(np.inf, 100.0, dt), stepper=stepper)
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,9 @@ from walking import IMU, Walk
 
 import exoid
 from exoid import BaseMotion, ExoidError, Recording, TorsoMotion
-from exoid.signals import BASE_COLUMNS, Column, FiniteDifference, MovingAverage, Smoothed, ZeroPhase, base_during
-from exoid.signals.default_preparation import choose_cutoff
+from exoid.signals import Column, FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
+from exoid.signals.base_motion import BASE_COLUMNS
+from exoid.signals.moving_base import base_during
 
 LEG = exoid.load_leg("cuhk")
 UPRIGHT = np.array([0.0, 0.0, 9.81])

@@ -11,6 +11,7 @@ from scipy.io import savemat
 
 from exoid import ExoidError, Recording, Recordings
 from exoid.signals import Column
+from exoid.signals.column import column_in
 
 T = np.arange(40) / 100.0
 Q = np.column_stack([0.3 * np.sin(5 * T), 0.2 * np.cos(4 * T)])
@@ -160,7 +161,7 @@ def test_scale_and_zero_make_a_torque_of_a_current(raw):
 )
 def test_texts_of_the_command_line_are_columns_of_the_file(text, expected):
     headers = ("stamp", "cur", "cur:A", "enc", "torque", "pos[0]")
-    assert Column.from_text(text).among(headers, "tau_hip", "log.csv") == expected
+    assert column_in(headers, Column.from_text(text), "tau_hip", "log.csv") == expected
 
 
 @pytest.mark.parametrize("text", ["cur:volts", "cur:1:2:3", "cur:1:A:mA"])

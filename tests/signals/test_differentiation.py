@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid import ExoidError
-from exoid.signals import central_difference, second_difference
+from exoid.signals.differentiation import central_difference, second_difference
 
 RATE = 40.0
 TIME = np.arange(30) / RATE

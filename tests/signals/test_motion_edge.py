@@ -6,7 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid import ExoidError
-from exoid.signals import central_difference, edge_length, motion_edge, second_difference, smooth_motion
+from exoid.signals import motion_edge
+from exoid.signals.differentiation import central_difference, second_difference, smooth_motion
+from exoid.signals.filters.low_pass import edge_length
 
 RATES = (4.0, 5.0, 6.0, 10.0, 31.25, 100.0)
 """Rates over the cut-off."""

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exoid.signals import ParallelFilter
-from exoid.signals.filters import around_stops, reversal_pulses
-from exoid.signals.filters import without_reversals as without_reversals_of_joints
+from exoid.signals.filters.reversals import around_stops, reversal_pulses
+from exoid.signals.filters.reversals import without_reversals as without_reversals_of_joints
 
 FILTER = ParallelFilter(500.0, 8.0, 4)
 SAMPLES = 10_000

@@ -13,7 +13,7 @@ from exoid.estimate import Estimate
 
 from .alignment import Alignment
 from .joint_filters import JointFilters
-from .sensor_noise import SensorNoise
+from .sensor_noise import SensorNoise, noise_columns
 
 
 class Residual(NamedTuple):
@@ -64,7 +64,7 @@ class NoiseBand(NamedTuple):
         if noise is None:  # the band of the residuals alone, without detection
             white = np.maximum(gains[0] * residual.density * rate, residual.variance)
             return cls(white, np.zeros((2, n)), np.zeros((2, n)), np.full(n, np.inf))
-        variances = [std**2 for std in noise.columns(n)]
+        variances = [std**2 for std in noise_columns(noise, n)]
         left = np.clip(residual.variance - residual.share * variances[0], 0.0, None)
         acting = [h for h, found in zip(responses, variances, strict=True) if found.any()] or responses[:1]
         # the kind of noise that crosses most often decides

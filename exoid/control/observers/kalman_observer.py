@@ -19,7 +19,7 @@ from .in_c import observer_in_c
 from .joint_filters import JointFilters
 from .observer import BLOCK, TorqueObserver
 from .readings import observed_log
-from .sensor_noise import SensorNoise
+from .sensor_noise import SensorNoise, noise_columns
 
 
 class InnovationTest(NamedTuple):
@@ -179,7 +179,7 @@ class KalmanObserver(TorqueObserver):
         residual = Residual.of(self.source, n).density * self.rate
         process, speed = residual, np.zeros(n)
         if self.noise is not None:
-            torque, velocity, angle = self.noise.columns(n)
+            torque, velocity, angle = noise_columns(self.noise, n)
             slope = np.array([self.rate, -self.rate])
             if self.alignment.filters is not None:
                 slope = self.alignment.filters[1].impulse_response(np.array([1.0]))[:, 0]

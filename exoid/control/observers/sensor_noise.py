@@ -71,13 +71,14 @@ class SensorNoise:
         steps = np.array([_step(q) for q in recording.q.T])
         return cls(tau, velocity, np.maximum(_white(recording.q), ENCODER * steps))
 
-    def columns(self, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Spread the standard deviations of torque, velocity and angle over the joints, (n,) each."""
-        given = [np.asarray(x, dtype=np.float64) for x in (self.torque, self.velocity, self.angle)]
-        if any(x.shape not in ((), (n,)) for x in given):
-            raise BadArgumentError(f"{self} does not fit {n} joints", remedy="give one number, or one for each joint")
-        torque, velocity, angle = (np.broadcast_to(x, n).copy() for x in given)
-        return torque, velocity, angle
+
+def noise_columns(noise: SensorNoise, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Spread the standard deviations of torque, velocity and angle over the joints, (n,) each."""
+    given = [np.asarray(x, dtype=np.float64) for x in (noise.torque, noise.velocity, noise.angle)]
+    if any(x.shape not in ((), (n,)) for x in given):
+        raise BadArgumentError(f"{noise} does not fit {n} joints", remedy="give one number, or one for each joint")
+    torque, velocity, angle = (np.broadcast_to(x, n).copy() for x in given)
+    return torque, velocity, angle
 
 
 def _step(q: FloatArray) -> float:

@@ -1,6 +1,6 @@
 """The wearer in recordings: torque between wearer and leg, its test, gait profile, and the limb within the leg."""
 
-from .action import ALLOWANCE, LEVEL, JointAction
+from .action import JointAction
 from .cuffs import Cuffs
 from .gait import GaitProfile
 from .interaction import Interaction, interaction
@@ -8,8 +8,6 @@ from .limb import LimbComparison, compare_limb, limb_parameters
 from .limb_in_cuffs import identify_limb, limb_recording
 
 __all__ = [
-    "ALLOWANCE",
-    "LEVEL",
     "Cuffs",
     "GaitProfile",
     "Interaction",

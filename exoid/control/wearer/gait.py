@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.signals import Recording
-
-CYCLES = 3
-"""Fewest cycles of a motion whose period is looked for."""
-
-REPEATS = 0.6
-"""Least autocorrelation of the angles after a period."""
-
-AS_GOOD = 0.9
-"""A period is the first lag at which the autocorrelation reaches so much of its largest peak."""
-
-PARTS = 4
-"""Harmonics among which the one that gives the phase is chosen."""
-
-FINE = 100
-"""Parts of a cycle in which its largest angle is looked for."""
 
 
 class Phase(NamedTuple):
@@ -54,16 +38,15 @@ class GaitProfile(NamedTuple):
     samples: FloatArray
 
 
-def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase | None:
-    """Find the phase of each sample of a recording with even time stamps."""
+def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase:
+    """Find the phase of each sample of a recording with even time stamps; NaN where nothing repeats."""
     # Strides that are given count first, then touch-downs of the first link in `contacts`, then the period of the
     # angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
     # (its analytic signal), so that it follows a cadence that changes slowly.
     if strides is not None:
         return _of_strides(recording, _checked(recording, strides), "given strides")
     for link, flags in recording.contacts.items():
-        touching = np.asarray(flags, dtype=np.int8)
-        touch_downs = recording.time[1:][np.diff(touching) > 0]
+        touch_downs = recording.time[1:][np.diff(np.asarray(flags, dtype=np.int8)) > 0]
         if len(touch_downs) > 1:
             return _of_strides(recording, touch_downs, f"touch-down of {link}")
     return _of_motion(recording)
@@ -72,7 +55,7 @@ def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase 
 def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray, bins: int = 20) -> GaitProfile:
     """Average a torque and its power over the phase."""
     if bins < 1:
-        raise ExoidError(f"a profile of {bins} bins", remedy="ask for 20, or at least one")
+        raise BadArgumentError(f"a profile of {bins} bins", remedy="ask for 20, or at least one")
     known = ~np.isnan(phase)
     place = np.minimum((phase[known] * bins).astype(np.intp), bins - 1)
     count = np.bincount(place, minlength=bins).astype(np.float64)
@@ -91,7 +74,7 @@ def _checked(recording: Recording, strides: ArrayLike) -> FloatArray:
     times = np.atleast_1d(np.asarray(strides, dtype=np.float64))
     rising = times.ndim == 1 and len(times) > 1 and np.isfinite(times).all() and bool((np.diff(times) > 0.0).all())
     if not rising or times[0] >= recording.time[-1] or times[-1] <= recording.time[0]:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{np.size(times)} strides that do not rise, or are not within {recording.time[0]:g} to "
             f"{recording.time[-1]:g} s",
             where=recording.source.name if recording.source else "",
@@ -100,59 +83,54 @@ def _checked(recording: Recording, strides: ArrayLike) -> FloatArray:
     return times
 
 
-def _of_strides(recording: Recording, begins: Sequence[float] | FloatArray, source: str) -> Phase:
+def _of_strides(recording: Recording, begins: FloatArray, source: str) -> Phase:
     """Interpolate between the beginnings of strides."""
-    begins = np.asarray(begins)
     inside = (recording.time >= begins[0]) & (recording.time <= begins[-1])
     count = np.interp(recording.time, begins, np.arange(len(begins), dtype=np.float64))
     return Phase(np.where(inside, count % 1.0, np.nan), float(np.diff(begins).mean()), source)
 
 
-def _of_motion(recording: Recording) -> Phase | None:
-    """Find the period of the angles, and their phase."""
-    q = scipy.signal.detrend(recording.q, axis=0, type="constant")
+def _of_motion(recording: Recording) -> Phase:
+    """Find the period of the angles, and their phase by the strongest of four harmonics."""
+    q, samples = recording.q - recording.q.mean(axis=0), len(recording)
     lag = _period(q)
     if lag is None:
-        return None
-    joint = int(np.argmax(q.std(axis=0)))
-    x, samples = q[:, joint], len(q)
-    spectrum, cycles = np.fft.fft(x), samples / lag
-    strengths = [(np.abs(spectrum[_band(cycles, k, samples)]) ** 2).sum() for k in range(1, PARTS + 1)]
-    strongest = 1 + int(np.argmax(strengths))
+        return Phase(np.full(samples, np.nan), None, "")
+    joint, cycles = int(np.argmax(q.std(axis=0))), samples / lag
+    x = q[:, joint]
+    spectrum = np.fft.fft(x)
+
+    def band(harmonic: int) -> slice:
+        """Frequencies within half a harmonic of one."""
+        low, high = ((harmonic + side) * cycles for side in (-0.5, 0.5))
+        return slice(max(1, round(low)), min(max(2, round(high)), samples // 2))
+
+    strongest = max(range(1, 5), key=lambda harmonic: float((np.abs(spectrum[band(harmonic)]) ** 2).sum()))
     analytic = np.zeros_like(spectrum)
-    band = _band(cycles, strongest, samples)
-    analytic[band] = spectrum[band]
+    analytic[band(strongest)] = spectrum[band(strongest)]
     turns = np.unwrap(np.angle(np.fft.ifft(analytic))) / (2.0 * np.pi * strongest)
-    place = np.minimum((turns % 1.0 * FINE).astype(np.intp), FINE - 1)
-    count = np.bincount(place, minlength=FINE)
-    mean = np.divide(np.bincount(place, weights=x, minlength=FINE), count, out=np.full(FINE, -np.inf), where=count > 0)
-    turns = turns - (np.argmax(mean) + 0.5) / FINE
+    fine = 100  # parts of a cycle in which its largest angle is looked for
+    place = np.minimum((turns % 1.0 * fine).astype(np.intp), fine - 1)
+    count = np.bincount(place, minlength=fine)
+    mean = np.divide(np.bincount(place, weights=x, minlength=fine), count, out=np.full(fine, -np.inf), where=count > 0)
+    turns = turns - (np.argmax(mean) + 0.5) / fine
     period = float(recording.duration / (turns[-1] - turns[0]))
     return Phase(turns % 1.0, period, f"largest angle of {recording.joint_names[joint]}")
 
 
-def _band(cycles: float, harmonic: int, samples: int) -> slice:
-    """Frequencies within half a harmonic of one, as indices of a Fourier transform."""
-    low, high = ((harmonic + side) * cycles for side in (-0.5, 0.5))
-    return slice(max(1, round(low)), min(max(2, round(high)), samples // 2))
-
-
 def _period(q: FloatArray) -> float | None:
-    """Lag at which all angles together repeat [samples]; None if they do not."""
+    """Lag at which all angles together repeat [samples], at least three times; None if they do not."""
     samples = len(q)
-    longest = samples // CYCLES
+    longest = samples // 3
     if longest < 4 or not q.any():
         return None
     padded = scipy.fft.next_fast_len(2 * samples)
     power = (np.abs(np.fft.rfft(q, padded, axis=0)) ** 2).sum(axis=1)
     sums = np.fft.irfft(power, padded)[:longest]
     correlation = sums / sums[0] * samples / (samples - np.arange(longest))
-    below = np.flatnonzero(correlation < 0.0)
-    if not len(below):
-        return None
-    inner = correlation[1:-1]
-    peaks = 1 + np.flatnonzero((inner >= correlation[:-2]) & (inner > correlation[2:]))
-    peaks = peaks[(peaks > below[0]) & (correlation[peaks] > REPEATS)]
+    peaks, _ = scipy.signal.find_peaks(correlation, height=0.6)
+    peaks = peaks[np.minimum.accumulate(correlation)[peaks] < 0.0]  # behind half a period, where angles are opposite
     if not len(peaks):
         return None
-    return float(peaks[np.argmax(correlation[peaks] >= AS_GOOD * correlation[peaks].max())])
+    # the first peak that reaches nine tenths of the largest: later ones are several periods
+    return float(peaks[np.argmax(correlation[peaks] >= 0.9 * correlation[peaks].max())])

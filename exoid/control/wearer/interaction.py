@@ -31,7 +31,7 @@ from exoid.tools.tables import DataTable, Report, with_parts
 
 from .action import LEVEL, Evidence, JointAction, judge, together
 from .evaluation import Evaluation, evaluate
-from .gait import GaitProfile, Phase, find_phase, profile
+from .gait import GaitProfile, find_phase, profile
 from .interaction_checks import body_like, constant_torques, rough_estimate, too_few_samples
 
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
@@ -311,10 +311,10 @@ def _of_recording(
     torque = np.where(measured, found.torque, np.nan)
     evidence = _evidence(estimate, found, torque, fraction)
     actions = judge(evidence)
-    phase = find_phase(even, strides) or Phase(np.full(len(even), np.nan), None, "")
+    phase = find_phase(even, strides)
     findings = [
         *shifted_torques(estimate, name),
-        *channel_findings(recording, {}, name),
+        *(replace(one, recording=name) for one in channel_findings(recording)),
         *([] if found.ranges is None else extrapolations(estimate, found.ranges, name)),
         *unmeasured_torques(estimate, measured, name),
         *too_few_samples(estimate, evidence, name),

@@ -14,8 +14,9 @@ from exoid._typing import FloatArray
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
-from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff
+from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
+from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import SupportModel
 

@@ -23,7 +23,6 @@ from exoid.rig import (
     Target,
     simulate,
 )
-from exoid.rig.continuous import follow
 from exoid.signals import Recording
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 from exoid.torques.term import number
@@ -91,13 +90,7 @@ class ClosedLoop:
         every = math.ceil(interval / self.step - 1e-9)
         lead = math.ceil(self.lead / interval - 1e-9)
         start = float(recording.time[0]) - lead * interval
-        if self.control_rate is None:
-            first = self.reference.at(start)
-            shape = (plant.n, plant.count)
-            rig = stepper(plant, np.broadcast_to(first.q, shape), np.broadcast_to(first.v, shape), interval / every)
-            ran = follow(rig, self.reference, self.controller, self.actuator, start, every, lead + len(recording))
-            return Simulated(ran.q[lead:], ran.tau[lead:])
-        rates = Rates(self.control_rate, recording.sample_rate, interval / every)
+        rates = Rates(self.control_rate or np.inf, recording.sample_rate, interval / every)
         duration = (lead + len(recording) - 1) * interval
         reference = _Later(self.reference, start)
         run = simulate(plant, reference, self.controller, self.actuator, duration, rates=rates, stepper=stepper)

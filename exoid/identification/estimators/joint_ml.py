@@ -16,7 +16,8 @@ from exoid.regression.every_row import make_rows
 from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Recording, ZeroPhase, base_during
+from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.signals.moving_base import base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
 

@@ -3,205 +3,114 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
-from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, ZeroPhase
+from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
-from .against_urdf import (
+from .base_motion import base_findings
+from .channels import channel_findings
+from .evidence import Evidence
+from .physics import (
+    Residuals,
     far_from_urdf,
     impossible_leg,
     large_residuals,
     negative_friction,
-    nrmse_of,
-    persistence_of,
+    negative_parameters,
     torque_scale,
-    torque_spread_of,
     turned_segment,
 )
-from .alternatives import POOR, gross_findings, negative_parameters
-from .arm_columns import arm_columns
-from .channels import channel_findings
-from .evidence import Evidence
-from .gravity_size import gravity_size_findings
-from .model_checks import Delays, delays, find_faults
-from .out_of_plane import out_of_plane_findings
+from .readings import gross_findings
 from .repeats import repeated_data
-from .sample import Checked, averaged, few_of, gather, names_of, segments, some_samples
-from .sentences import findings_of
+from .sample import FittedLeg, few_of, gather, segments
+from .score import State
+from .search import find_faults, findings_of
 from .timing import timing_findings
-
-LARGE_CROSS_TALK = 0.3
-"""No torque sensor sees so large a part of other joints' torques: motors of a coupling do."""
-
-
-class FittedLeg(NamedTuple):
-    """A fit that is checked.
-
-    Attributes:
-        model: Torque model.
-        preparation: Filter and differentiation.
-        fixed: Known values of parameters, (P,); not a number where they are free.
-        values: Fitted parameters, (P,).
-        covariance: Their covariance, (P, P).
-        actuators: Drives of the recordings; None where torques were measured.
-    """
-
-    model: TorqueModel
-    preparation: Preparation
-    fixed: FloatArray
-    values: FloatArray
-    covariance: FloatArray
-    actuators: Actuators | None = None
 
 
 class Checkup(NamedTuple):
-    """Result of all checks.
+    """Result of all checks."""
 
-    Attributes:
-        findings: Findings, the worst first.
-        ranges: Ranges of the motion; None where no rows could be formed.
-        friction: Rows of parameters and friction of other forms, of each recording in motion; None where they were not
-            formed with the preparation of the fit.
-        torque_spread: Standard deviation of the torque of each joint [N·m], (n,); None likewise.
-    """
-
-    findings: tuple[Finding, ...] = ()
-    ranges: MotionRanges | None = None
+    findings: tuple[Finding, ...] = ()  # the worst first
+    ranges: MotionRanges | None = None  # ranges of the motion; None where no rows could be formed
+    # rows of parameters and friction of other forms, of each recording in motion; None where they were not formed with
+    # the preparation of the fit
     friction: tuple[Rows, ...] | None = None
-    torque_spread: FloatArray | None = None
+    torque_spread: FloatArray | None = None  # standard deviation of the torque of each joint [N·m], (n,); None likewise
 
 
-def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Finding, ...]:
-    """Check the channels and times of recordings; no fit is needed.
-
-    Args:
-        model: Torque model, for its joints.
-        data: Recordings and poses.
-
-    Returns:
-        Findings.
-    """
-    return tuple(_signal_findings(model, data))
-
-
-def check_fit(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checkup:
-    """Check a log and the fit to it.
-
-    Faults of channels come first. Where one of them is an error, or a gross fault is found, finer checks would only
-    describe its consequences, and are left out.
-
-    Args:
-        fitted: The fit.
-        data: Recordings and poses.
-
-    Returns:
-        Findings, and ranges of the motion.
-    """
-    model, values, data = fitted.model, fitted.values, few_of(data)
-    found = list(signal_findings(model, data))
-    checked = _checked(fitted, data)
+def check_fit(fitted: FittedLeg) -> Checkup:
+    """Check a log and the fit to it."""
+    # Faults of channels come first. Where one of them is an error, or a gross fault is found, finer checks would only
+    # describe its consequences, and are left out.
+    fitted = fitted._replace(data=few_of(fitted.data))
+    found = list(signal_findings(fitted.model, fitted.data))
+    sample = fitted.sampled()
     try:
-        evidence = gather(checked, values, other_friction=checked.preparation is fitted.preparation)
+        evidence = gather(sample, fitted.values, other_friction=sample.preparation is fitted.preparation)
     except ExoidError:
         return Checkup(ordered(found))
-    found += out_of_plane_findings(model, checked.preparation, checked.data)
-    found += gravity_size_findings(model, checked.data)
+    found += base_findings(sample)
+    residuals = Residuals.of(evidence, fitted.values)
+    found += _fit_findings(sample, evidence, residuals, broken=any(one.severity == "error" for one in found))
     ranges = evidence.ranges[0]
     for other in evidence.ranges[1:]:
         ranges = ranges.joined(other)
-    found += tuple(_fit_findings(fitted, checked, evidence, found))
-    if checked.preparation is not fitted.preparation:
+    if sample.preparation is not fitted.preparation:
         return Checkup(ordered(found), ranges)
-    return Checkup(ordered(found), ranges, tuple(evidence.friction), torque_spread_of(evidence))
+    return Checkup(ordered(found), ranges, tuple(evidence.friction), residuals.spread)
 
 
-def torque_delays(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Delays:
-    """Estimate by how much the torque of each joint is late.
-
-    Args:
-        fitted: The fit.
-        data: Recordings and poses.
-
-    Returns:
-        Significant delays, 0 elsewhere.
-    """
-    checked = _checked(fitted, few_of(data))
-    return delays(find_faults(checked, fitted.values), len(fitted.model.joint_names))
-
-
-def _checked(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checked:
-    """Take samples for a check; plain differences are noisier than the faults that are looked for, and are not used."""
-    noisy = isinstance(fitted.preparation, (FiniteDifference, MovingAverage))
-    preparation = ZeroPhase() if noisy else fitted.preparation
-    sampled = some_samples(fitted.model, data)
-    arms = {
-        joint: arm
-        for joint, arm in arm_columns(fitted.actuators, fitted.model.leg).items()
-        if all(isinstance(one, Recording) and one.joint_names[joint] in one.computed for one in sampled)
-    }
-    averages = tuple(averaged(one, preparation) for one in sampled)
-    return Checked(fitted.model, averages, preparation, fitted.fixed, arms)
-
-
-def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
-    acting = {
-        joint: tuple(name for name, acts in zip(model.names, model.acting[j], strict=True) if acts)
-        for j, joint in enumerate(model.joint_names)
-    }
-    names = list(names_of(data))
-    recordings = []
-    for one, name in zip(data, names, strict=True):
+def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
+    """Check the channels and times of recordings; no fit is needed."""
+    recordings, names = [], []
+    for one in data:
         if isinstance(one, Poses):
             continue
         chosen = for_leg(model, one)
-        acting_here = dict(zip(chosen.joint_names, acting.values(), strict=True))
-        source = name if len(data) > 1 else ""
+        recordings.append(chosen)
+        names.append(one.source.name if one.source else "")
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
-            for finding in (*channel_findings(part, acting_here, source), *timing_findings(part, acting_here, source)):
+            for finding in (*channel_findings(part), *timing_findings(part)):
                 key = (finding.kind, finding.joint)
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding
-        yield from found.values()
-        recordings.append((chosen, name))
-    yield from repeated_data([one for one, _ in recordings], [name for _, name in recordings], model.names)
+        acting = [np.array(model.names)[acts].tolist() for acts in model.acting]
+        for (kind, joint), finding in found.items():
+            doubtful = dict.fromkeys(name for of_joint in acting for name in of_joint)
+            if joint and not kind.startswith("velocity"):  # velocities couple the joints
+                doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
+            yield replace(finding, parameters=tuple(doubtful), recording=names[-1] if len(data) > 1 else "")
+    if len(recordings) > 1:
+        yield from repeated_data(recordings, names, model.names)
 
 
-def _fit_findings(
-    fitted: FittedLeg, checked: Checked, evidence: Evidence, before: Sequence[Finding]
-) -> Iterator[Finding]:
+def _fit_findings(fitted: FittedLeg, evidence: Evidence, residuals: Residuals, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
     model, values = fitted.model, fitted.values
     std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
-    nrmse = nrmse_of(evidence, values)
-    below = negative_parameters(model, values, std, evidence.torque_shares(np.arange(evidence.count), values))
-    broken = any(finding.severity == "error" for finding in before)
+    below = negative_parameters(model, evidence, values, std)
     found: list[Finding] = []
     explained = False  # impossible parameters
     if not broken:
-        if (nrmse > POOR).any() or below.any():
-            found += gross_findings(checked)
-        gross = bool(found)
-        if not gross:
-            found += torque_scale(model, evidence)
-        if all(finding.joint for finding in found if finding.kind == "torque-scale") and not gross:
-            faults = find_faults(checked, values, evidence)
-            explained = any(size.moves_far for size in faults)
-            finer = findings_of(model, faults)
-            if any(finding.kind == "cross-talk" and finding.value > LARGE_CROSS_TALK for finding in finer):
-                mixed = tuple(finding for finding in gross_findings(checked) if finding.kind == "coupled-joints")
-                finer = mixed or finer
-            found += [finding for finding in finer if finding.kind not in {one.kind for one in found}]
+        # other readings of the log are worth trying where the model leaves a fifth of a torque
+        if (residuals.nrmse > 0.2).any() or below.any():
+            found += gross_findings(fitted)
+        scales = [] if found else list(torque_scale(model, evidence))
+        if not found and all(finding.joint for finding in scales):
+            found, explained = _finer_findings(fitted, evidence, scales)
+        found = found or scales
         if not found:
             found += far_from_urdf(model, values, std)
             found += turned_segment(model, values, std)
@@ -210,5 +119,26 @@ def _fit_findings(
         yield from impossible_leg(model, evidence, values, fitted.covariance)
         yield from negative_friction(model, values, below)
     doubted = broken or any(finding.severity != "info" for finding in found)
-    persistence = None if doubted else persistence_of(evidence, values)
-    yield from large_residuals(model, nrmse, persistence=persistence)
+    yield from large_residuals(model, residuals, doubted=doubted)
+
+
+def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:
+    """Faults that nuisance columns describe, beside scales of single torques; and whether one moves parameters far."""
+    model = fitted.model
+    if scales:  # to the fit of all joints, another unit of one would look like other faults
+        factors = np.ones(len(model.joint_names))
+        for finding in scales:
+            factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
+        data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
+        fitted = fitted._replace(data=tuple(data))
+        evidence = gather(fitted, State.of(gather(fitted, fitted.values), ()).values)
+    faults = find_faults(fitted, evidence)
+    finer = findings_of(model, faults)
+    if any(finding.kind == "cross-talk" and finding.value > 0.3 for finding in finer):
+        # No torque sensor sees so large a part of other joints' torques: motors of a coupling do.
+        finer = tuple(one for one in gross_findings(fitted) if one.kind == "coupled-joints") or finer
+    known = {(finding.kind, finding.joint) for finding in scales}
+    if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
+        known.add(("torque-scale", model.joint_names[1]))
+    finer = tuple(finding for finding in finer if (finding.kind, finding.joint) not in known)
+    return [*scales, *finer], any(fault.moves_far for fault in faults)

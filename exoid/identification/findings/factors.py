@@ -15,12 +15,7 @@ from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
 from .evidence import r_factor
-from .sample import Checked
-
-ROUNDS = 3
-"""Weights of the joints and residuals are computed in turn so often."""
-
-TINY = 1e-12
+from .sample import FittedLeg
 
 
 class TorqueFit(NamedTuple):
@@ -37,20 +32,19 @@ class TorqueFactors(NamedTuple):
     of_joints: list[FloatArray]  # R factor of each joint, (M, P + n)
 
     @classmethod
-    def of(cls, checked: Checked, data: Iterable[Recording | Poses]) -> TorqueFactors:
+    def of(cls, fitted: FittedLeg, data: Iterable[Recording | Poses]) -> TorqueFactors:
         """Form the rows of recordings."""
-        model = checked.model
-        joints = len(model.joint_names)
-        tables: list[list[FloatArray]] = [[] for _ in range(joints)]
+        model = fitted.model
+        joints = range(len(model.joint_names))
+        tables: list[list[FloatArray]] = [[] for _ in joints]
         for one in data:
-            prepared = prepare(model, one, checked.preparation)
+            prepared = prepare(model, one, fitted.preparation)
             prepared = prepared._replace(reversals=None)  # torques may be another joint's, with other reversals
             for stretch in prepared.stretches():
                 rows = form_rows(model, prepared, stretch)
-                for j in range(joints):
+                for j in joints:
                     tables[j].append(np.column_stack([rows.W[:, j], rows.tau])[rows.usable[:, j]])
-        stacked = [np.vstack(of_joint) for of_joint in tables]
-        return cls([r_factor(of_joint) for of_joint in stacked])
+        return cls([r_factor(np.vstack(of_joint)) for of_joint in tables])
 
     @property
     def driven(self) -> list[bool]:
@@ -60,30 +54,30 @@ class TorqueFactors(NamedTuple):
 
     def fit(
         self,
-        checked: Checked,
+        fitted: FittedLeg,
         order: Sequence[int] = (),
         factors: Sequence[float] = (),
         mixed: tuple[int, int] | None = None,
     ) -> TorqueFit:
-        """Fit the torques, read otherwise."""
-        model, fixed = checked.model, checked.fixed
-        order, factors = order or range(len(self.of_joints)), factors or (1.0,) * len(self.of_joints)
-        count, free = len(model.names), ~np.isfinite(checked.fixed)
-        known = np.where(free, 0.0, fixed)
+        """Fit the torques, read otherwise, or those of two joints with a share of each other's torque."""
+        model, n = fitted.model, len(self.of_joints)
+        order, factors = order or range(n), factors or (1.0,) * n
+        count, free = len(model.names), ~np.isfinite(fitted.fixed)
+        known = np.where(free, 0.0, fitted.fixed)
         rows = []
-        each = zip(self.of_joints, order, factors, self.driven, strict=True)
-        for joint, (R, source, factor, is_driven) in enumerate(each):
-            if not is_driven:
+        for joint, (R, source, factor) in enumerate(zip(self.of_joints, order, factors, strict=True)):
+            if not R[:, count + joint].any():
                 continue
             W = R[:, :count][:, free]
             if mixed is not None:
                 W = np.column_stack([W, *(-R[:, count + k] * (j == joint) for j, k in (mixed, mixed[::-1]))])
             rows.append((W, factor * R[:, count + source] - R[:, :count] @ known))
-        level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), TINY)
+        level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), 1e-12)
+        # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive.
         lower = np.where(never_negative(model)[free], 0.0, -np.inf)
         lower = lower if mixed is None else np.append(lower, (-np.inf, -np.inf))
         weights = 1.0 / level
-        for _ in range(ROUNDS):
+        for _ in range(3):  # weights of the joints and residuals in turn
             A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
             b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
             x = _bounded(A, b, lower)

@@ -1,26 +1,131 @@
-"""Data that occur twice: the same log passed again, and parts of one log that overlap."""
+"""Data that occur twice: the same log passed again, and parts of one log that overlap. Each sample counts once."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
-from exoid.signals import Recording
+from exoid.identification.group_rows import Group
+from exoid.identification.recording_summary import RecordingSummary, summarize
+from exoid.regression.rows import for_leg
+from exoid.signals import Poses, Recording, Recordings
+from exoid.torques import TorqueModel
 
-MOST_COMPARED = 1_000_000
-"""Recordings with more samples in all are not searched for data that occur twice."""
 
-SAME_ROWS = 0.05
-"""Recordings that share this part of their samples contain the same data twice."""
+class Once(NamedTuple):
+    """Groups of recordings without samples that are passed twice."""
 
-SAMPLE = np.uint64(7)
-"""Whether anything occurs twice is first seen on the rows whose hash has these bits zero."""
+    groups: tuple[Group, ...]  # the groups
+    summaries: dict[str, list[RecordingSummary]]  # summaries of their recordings, by the name of the group
+    findings: tuple[tuple[Finding, ...], ...]  # what was left out of each group
+
+
+def counted_once(
+    groups: Sequence[Group], models: Mapping[str, TorqueModel], summaries: Mapping[str, Sequence[RecordingSummary]]
+) -> Once:
+    """Leave out samples that are passed twice in a group."""
+    # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
+    # overlap get a mask: their shared samples count in the first one only.
+    kept_groups, kept_summaries, findings = [], {}, []
+    for group in groups:
+        of_group = list(summaries[group.name])
+        found: list[Finding] = []
+        if len(of_group) > 1:
+            group, of_group, found = _without_copies(group, of_group)  # noqa: PLW2901 - the group without copies
+            if not isinstance(group.data, Recordings):
+                group, of_group, more = _without_overlaps(models[group.name], group, of_group)  # noqa: PLW2901
+                found += more
+        kept_groups.append(group)
+        kept_summaries[group.name] = of_group
+        findings.append(tuple(found))
+    return Once(tuple(kept_groups), kept_summaries, tuple(findings))
+
+
+class _Kept(NamedTuple):
+    """Recordings that count, their summaries, and findings about the others."""
+
+    group: Group
+    summaries: list[RecordingSummary]
+    findings: list[Finding]
+
+
+def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
+    """Leave out recordings that are passed twice; those on disk are not read."""
+    first: dict[tuple[object, ...], int] = {}
+    for place, one in enumerate(summaries):
+        # what two recordings share only if they are the same; of one file there may be several parts
+        angles = (array.tobytes() for array in (one.lowest, one.highest, one.mean))
+        first.setdefault((one.evidence.sha256, one.evidence.samples, one.evidence.segments, *angles), place)
+    kept, data = sorted(first.values()), group.data
+    if len(kept) == len(summaries):
+        return _Kept(group, summaries, [])
+    findings = [
+        _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
+        for k in range(len(summaries))
+        if k not in set(kept)
+    ]
+    rest: Sequence[Recording | Poses] = (
+        [data[k] for k in kept]
+        if not isinstance(data, Recordings)
+        else replace(data, items=tuple(data.items[k] for k in kept))
+    )
+    return _Kept(group._replace(data=rest), [summaries[k] for k in kept], findings)
+
+
+def _without_overlaps(model: TorqueModel, group: Group, summaries: list[RecordingSummary]) -> _Kept:
+    """Let samples that two recordings share count in the first one only."""
+    moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
+    recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
+    masks: dict[int, BoolArray] = {}
+    findings: list[Finding] = []
+    for overlap in overlaps(recordings):
+        first, second = moving[overlap.first], moving[overlap.second]
+        before = recordings[overlap.second].mask
+        once = ~overlap.again if before is None else before & ~overlap.again
+        masks[second] = masks.get(second, once) & once
+        names = f"{_name(summaries, first)} and {_name(summaries, second)}"
+        message = f"{names} share {overlap.share:.0%} of their samples: counted once"
+        findings.append(_finding(overlap.share, message, summaries[second].source))
+    if not findings:
+        return _Kept(group, summaries, [])
+    data: list[Recording | Poses] = []
+    kept = []
+    for k, (one, summary) in enumerate(zip(group.data, summaries, strict=True)):
+        if k not in masks:
+            data.append(one)
+            kept.append(summary)
+        elif isinstance(one, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
+            data.append(replace(one, mask=masks[k]))
+            power = summary.acceleration_power  # that of the angles of the whole recording
+            kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
+    return _Kept(group._replace(data=data), kept, findings)
+
+
+def _name(summaries: Sequence[RecordingSummary], place: int) -> str:
+    return summaries[place].source or f"recording {place + 1}"
+
+
+def _finding(share: float, message: str, source: str = "", parameters: Sequence[str] = ()) -> Finding:
+    """Say which samples were passed twice."""
+    remedy = "pass every sample once"
+    return Finding("repeated-data", "", share, "1", "warning", message, remedy, None, tuple(parameters), source)
+
+
+def repeated_data(
+    recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
+) -> Iterator[Finding]:
+    """Report recordings that contain the same samples, where these count twice."""
+    for first, second, share, _ in overlaps(recordings):
+        both = f"{names[first] or first + 1} and {names[second] or second + 1}"
+        message = f"{both} share {share:.0%} of their samples, which count twice: intervals are too narrow"
+        yield _finding(share, message, parameters=parameters)
 
 
 class Overlap(NamedTuple):
@@ -33,72 +138,31 @@ class Overlap(NamedTuple):
 
 
 def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
-    """Find recordings that contain the same samples; only samples that count are compared.
-
-    Args:
-        recordings: The recordings, of the same joints.
-
-    Yields:
-        Each pair that shares more than :data:`SAME_ROWS`.
-    """
-    if len(recordings) < 2 or sum(map(len, recordings)) > MOST_COMPARED:
+    """Find pairs of recordings that share more than 5 % of their samples; only samples that count are compared."""
+    if len(recordings) < 2 or sum(map(len, recordings)) > 1_000_000:  # a search of more would take seconds
         return
     hashes = [_hashes(one) for one in recordings]
     counted = [own if one.mask is None else own[one.mask] for own, one in zip(hashes, recordings, strict=True)]
-    common = _common(counted)
-    rows = [np.intersect1d(_distinct(own), common) for own in counted]
+    # whether anything occurs twice is first seen on an eighth of the rows
+    sample = np.sort(np.concatenate([rows[rows & np.uint64(7) == 0] for rows in counted]))
+    if (np.diff(sample) != 0).all():
+        return
+    # a leg at rest may give the same row at any time: only rows that occur once in a recording are compared
+    distinct = [rows[counts == 1] for rows, counts in (np.unique(own, return_counts=True) for own in counted)]
+    values, counts = np.unique(np.concatenate(distinct), return_counts=True)
+    rows = [np.intersect1d(own, values[counts > 1]) for own in distinct]
     for first, second in combinations([k for k, own in enumerate(rows) if len(own)], 2):
         shortest = max(1, min(len(counted[first]), len(counted[second])))
         share = len(np.intersect1d(rows[first], rows[second])) / shortest
-        if share > SAME_ROWS:
+        if share > 0.05:
             yield Overlap(first, second, share, np.isin(hashes[second], counted[first]))
-
-
-def repeated_data(
-    recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
-) -> Iterator[Finding]:
-    """Report recordings that contain the same samples, where these count twice."""
-    for first, second, share, _ in overlaps(recordings):
-        yield Finding(
-            "repeated-data",
-            "",
-            share,
-            "1",
-            "warning",
-            f"{names[first] or first + 1} and {names[second] or second + 1} share {share:.0%} of their samples, "
-            "which count twice: intervals are too narrow",
-            "pass every sample once",
-            parameters=tuple(parameters),
-        )
-
-
-def _common(hashes: Sequence[NDArray[np.uint64]]) -> NDArray[np.uint64]:
-    """Rows that occur once in each of several recordings."""
-    if len(hashes) < 2:
-        return np.zeros(0, dtype=np.uint64)
-    sample = np.concatenate([rows[rows & SAMPLE == 0] for rows in hashes])
-    if (np.diff(np.sort(sample)) != 0).all():
-        return sample[:0]
-    every = [_distinct(rows) for rows in hashes]
-    values, counts = np.unique(np.concatenate(every), return_counts=True)
-    return np.asarray(values[counts > 1])
-
-
-def _distinct(hashes: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Rows that occur once: a leg at rest may give the same row at any time."""
-    values, counts = np.unique(hashes, return_counts=True)
-    return np.asarray(values[counts == 1])
 
 
 def _hashes(recording: Recording) -> NDArray[np.uint64]:
     """Hash of the angles and torques of each sample, whatever its time, (N,)."""
-    rows = _with_torque(recording)
+    columns = [recording.q] if recording.tau is None else [recording.q, recording.tau]
+    rows = np.ascontiguousarray(np.hstack(columns), dtype=np.float64) + 0.0  # no negative zero
     factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) | np.uint64(1)
     bits = rows.view(np.uint64)
     mixed = (bits ^ (bits >> np.uint64(29))) * factors
     return np.asarray((mixed ^ (mixed >> np.uint64(32))).sum(axis=1, dtype=np.uint64))
-
-
-def _with_torque(recording: Recording) -> FloatArray:
-    columns = [recording.q] if recording.tau is None else [recording.q, recording.tau]
-    return np.ascontiguousarray(np.hstack(columns), dtype=np.float64) + 0.0  # no negative zero

@@ -8,86 +8,85 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.alternative_friction import AlternativeFriction
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
-from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase
+from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.external import average
 from exoid.torques import TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
 
-from .arm_columns import ArmColumns
+from .arms import ArmShapes
+from .columns import NuisanceColumns
 from .evidence import Evidence
-from .nuisance_columns import NuisanceColumns
-
-MOST_SAMPLES = 60_000
-"""Samples of which a check forms rows; of a longer log it takes segments that are spread evenly,"""
-
-SEGMENT = 6_000
-"""so many samples each."""
+from .kinds import library
 
 
-RATE, PER_CUTOFF = 100.0, 12.5
-"""Faster logs are averaged to at least this rate [Hz], and to so many samples in 1/cut-off."""
-
-MOST_STORED = 20
-"""Of recordings on disk a check reads so many, spread evenly."""
-
-MOST_LOOKED_AT = 100_000
-"""Samples of one recording whose channels are looked at,"""
-
-PIECES = 10
-"""in so many segments."""
-
-
-class Checked(NamedTuple):
-    """Torque model and data that a check works on."""
+class FittedLeg(NamedTuple):
+    """A fit that is checked, and its data."""
 
     model: TorqueModel  # torque model
-    data: tuple[Recording | Poses, ...]  # recordings and poses, with the joints of the leg
+    data: Sequence[Recording | Poses]  # recordings and poses
     preparation: Preparation  # filter and differentiation
     fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
+    values: FloatArray  # fitted parameters, (P,)
+    covariance: FloatArray  # their covariance, (P, P)
     # moment arms of linear actuators whose force was measured, by the index of their joint
-    arms: Mapping[int, ArmColumns] = MappingProxyType({})
+    arms: Mapping[int, ArmShapes] = MappingProxyType({})
+
+    def sampled(self) -> FittedLeg:
+        """Take samples for a check, with the joints of the leg; a log much faster than its filter is averaged."""
+        # Plain differences are noisier than the faults that are looked for, and are not used.
+        noisy = isinstance(self.preparation, (FiniteDifference, MovingAverage))
+        preparation = ZeroPhase() if noisy else self.preparation
+        data = some_samples(self.model, self.data)
+        arms = {
+            joint: arm
+            for joint, arm in self.arms.items()
+            if all(isinstance(one, Recording) and one.joint_names[joint] in one.computed for one in data)
+        }
+        return self._replace(data=tuple(averaged(one, preparation) for one in data), preparation=preparation, arms=arms)
 
 
 def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
-    """Take at most :data:`MOST_SAMPLES` samples of some recordings, in segments spread evenly."""
-    total = sum(len(one) for one in data)
-    if total <= MOST_SAMPLES:
-        return tuple(_even(for_leg(model, one)) for one in data)
-    kept: list[Recording | Poses] = []
-    places = [
-        (k, start)
-        for k, one in enumerate(data)
-        for start in range(0, max(len(one) - SEGMENT // 2, 1), SEGMENT)
-        if isinstance(one, Poses) or one.mask is None or _inner(one.mask[start : start + SEGMENT]).any()
-    ]
-    chosen = np.unique(np.linspace(0, len(places) - 1, MOST_SAMPLES // SEGMENT).round().astype(int))
-    for place in chosen:
-        k, start = places[place]
-        one = data[k]
-        part = one.take(slice(start, start + SEGMENT)) if isinstance(one, Poses) else one.slice(start, start + SEGMENT)
-        kept.append(_even(for_leg(model, part)))
-    return tuple(kept)
+    """Take at most 60 000 samples, in segments of 6 000 spread evenly: more would find no smaller faults."""
+    most, segment = 60_000, 6_000
+    if sum(len(one) for one in data) <= most:
+        chosen = list(data)
+    else:
+        places = [
+            (k, slice(start, start + segment))
+            for k, one in enumerate(data)
+            for start in range(0, max(len(one) - segment // 2, 1), segment)
+            if isinstance(one, Poses) or one.mask is None or _counts(one, slice(start, start + segment))
+        ]
+        evenly = np.unique(np.linspace(0, len(places) - 1, most // segment).round().astype(int))
+        chosen = []
+        for k, where in (places[place] for place in evenly):
+            one = data[k]
+            chosen.append(one.take(where) if isinstance(one, Poses) else one.slice(where.start, where.stop))
+    selected = (for_leg(model, one) for one in chosen)
+    return tuple(one.resampled() if isinstance(one, Recording) else one for one in selected)
 
 
-def _inner(mask: BoolArray) -> BoolArray:
-    """All but the ends, which derivatives may spoil."""
-    return mask[len(mask) // 10 : len(mask) - len(mask) // 10]
+def _counts(recording: Recording, where: slice) -> bool:
+    """Whether a segment has samples that count, away from its ends, which derivatives may spoil."""
+    assert recording.mask is not None
+    mask = recording.mask[where]
+    return bool(mask[len(mask) // 10 : len(mask) - len(mask) // 10].any())
 
 
 def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Poses:
     """Average neighbouring samples of a log that is much faster than its filter."""
     if not isinstance(one, Recording) or not isinstance(preparation, ZeroPhase):
         return one
-    size = int(one.sample_rate / max(RATE, PER_CUTOFF * preparation.cutoff))
+    # At 12.5 samples in 1/cut-off, and 100 Hz, the mean of neighbours changes no finding (tests of nuisances).
+    size = int(one.sample_rate / max(100.0, 12.5 * preparation.cutoff))
     if size < 2 or len(one) < 20 * size:
         return one
     count = len(one) // size * size
@@ -103,97 +102,75 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
-    """Take some of many recordings on disk; those in memory stay."""
+    """Take 20 of many recordings on disk, spread evenly; those in memory stay."""
     if not isinstance(data, Recordings):
         return data
-    chosen = np.unique(np.linspace(0, len(data) - 1, min(len(data), MOST_STORED)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(data) - 1, min(len(data), 20)).round().astype(int))
     return [data[int(k)] for k in chosen]
 
 
 def segments(recording: Recording) -> Iterator[Recording]:
-    """Cut segments out of a long recording, spread evenly."""
-    if len(recording) <= MOST_LOOKED_AT:
+    """Cut ten segments out of a recording of more than 100 000 samples, spread evenly, to look at its channels."""
+    if len(recording) <= 100_000:
         yield recording
         return
-    size = MOST_LOOKED_AT // PIECES
-    for start in np.linspace(0, len(recording) - size, PIECES).astype(int):
-        yield recording.slice(int(start), int(start) + size)
+    for start in np.linspace(0, len(recording) - 10_000, 10).astype(int):
+        yield recording.slice(int(start), int(start) + 10_000)
 
 
-def gather(checked: Checked, values: FloatArray, *, other_friction: bool = False) -> Evidence:
-    """Form rows of parameters and nuisance columns."""
-    rigid, prepared, errors = values[: len(checked.model.leg.parameter_names)], [], []
-    speed = np.zeros(len(checked.model.joint_names))
-    for one in checked.data:
-        extras = (AlternativeFriction(rigid, speed),) if other_friction and isinstance(one, Recording) else ()
+def gather(fitted: FittedLeg, values: FloatArray, *, other_friction: bool = False) -> Evidence:
+    """Form rows of parameters and nuisance columns, and of parameters and friction of other forms if asked for."""
+    rigid, ready, errors = values[: len(fitted.model.leg.parameter_names)], [], []
+    still = AlternativeFriction(rigid, np.zeros(len(fitted.model.joint_names)))  # its speed is known later
+    for one in fitted.data:
+        extras = (still,) if other_friction and isinstance(one, Recording) else ()
         try:
-            ready = prepare(WithColumns(checked.model, extras), one, checked.preparation)
-            if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
-                ready = ready._replace(usable=ready.usable & one.driven)
-            prepared.append((one, decimated(ready)))
+            prepared = prepare(WithColumns(fitted.model, extras), one, fitted.preparation)
         except ExoidError as error:
             errors.append(error)
-    if not prepared:
+            continue
+        if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
+            prepared = prepared._replace(usable=prepared.usable & one.driven)
+        ready.append((one, decimated(prepared)))
+    if not ready:
         raise errors[0]
-    ranges = [_range(one) for _, one in prepared]
+    ranges = []
+    for _, prepared in ready:
+        motion, used = prepared.motion, prepared.inside
+        ranges.append(MotionRanges.of(motion.q[used], motion.v[used], motion.a[used]))
     speed = np.max([one.speed for one in ranges], axis=0)
     friction = AlternativeFriction(rigid, speed) if other_friction else None
-    both = [_rows(checked, one, ready, values, friction) for one, ready in prepared]
-    return Evidence(
-        [rows for rows, _ in both],
-        [isinstance(one, Poses) for one, _ in prepared],
-        len(checked.model.names),
-        checked.fixed,
-        ranges,
-        [rows for _, rows in both if rows is not None],
-    )
-
-
-def _range(prepared: Prepared) -> MotionRanges:
-    """Measure the motion of one recording."""
-    motion, used = prepared.motion, prepared.inside
-    return MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
+    both = [_rows(fitted, one, prepared, values, friction) for one, prepared in ready]
+    at_rest = [isinstance(one, Poses) for one, _ in ready]
+    others = tuple(other for _, other in both if other is not None)
+    return Evidence.of([rows for rows, _ in both], at_rest, fitted.fixed)._replace(ranges=ranges, friction=others)
 
 
 def _rows(
-    checked: Checked,
+    fitted: FittedLeg,
     one: Recording | Poses,
     prepared: Prepared,
     values: FloatArray,
     friction: AlternativeFriction | None,
 ) -> tuple[Rows, Rows | None]:
     """Form the decimated rows of one recording: those with nuisance columns, and those with other friction."""
-    moving = isinstance(one, Recording)
+    model, moving = fitted.model, isinstance(one, Recording)
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
     if one.payloads:  # a fault of the log changes the torque of payloads too
         values = values.copy()
-        values[: len(checked.model.leg.parameter_names)] += payload_parameters(checked.model.leg, one.payloads)
-    faults = NuisanceColumns(checked.model, values, rate, speed, moving, checked.arms)
+        values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
+    columns = library(model, fitted.arms).columns
+    faults = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
     extras = (faults,) if friction is None or not moving else (faults, friction)
-    model = WithColumns(checked.model, extras)
-    rows, count = (
-        chain([form_rows(model, prepared, stretch) for stretch in prepared.stretches()]),
-        len(model.model.names),
-    )
-    with_faults = np.arange(count + len(faults.names))
+    every = WithColumns(model, extras)
+    rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     if len(extras) == 1:
         return rows, None
-    with_friction = np.r_[:count, len(with_faults) : len(model.names)]
-    return _columns_of(rows, with_faults), _columns_of(rows, with_friction)
-
-
-def _columns_of(rows: Rows, columns: NDArray[np.intp]) -> Rows:
-    """Take some columns of rows."""
-    W = rows.W.transpose(2, 1, 0)[columns].transpose(2, 1, 0)
-    return rows._replace(W=W, acting=rows.acting[:, columns])
-
-
-def _even(one: Recording | Poses) -> Recording | Poses:
-    return one.resampled() if isinstance(one, Recording) else one
-
-
-def names_of(data: Sequence[Recording | Poses]) -> Iterator[str]:
-    """Names of the files of recordings."""
-    for one in data:
-        yield one.source.name if one.source else ""
+    count = len(model.names) + len(columns)
+    with_friction = np.r_[: len(model.names), count : len(every.names)]
+    W = rows.W.transpose(2, 1, 0)  # column by column, as they lie in memory
+    return (
+        rows._replace(W=W[:count].transpose(2, 1, 0), acting=rows.acting[:, :count]),
+        rows._replace(W=W[with_friction].transpose(2, 1, 0), acting=rows.acting[:, with_friction]),
+    )

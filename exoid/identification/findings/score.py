@@ -21,10 +21,7 @@ from exoid._typing import FloatArray
 from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 
 from .evidence import RANK, TINY, Evidence, pseudo_inverse, r_factor
-from .nuisances import Nuisance
-
-HIDDEN = 1.0 / 300.0
-"""A fault of whose column less than this part is not explained by the parameters cannot be tested."""
+from .kinds import Nuisance
 
 WORTH_A_LOOK = 0.01
 """Below this probability the variance of the score is also taken from blocks of time."""
@@ -32,118 +29,85 @@ WORTH_A_LOOK = 0.01
 LARGE_GAIN = 0.05
 """A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
 
-BLOCKS, BLOCK, FEWEST_BLOCKS = 60, 8, 10
-"""Most blocks of a recording, fewest rows of a block, and fewest blocks that say something."""
-
 HALF_WIDTH = 1.96
 """Half of a 95 % interval, in standard deviations."""
 
 
 class Score(NamedTuple):
-    """Test of one fault.
+    """Test of one fault."""
 
-    Attributes:
-        nuisance: The fault.
-        delta: Estimate, (m,).
-        covariance: Its covariance, (m, m).
-        p_value: Probability of an estimate this far from zero in noise alone.
-        gain: Share of the sum of squared residuals that it explains.
-        evidence: Improvement of the log likelihood, less a penalty for its m numbers (BIC).
-        move: Change of the parameters when the fault is taken into account, (P,).
-        half: Half widths of the parameters' intervals without the fault's residual, (P,).
-        dof: Degrees of freedom of the test.
-    """
-
-    nuisance: Nuisance
-    delta: FloatArray
-    covariance: FloatArray
-    p_value: float
-    gain: float
-    evidence: float
-    move: FloatArray
-    half: FloatArray
-    dof: float
-
-    def p_of(self, t: float) -> float:
-        """Probability of an estimate of one number this many standard deviations from zero in noise alone.
-
-        Args:
-            t: Estimate over its standard deviation.
-
-        Returns:
-            The probability.
-        """
-        return float(scipy.special.fdtrc(1, self.dof, t * t))
+    nuisance: Nuisance  # the fault
+    delta: FloatArray  # estimate, (m,)
+    std: FloatArray  # its standard deviations, (m,)
+    p_value: float  # probability of an estimate this far from zero in noise alone
+    gain: float  # share of the sum of squared residuals that it explains
+    evidence: float  # improvement of the log likelihood, less a penalty for its m numbers (BIC)
+    move: FloatArray  # change of the parameters when the fault is taken into account, (P,)
+    half: FloatArray  # half widths of the parameters' intervals without the fault's residual, (P,)
+    dof: float  # degrees of freedom of the test
 
     @property
-    def std(self) -> FloatArray:
-        """Standard deviations, (m,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
+    def moves(self) -> FloatArray:
+        """Changes of the parameters in half widths, (P,)."""
+        return in_half_widths(self.move, self.half)
 
-    @property
-    def largest_move(self) -> float:
-        """Largest change of a parameter in half widths of its interval."""
-        moves = np.divide(np.abs(self.move), self.half, out=np.zeros_like(self.move), where=self.half > 0.0)
-        return float(moves.max(initial=0.0))
+
+def in_half_widths(change: FloatArray, half: FloatArray) -> FloatArray:
+    """Changes of parameters in half widths of their intervals, 0 for known ones."""
+    return np.divide(np.abs(change), half, out=np.zeros_like(change), where=half > 0.0)
+
+
+class _Tests(NamedTuple):
+    """Score tests of single nuisance columns: matrices (K, K) and scores (K,), which faults combine."""
+
+    size: FloatArray  # ZᵀZ of the columns
+    information: FloatArray  # Z⊥ᵀ Z⊥ of what the fitted columns leave of them
+    score: FloatArray  # Z⊥ᵀ r
+    noise: FloatArray  # covariance of the scores
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Weighted least-squares fit of parameters and some nuisance columns.
+    """Weighted least-squares fit of parameters and some nuisance columns."""
 
-    Attributes:
-        evidence: The rows.
-        columns: Indices of all fitted columns.
-        weights: Weight of each joint's rows, (n,).
-        R: R factor of all weighted rows, (P + K + 1, P + K + 1).
-        pinv: Pseudo-inverse of its fitted columns.
-        used: Indices of the columns that are fitted or tested; None for all.
-        like: Fit whose residuals give the noise; None for this fit's own.
-    """
-
-    evidence: Evidence
-    columns: NDArray[np.intp]
-    weights: FloatArray
-    R: FloatArray
-    pinv: FloatArray
-    used: NDArray[np.intp] | None = None
-    like: State | None = None
+    evidence: Evidence  # the rows
+    columns: NDArray[np.intp]  # indices of all fitted columns
+    weights: FloatArray  # weight of each joint's rows, (n,)
+    R: FloatArray  # R factor of all weighted rows, (P + K + 1, P + K + 1)
+    pinv: FloatArray  # pseudo-inverse of its fitted columns
+    solution: FloatArray  # values of the fitted columns
+    residual: FloatArray  # residual on the R factor
+    shares: FloatArray  # shares of the fitted columns in each nuisance column, (F, K)
+    used: NDArray[np.intp]  # indices of the columns that are fitted or tested
+    like: State | None  # fit whose residuals give the noise; None for this fit's own
+    dof: float  # rows less fitted columns, at least 1
 
     @classmethod
     def of(
         cls,
         evidence: Evidence,
         active: Sequence[int],
+        *,
         like: State | None = None,
         tested: Sequence[int] | None = None,
         near: State | None = None,
     ) -> State:
-        """Fit parameters and some nuisance columns.
+        """Fit parameters and some nuisance columns, to test others (all if None), from weights near those of a fit."""
+        columns, used = evidence.places(active), np.arange(evidence.factors[0].shape[1] - 1)
+        if like is None:
+            weights = evidence.weights(columns, None if near is None else near.weights)
+            weighted = np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)])
+            R = r_factor(weighted)
+            used = used if tested is None else np.union1d(columns, evidence.places(tested))
+        else:
+            weights, R = like.weights, like.R
+        pinv = pseudo_inverse(R[:, columns])
+        solution = pinv @ R[:, -1]
+        residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.parameter_count : -1]
+        dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
+        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like, dof)
 
-        Args:
-            evidence: The rows.
-            active: Indices of nuisance columns.
-            like: Fit whose weights and noise are taken; None for those of this fit's own residuals.
-            tested: Indices of the other nuisance columns that are to be tested; None for all.
-            near: Fit with nearly these columns, at whose weights to begin.
-
-        Returns:
-            The fit.
-        """
-        columns = evidence.places(active)
-        if like is not None:
-            return cls(evidence, columns, like.weights, like.R, pseudo_inverse(like.R[:, columns]), like=like)
-        used = None if tested is None else np.union1d(columns, evidence.places(tested))
-        weights = evidence.weights(columns, None if near is None else near.weights)
-        R = r_factor(np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)]))
-        return cls(evidence, columns, weights, R, pseudo_inverse(R[:, columns]), used)
-
-    @cached_property
-    def solution(self) -> FloatArray:
-        """Values of the fitted columns."""
-        return np.asarray(self.pinv @ self.R[:, -1])
-
-    @cached_property
+    @property
     def values(self) -> FloatArray:
         """Values of all parameters, known ones too, (P,)."""
         values = np.where(np.isfinite(self.evidence.fixed), self.evidence.fixed, 0.0)
@@ -151,33 +115,15 @@ class State:
         return np.asarray(values)
 
     @cached_property
-    def residual(self) -> FloatArray:
-        """Residual on the R factor."""
-        return np.asarray(self.R[:, -1] - self.R[:, self.columns] @ self.solution)
-
-    @cached_property
-    def dof(self) -> float:
-        """Rows less fitted columns, at least 1."""
-        return max(1.0, self.evidence.samples - len(self.columns))
-
-    @cached_property
-    def nuisances(self) -> FloatArray:
-        """Nuisance columns of the R factor, (M, K)."""
-        return self.R[:, self.evidence.count : -1]
-
-    @cached_property
-    def shares(self) -> FloatArray:
-        """Shares of the fitted columns in each nuisance column, (F, K)."""
-        return np.asarray(self.pinv @ self.nuisances)
-
-    @cached_property
     def _tests(self) -> _Tests:
         """Score test of each nuisance column, before they are combined."""
-        rests, k = self.nuisances - self.R[:, self.columns] @ self.shares, self.evidence.count
+        k = self.evidence.parameter_count
+        nuisances = self.R[:, k:-1]
+        rests = nuisances - self.R[:, self.columns] @ self.shares
         crossed = self.meat[k:, self.columns] @ self.shares
         fitted = self.shares.T @ self.meat[np.ix_(self.columns, self.columns)] @ self.shares
         noise = self.meat[k:, k:] - crossed - crossed.T + fitted
-        return _Tests(self.nuisances.T @ self.nuisances, rests.T @ rests, rests.T @ self.residual, noise)
+        return _Tests(nuisances.T @ nuisances, rests.T @ rests, rests.T @ self.residual, noise)
 
     @cached_property
     def _residuals(self) -> list[list[FloatArray]]:
@@ -186,96 +132,62 @@ class State:
         return [[w * (table[-1] - self.solution @ table[self.columns]) for table in of_joint] for w, of_joint in pairs]
 
     @cached_property
-    def noises(self) -> list[AutoregressiveNoise]:
-        """Noise of each joint's weighted residuals."""
-        if self.like is not None:
-            return self.like.noises
-        noises = []
-        for of_joint, count in zip(self._residuals, self.evidence.counts, strict=True):
-            order = int(min(LARGEST_ORDER, count // 10))
-            sums, pairs = np.zeros((2, order + 1))
-            for residual, rest in zip(of_joint, self.evidence.at_rest, strict=True):
-                keep = slice(0, 1) if rest else slice(None)
-                sums[keep] += autocovariance_sums(residual, order)[keep]
-                pairs[keep] += np.maximum(len(residual) - np.arange(order + 1), 0)[keep]
-            lost = count / max(1.0, count - len(self.columns) / len(self.weights))
-            gamma = lost * sums / np.maximum(pairs[0], 1.0)
-            noises.append(AutoregressiveNoise.from_autocovariances(gamma, int(count)))
-        return noises
-
-    @cached_property
     def meat(self) -> FloatArray:
         """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K), zero where a column is neither fitted nor tested."""
         if self.like is not None:
             return self.like.meat
-        width = self.R.shape[1] - 1
-        total, used = np.zeros((width, width)), np.arange(width) if self.used is None else self.used
-        for weight, of_joint, noise in zip(self.weights, self.evidence.tables, self.noises, strict=True):
-            for table, rest in zip(of_joint, self.evidence.at_rest, strict=True):
-                act = used[table[used].any(axis=1)]
+        total = np.zeros((self.R.shape[1] - 1,) * 2)
+        each = zip(self.weights, self.evidence.tables, self._residuals, self.evidence.counts, strict=True)
+        for weight, tables, residuals, count in each:
+            noise = self._noise(residuals, float(count))
+            for table, rest in zip(tables, self.evidence.at_rest, strict=True):
+                act = self.used[table[self.used].any(axis=1)]
                 some = weight * table[act]
                 size = float(noise.variances[0])
                 total[np.ix_(act, act)] += size * some @ some.T if rest else noise.quadratic_form(some)
         return total
 
+    def _noise(self, residuals: Sequence[FloatArray], count: float) -> AutoregressiveNoise:
+        """Noise of one joint's weighted residuals; poses have no neighbours in time."""
+        order = int(min(LARGEST_ORDER, count // 10))
+        sums, pairs = np.zeros((2, order + 1))
+        for residual, rest in zip(residuals, self.evidence.at_rest, strict=True):
+            keep = slice(0, 1) if rest else slice(None)
+            sums[keep] += autocovariance_sums(residual, order)[keep]
+            pairs[keep] += np.maximum(len(residual) - np.arange(order + 1), 0)[keep]
+        lost = count / max(1.0, count - len(self.columns) / len(self.weights))
+        return AutoregressiveNoise.from_autocovariances(lost * sums / np.maximum(pairs[0], 1.0), int(count))
+
     @cached_property
     def half(self) -> FloatArray:
         """Half widths of 95 % intervals of all parameters, 0 for known ones, (P,)."""
         bread = self.pinv @ self.pinv.T
-        inner = self.meat[np.ix_(self.columns, self.columns)]
-        variance = np.diag(bread @ inner @ bread)[: len(self.evidence.free)]
-        half = np.zeros(self.evidence.count)
-        half[self.evidence.free] = HALF_WIDTH * np.sqrt(np.maximum(variance, 0.0))
-        return half
+        variance = np.diag(bread @ self.meat[np.ix_(self.columns, self.columns)] @ bread)[: len(self.evidence.free)]
+        return self._spread(HALF_WIDTH * np.sqrt(np.maximum(variance, 0.0)))
 
-    def slope(self, nuisance: Nuisance) -> FloatArray:
-        """Change of the fitted parameters by a fault of size 1, (XᵀX)⁻¹Xᵀ z.
-
-        Args:
-            nuisance: A fault of one number.
-
-        Returns:
-            Change of each parameter, 0 for known ones, (P,).
-        """
-        return self._moved(nuisance.columns, nuisance.combination[:, 0])
+    def moved(self, columns: Sequence[int], sizes: FloatArray) -> FloatArray:
+        """Change of the parameters by nuisance columns of these sizes, (XᵀX)⁻¹Xᵀ z δ, 0 for known ones, (P,)."""
+        return self._spread(self.shares[: len(self.evidence.free), list(columns)] @ sizes)
 
     def reach(self, columns: Sequence[int], sizes: FloatArray, others: Sequence[int]) -> FloatArray:
-        """Largest change of the fitted parameters by a fault of the same torque but another form.
-
-        Args:
-            columns: Indices of the nuisance columns of the fault.
-            sizes: Their coefficients.
-            others: Indices of the columns of which the other form may consist.
-
-        Returns:
-            Largest change of each parameter, 0 for known ones, (P,).
-        """
-        torque = float(np.linalg.norm(self.nuisances[:, list(columns)] @ sizes))
-        kept = [k for k in others if self.nuisances[:, k].any()]
-        _, values, axes = np.linalg.svd(self.nuisances[:, kept] / np.linalg.norm(self.nuisances[:, kept], axis=0))
+        """Largest change of the parameters by a fault of the same torque that consists of other columns, (P,)."""
+        nuisances = self.R[:, self.evidence.parameter_count : -1]
+        torque = float(np.linalg.norm(nuisances[:, list(columns)] @ sizes))
+        kept = [k for k in others if nuisances[:, k].any()]
+        norms = np.linalg.norm(nuisances[:, kept], axis=0)
+        _, values, axes = np.linalg.svd(nuisances[:, kept] / norms)
         used = values > RANK * values[0]
-        free = len(self.evidence.free)
-        share = self.shares[:free, kept] / np.linalg.norm(self.nuisances[:, kept], axis=0)
-        reach = np.zeros(self.evidence.count)
-        reach[self.evidence.free] = torque * np.linalg.norm(share @ axes[: len(values)][used].T / values[used], axis=1)
-        return reach
+        share = self.shares[: len(self.evidence.free), kept] / norms
+        return self._spread(torque * np.linalg.norm(share @ axes[: len(values)][used].T / values[used], axis=1))
 
-    def _moved(self, columns: Sequence[int], sizes: FloatArray) -> FloatArray:
-        """Change of the fitted parameters by nuisance columns of these sizes, 0 for known ones, (P,)."""
-        moved = np.zeros(self.evidence.count)
-        free = len(self.evidence.free)
-        moved[self.evidence.free] = self.shares[:free, list(columns)] @ sizes
-        return moved
+    def _spread(self, of_free: FloatArray) -> FloatArray:
+        """Put numbers of free parameters among those of all, (P,)."""
+        every = np.zeros(self.evidence.parameter_count)
+        every[self.evidence.free] = of_free
+        return every
 
     def conspicuous(self, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
-        """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once.
-
-        Args:
-            nuisances: The faults.
-
-        Returns:
-            Those that are worth a test, and all of several numbers.
-        """
+        """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once."""
         tests, single = self._tests, [one for one in nuisances if not one.group]
         C = np.zeros((len(tests.score), len(single)))
         for k, one in enumerate(single):
@@ -288,75 +200,56 @@ class State:
         return [one for one in nuisances if one not in left_out]
 
     def test(self, nuisance: Nuisance, plain: State | None = None, limit: float = 1.0) -> Score | None:
-        """Test one fault beside what is fitted.
+        """Test one fault, which moves the parameters of a fit without protecting columns.
 
-        Args:
-            nuisance: The fault.
-            plain: Fit without protecting columns, whose parameters the fault moves; None for this one.
-            limit: Faults that are less probable than this are not looked at further, if they explain little.
-
-        Returns:
-            The test; None where the columns leave no trace beside those fitted, or the fault is not significant.
+        None where its columns leave no trace beside those fitted, or it is less probable than the limit and explains
+        little.
         """
-        columns, tests = list(nuisance.columns), self._tests
+        columns, tests, group = list(nuisance.columns), self._tests, nuisance.group
         own = np.ix_(columns, columns)
-        C = nuisance.combination
+        C = np.eye(len(columns)) if group else np.ones((len(columns), 1))
         size = np.sqrt(np.diag(C.T @ tests.size[own] @ C))
-        if (size == 0.0).all():
-            return None
         C = C[:, size > 0.0] / size[size > 0.0]
         information = C.T @ tests.information[own] @ C
+        # What the parameters explain of a fault, but for a 300th, cannot be tested.
+        hidden = (1.0 / 300.0) ** 2
         if len(information) > 1:
             basis, sizes, _ = np.linalg.svd(information)
-            C = C @ basis[:, sizes > HIDDEN**2]
+            C = C @ basis[:, sizes > hidden]
             information = C.T @ tests.information[own] @ C
-        if not information.size or information[0, 0] <= HIDDEN**2:
+        if not information.size or information[0, 0] <= hidden:
             return None
         score, noise = C.T @ tests.score[columns], C.T @ tests.noise[own] @ C
         inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
         step = inverse @ score
-        m, rss = len(step), float(self.residual @ self.residual)
-        gain = min(float(score @ step) / max(rss, 1e-300), 1.0 - 1e-12)
-        p_value = self._p_value(score, noise, self.dof)
+        gain = min(float(score @ step) / max(float(self.residual @ self.residual), TINY), 1.0 - 1e-12)
+        p_value = p_value_of(score, noise, self.dof)
         if p_value < WORTH_A_LOOK:
             factor, blocks = self._uneven(columns, C, step, noise)
             noise = factor * noise
-            p_value = self._p_value(score, noise, min(self.dof, blocks))
+            p_value = p_value_of(score, noise, min(self.dof, blocks))
         if p_value >= limit and gain <= LARGE_GAIN:
             return None
-        covariance = inverse @ noise @ inverse
-        evidence = -0.5 * self.dof * np.log1p(-gain) - m * np.log(max(self.dof, 2.0))
-        plain = plain or self
-        kept = slice(None) if nuisance.group else slice(0, 1)
+        kept, plain = slice(None) if group else slice(0, 1), plain or self
         return Score(
             nuisance,
             (C @ step)[kept],
-            (C @ covariance @ C.T)[kept, kept],
+            np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T))[kept],
             p_value,
             gain,
-            float(evidence),
-            -plain._moved(columns, C @ step),
+            float(-0.5 * self.dof * np.log1p(-gain) - len(step) * np.log(max(self.dof, 2.0))),
+            -plain.moved(columns, C @ step),
             plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain)),
             self.dof,
         )
 
-    @staticmethod
-    def _p_value(score: FloatArray, noise: FloatArray, dof: float) -> float:
-        """Probability of a score this large in noise of that covariance."""
-        if len(score) == 1:
-            statistic = float(score[0] ** 2 / max(noise[0, 0], TINY))
-        else:
-            statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
-        return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))
-
     def _uneven(
         self, columns: Sequence[int], C: FloatArray, step: FloatArray, noise: FloatArray
     ) -> tuple[float, float]:
-        """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks.
-
-        Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time.
-        """
-        count, scores = self.evidence.count, []
+        """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks."""
+        # Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time: at most 60
+        # of a recording, of at least 8 rows. Fewer than 10 say nothing.
+        count, scores = self.evidence.parameter_count, []
         share, places = C.T @ self.shares[:, columns].T, count + np.array(columns)
         for place, rest in enumerate(self.evidence.at_rest):
             total = np.zeros((len(step), self.evidence.tables[0][place].shape[1]))
@@ -364,21 +257,21 @@ class State:
                 rows = weight * (C.T @ tables[place][places] - share @ tables[place][self.columns])
                 total += rows * (residuals[place] - step @ rows)
             samples = total.shape[1]
-            blocks = max(1, samples if rest else min(BLOCKS, samples // BLOCK))
+            blocks = max(1, samples if rest else min(60, samples // 8))
             starts = np.linspace(0, samples, blocks, endpoint=False).astype(np.intp)
             scores.append(np.add.reduceat(total, starts, axis=1).T)
         found = np.vstack(scores)
-        if len(found) < FEWEST_BLOCKS:
-            return 1.0, float(FEWEST_BLOCKS)
+        if len(found) < 10:
+            return 1.0, 10.0
         seen = found.T @ found * len(found) / (len(found) - 1)
         ratio = float(np.trace(np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ seen)) / len(step)
         return max(1.0, ratio), float(len(found))
 
 
-class _Tests(NamedTuple):
-    """Score tests of single nuisance columns: matrices (K, K) and scores (K,), which faults combine."""
-
-    size: FloatArray  # ZᵀZ of the columns
-    information: FloatArray  # Z⊥ᵀ Z⊥ of what the fitted columns leave of them
-    score: FloatArray  # Z⊥ᵀ r
-    noise: FloatArray  # covariance of the scores
+def p_value_of(score: FloatArray, noise: FloatArray, dof: float) -> float:
+    """Probability of a score this large in noise of that covariance."""
+    if len(score) == 1:
+        statistic = float(score[0] ** 2 / max(noise[0, 0], TINY))
+    else:
+        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
+    return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))

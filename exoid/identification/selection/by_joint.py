@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -30,58 +30,15 @@ class Chosen(NamedTuple):
     estimate: Estimate  # the fit that confirmed it
 
 
-@dataclass(frozen=True)
-class _Bench:
-    """Where candidates are compared."""
-
-    search: Search
-    cutoff: float
-
-    def scored(self, name: str, choice: Choice, like: Candidate | None = None) -> Candidate:
-        """Candidate with these friction models, and the filter and estimator of another, with its held-out errors."""
-        leg = self.search.leg
-        friction: list[Term] = []
-        zero: list[str] = []
-        for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
-            friction += terms_of((*columns, *absent(columns)), joint)
-            zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
-        terms = (*friction, Armature(), *self.search.beside)
-        estimator, preparation = ("wls", ZeroPhase(self.cutoff)) if like is None else (like.estimator, like.preparation)
-        return self.score(Candidate(name, terms, tuple(zero), preparation, estimator), choice)
-
-    def score(self, candidate: Candidate, choice: Choice) -> Candidate:
-        """Predict what is held out, with joints loaded by the rigid bodies of a choice."""
-        search = self.search
-        try:
-            found = held_out_errors(
-                base_model(search.leg, search.beside),
-                search.recordings,
-                candidate.preparation,
-                choice.columns,
-                choice.base[: len(search.leg.parameter_names)],
-                folds=search.folds,
-                cutoff=self.cutoff,
-                robust=candidate.estimator == "huber",
-            )
-        except ExoidError as error:
-            nothing = np.full(len(choice.columns), np.nan)
-            failed = np.full(search.folds, np.nan)
-            return replace(candidate, nrmse=nothing, folds=failed, extrapolation=nothing, failure=error.what)
-        failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
-        numbers = len(choice.base) + numbers_of(choice.columns)
-        return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
-
-
-def select_by_joint(search: Search, cutoff: float, *, tune: bool, progress: Callable[[float], None]) -> Chosen:
+def select_by_joint(search: Search, *, tune: bool, progress: Callable[[float], None]) -> Chosen:
     """Choose the friction of each joint, then filter and estimator."""
-    bench = _Bench(search, cutoff)
-    found = _searched(bench, progress)
+    found = _searched(search, progress)
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
-    candidates = [bench.scored("coulomb", plain), bench.scored("by joint", found.choice)]
+    candidates = [_scored(search, "coulomb", plain), _scored(search, "by joint", found.choice)]
     progress(0.65)
     chosen = 1
     for which in (0, 1) if tune else ():
-        tried = [bench.score(one, found.choice) for one in candidates[chosen].others(cutoff)[which]]
+        tried = [_score(search, one, found.choice) for one in candidates[chosen].others(search.cutoff)[which]]
         choice = best_of([candidates[chosen], *tried])
         chosen = chosen if choice == 0 else len(candidates) + choice - 1
         candidates += tried
@@ -90,20 +47,55 @@ def select_by_joint(search: Search, cutoff: float, *, tune: bool, progress: Call
     while faults := _faults(found, estimate):  # each round bans a coefficient for good
         for joint, symbol in faults:
             found = found.without(joint, symbol)
-        candidates[chosen] = bench.scored(candidates[chosen].name, found.choice, candidates[chosen])
+        candidates[chosen] = _scored(search, candidates[chosen].name, found.choice, candidates[chosen])
         estimate = candidates[chosen].fit(search.leg, search.recordings)
         progress(0.9)
     progress(1.0)
     return Chosen(tuple(candidates), chosen, found.choice.columns, estimate)
 
 
-def _searched(bench: _Bench, progress: Callable[[float], None]) -> Found:
+def _searched(search: Search, progress: Callable[[float], None]) -> Found:
     """Search from two starts, as the search may end elsewhere if it starts elsewhere, and take the better end."""
     ends = []
     for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
         report = partial(lambda first, share: progress(first + 0.3 * share), begin)
-        ends.append(search_joint_by_joint(replace(bench.search, offset_sweeps=offset_sweeps, progress=report)))
-    return ends[best_of([bench.scored("by joint", end.choice) for end in ends])]
+        ends.append(search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report)))
+    return ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
+
+
+def _scored(search: Search, name: str, choice: Choice, like: Candidate | None = None) -> Candidate:
+    """Candidate with these friction models, and the filter and estimator of another, with its held-out errors."""
+    friction: list[Term] = []
+    zero: list[str] = []
+    leg = search.leg
+    for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
+        friction += terms_of((*columns, *absent(columns)), joint)
+        zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
+    terms = (*friction, Armature(), *search.beside)
+    estimator, preparation = ("wls", ZeroPhase(search.cutoff)) if like is None else (like.estimator, like.preparation)
+    return _score(search, Candidate(name, terms, tuple(zero), preparation, estimator), choice)
+
+
+def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
+    """Predict what is held out, with joints loaded by the rigid bodies of a choice."""
+    try:
+        found = held_out_errors(
+            base_model(search.leg, search.beside),
+            search.recordings,
+            candidate.preparation,
+            choice.columns,
+            choice.base[: len(search.leg.parameter_names)],
+            folds=search.folds,
+            cutoff=search.cutoff,
+            robust=candidate.estimator == "huber",
+        )
+    except ExoidError as error:
+        nothing = np.full(len(choice.columns), np.nan)
+        failed = np.full(search.folds, np.nan)
+        return replace(candidate, nrmse=nothing, folds=failed, extrapolation=nothing, failure=error.what)
+    failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
+    numbers = len(choice.base) + numbers_of(choice.columns)
+    return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:

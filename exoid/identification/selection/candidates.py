@@ -56,7 +56,9 @@ class Candidate:
 
     def others(self, cutoff: float) -> tuple[tuple[Candidate, ...], tuple[Candidate, ...]]:
         """Other filters for the same terms (lower, higher, none for columns and torques), then other estimators."""
-        filters = {f"{factor * cutoff:g} Hz": ZeroPhase(factor * cutoff) for factor in (0.6, 1.5)}
+        filters: dict[str, Preparation] = {
+            f"{factor * cutoff:g} Hz": ZeroPhase(factor * cutoff) for factor in (0.6, 1.5)
+        }
         filters["no parallel filter"] = Smoothed(2.0 * cutoff)
         return (
             tuple(replace(self, name=f"{self.name}, {text}", preparation=how) for text, how in filters.items()),

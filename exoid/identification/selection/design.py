@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
 from exoid.regression.rows import Prepared, prepare
-from exoid.signals import Preparation, Recording
+from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel
 
 from .patterns import Column, Columns
@@ -54,22 +54,24 @@ def base_model(leg: Leg, beside: Sequence[Term] = ()) -> TorqueModel:
 def form_design(
     model: TorqueModel,
     recordings: Sequence[Recording],
-    preparations: Sequence[Preparation],
+    preparation: Preparation,
     library: Sequence[Columns],
     rigid: FloatArray | None = None,
     keep: Keep | None = None,
     *,
-    whole: bool = False,
+    cutoff: float | None = None,
 ) -> Design:
-    """Form the rows, in one pass over the samples; ``whole`` undoes the fading of rows towards ends of segments."""
+    """Form the rows in one pass over the samples: those of a fit, or with a cut-off those that fits are compared on."""
     # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
     # friction.
-    prepared = [prepare(model, each, how) for each, how in zip(recordings, preparations, strict=True)]
+    whole = cutoff is not None  # rows that are compared do not fade towards the ends of segments
+    hows = [preparation if cutoff is None else evaluation(preparation, cutoff, r.sample_rate) for r in recordings]
+    prepared = [prepare(model, each, how) for each, how in zip(recordings, hows, strict=True)]
     step = max(1, -(-sum(len(each.rows) for each in prepared) // 8000))  # beyond so many rows, fewer are kept
     parts: list[Design] = []
     for index, full in enumerate(prepared):
         each = full._replace(rows=full.rows[(len(full.rows) - 1) % step // 2 :: step])
-        motion: Motion = each.motion
+        motion = each.motion
         needed = {(j, column.term.internal_state) for j, of_joint in enumerate(library) for column in of_joint}
         states = {(j, state): state.states(motion.q[:, j], motion.v[:, j]) for j, state in needed if state is not None}
         for stretch in each.stretches():
@@ -87,6 +89,15 @@ def form_design(
         tuple({column: k for k, column in enumerate(of_joint)} for of_joint in library),
         min(1.0, float(np.mean([each.independent_fraction for each in prepared])) * step),
     )
+
+
+def evaluation(preparation: Preparation, cutoff: float, rate: float) -> Preparation:
+    """Filter for torques, sampled at ``rate`` [Hz], that is the same for all candidates, with this one's kinematics."""
+    if isinstance(preparation, ZeroPhase):
+        return ZeroPhase(cutoff, preparation.kinematics_cutoff_at(rate), preparation.order)
+    if isinstance(preparation, Smoothed):
+        return ZeroPhase(cutoff, preparation.cutoff, preparation.order)
+    return preparation
 
 
 def _form(
@@ -144,4 +155,4 @@ def _friction_column(
     of_joint = JointMotion(motion.q[:, joint], motion.v[:, joint], motion.a[:, joint], load, state)
     both = np.zeros((len(term.symbols), len(load)))
     term.fill(of_joint, both)
-    return both[term.symbols.index(column.symbol)]
+    return np.asarray(both[term.symbols.index(column.symbol)])

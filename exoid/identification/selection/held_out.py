@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
+from exoid.signals import Preparation, Recording
 from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
 
@@ -88,24 +88,14 @@ def held_out_errors(
     robust: bool,
 ) -> HeldOut:
     """Predict each stretch of the recordings from the others, with fixed friction models."""
-    fitted = form_design(model, recordings, [preparation] * len(recordings), chosen, rigid)
-    how = [evaluation(preparation, cutoff, r.sample_rate) for r in recordings]
-    compared = form_design(model, recordings, how, chosen, rigid, whole=True)
+    fitted = form_design(model, recordings, preparation, chosen, rigid)
+    compared = form_design(model, recordings, preparation, chosen, rigid, cutoff=cutoff)
     each = [_errors(blocks, fitted, compared, robust=robust) for blocks in blocked_folds(recordings, folds)]
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
     whole = _Errors(*np.sum(each, axis=0))
     fast = _errors(fast_blocks(recordings), fitted, compared, robust=robust)
     of_folds = np.array([np.mean(errors.rms / whole.spread) for errors in each])
     return HeldOut(whole.rms / whole.spread, of_folds, fast.rms / fast.spread)
-
-
-def evaluation(preparation: Preparation, cutoff: float, rate: float) -> Preparation:
-    """Filter for torques, sampled at ``rate`` [Hz], that is the same for all candidates, with this one's kinematics."""
-    if isinstance(preparation, ZeroPhase):
-        return ZeroPhase(cutoff, preparation.kinematics_cutoff_at(rate), preparation.order)
-    if isinstance(preparation, Smoothed):
-        return ZeroPhase(cutoff, preparation.cutoff, preparation.order)
-    return preparation
 
 
 class _Errors(NamedTuple):

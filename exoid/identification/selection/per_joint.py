@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
-from exoid.signals import Preparation, Recording
+from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Term
 
 from .design import Design, base_model, form_design
@@ -27,20 +27,19 @@ class Search:
 
     leg: Leg  # the leg
     recordings: Sequence[Recording]  # the recordings
-    preparation: Preparation  # filter and differentiation
+    cutoff: float  # cut-off frequency of the parallel filter [Hz]
     folds: int  # number of folds in time
     keep: Keep | None = None  # function that selects rows; None for all
-    progress: Callable[[float], None] = lambda share: None  # called with the share done
+    progress: Callable[[float], None] | None = None  # called with the share done
     # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
     # friction is right
     offset_sweeps: int = 0
     beside: tuple[Term, ...] = ()  # terms that every model has besides rigid bodies, armatures and friction
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
-        """Form the rows, see :func:`~exoid.identification.selection.design.form_design`."""
-        preparations = [self.preparation] * len(self.recordings)
+        """Form the rows of a fit."""
         model = base_model(self.leg, self.beside)
-        return form_design(model, self.recordings, preparations, library, rigid, self.keep)
+        return form_design(model, self.recordings, ZeroPhase(self.cutoff), library, rigid, self.keep)
 
 
 class Choice(NamedTuple):
@@ -117,7 +116,8 @@ def search_joint_by_joint(search: Search, sweeps: int = 4) -> Found:
         for joint in range(joints):
             with_offset = sweep < search.offset_sweeps
             chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=with_offset)
-            search.progress((sweep * joints + joint + 1) / (sweeps * joints))
+            if search.progress is not None:
+                search.progress((sweep * joints + joint + 1) / (sweeps * joints))
         choice = Choice.of(tables.design, tuple(chosen), choice.sigma)
         explained = tables.design.tau - choice.left
         if before is not None and sweep > search.offset_sweeps:

@@ -18,8 +18,8 @@ from exoid.identification.recording_summary import (
     unmeasured_joints,
 )
 from exoid.leg.leg import Leg
-from exoid.signals import Recording, ZeroPhase
-from exoid.signals.default_preparation import highest_cutoff
+from exoid.signals import Recording
+from exoid.signals.cutoff import highest_cutoff
 from exoid.signals.preparation_names import preparation_to_json
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel
@@ -27,7 +27,7 @@ from exoid.torques.catalog import term_to_json
 
 from .by_joint import select_by_joint
 from .candidates import Candidate, least
-from .held_out import evaluation
+from .design import evaluation
 from .patterns import JointFriction
 from .per_joint import Search
 
@@ -203,8 +203,8 @@ def select_terms(
     if cutoff is None:
         cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
     _refuse_unusable(leg, several, tuple(beside))
-    search = Search(leg, several, ZeroPhase(cutoff), folds, beside=tuple(beside))
-    found = select_by_joint(search, cutoff, tune=tune, progress=progress or (lambda share: None))
+    search = Search(leg, several, cutoff, folds, beside=tuple(beside))
+    found = select_by_joint(search, tune=tune, progress=progress or (lambda share: None))
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, found.columns, strict=True))
     return Selection(leg, found.candidates, found.chosen, cutoff, folds, joints, found.estimate)
 

@@ -1,9 +1,8 @@
 """Virtual rig with ground: torso and legs that stand or walk, simulated by MuJoCo (extra ``ground``)."""
 
-from .audit import Audit
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
-from .run import Footing, GroundRun
+from .run import Audit, Footing, GroundRun
 from .sensors import GroundSensors
 from .simulate import simulate_on_ground
 from .sole import Sole

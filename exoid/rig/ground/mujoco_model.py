@@ -16,27 +16,6 @@ from exoid.leg.reduction.planar import GRAVITY
 from .plant import GroundPlant
 from .sole import Sole
 
-SOLE_TIME = 0.015
-"""Time constant of contacts [s], MuJoCo's `solref`: a rubber sole, two to three times the weight at touch-down."""
-
-RAIL_TIME = 0.004
-"""Time constant of the constraint that holds a torso on its rail [s]; at least twice the step."""
-
-IMPEDANCE = (0.95, 0.99, 0.001, 0.5, 2.0)
-"""Impedance of contacts, MuJoCo's `solimp`."""
-
-RAIL_IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Impedance of the constraint that holds a torso on its rail."""
-
-FRICTION_IMPEDANCE = 100.0
-"""Impedance of friction over that of the normal force, `impratio`: the larger, the less a loaded foot creeps."""
-
-TOLERANCE = 1e-14
-"""Tolerance of MuJoCo's solver."""
-
-BASE_JOINTS = ("forward", "up", "pitch")
-"""Coordinates of the base of a planar machine."""
-
 RAIL_JOINTS = ("forward", "pitch")
 """Coordinates of the base that a vertical rail holds."""
 
@@ -51,8 +30,9 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
     option = spec.option
     option.timestep, option.gravity = step, -GRAVITY * plant.plane.up
     option.integrator, option.solver = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtSolver.mjSOL_NEWTON
-    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, FRICTION_IMPEDANCE
-    option.tolerance, option.iterations = TOLERANCE, 100
+    # impedance of friction over that of the normal force: the larger, the less a loaded foot creeps
+    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 100.0
+    option.tolerance, option.iterations = 1e-14, 100
     option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a state that diverges stays, and is refused
     spec.compiler.degree = False
     bodies = _add_bodies(spec, mujoco, plant)
@@ -61,7 +41,8 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
         _add_sole(bodies, mujoco, plant, link, sole)
     for name in RAIL_JOINTS if rail else ():
         held = spec.add_equality(name=f"exoid rail {name}", type=mujoco.mjtEq.mjEQ_JOINT)
-        held.name1, held.solref, held.solimp = _base_joint(name), [RAIL_TIME, 1.0], RAIL_IMPEDANCE
+        held.name1, held.solimp = _base_joint(name), (0.9999, 0.9999, 0.001, 0.5, 2.0)
+        held.solref = [0.004, 1.0]  # time constant [s], at least twice the step
     try:
         return spec.compile()
     except ValueError as error:
@@ -89,7 +70,9 @@ def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noq
     _set_inertia(torso, model.inertias[0], plant, np.eye(3))
     if plant.is_planar:
         axes = plant.plane.forward, plant.plane.up, -plant.plane.lateral
-        for name, kind, axis in zip(BASE_JOINTS, (kinds.mjJNT_SLIDE,) * 2 + (kinds.mjJNT_HINGE,), axes, strict=True):
+        for name, kind, axis in zip(
+            ("forward", "up", "pitch"), (kinds.mjJNT_SLIDE,) * 2 + (kinds.mjJNT_HINGE,), axes, strict=True
+        ):
             torso.add_joint(name=_base_joint(name), type=kind, axis=axis)
     else:
         torso.add_freejoint(name=_base_joint("free"))
@@ -132,6 +115,6 @@ def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sol
             condim=3,
             contype=2,  # touches the ground, but no other sole
             conaffinity=1,
-            solref=[SOLE_TIME, 1.0],
-            solimp=IMPEDANCE,
+            solref=[0.015, 1.0],  # time constant [s]: a rubber sole, two to three times the weight at touch-down
+            solimp=(0.95, 0.99, 0.001, 0.5, 2.0),
         )

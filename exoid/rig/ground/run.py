@@ -4,22 +4,70 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.rig.sensors import noisy
 from exoid.signals import Recording, Wrench
 
-from .audit import Audit
-from .base_steps import BaseSteps
+from .motion import per_joint
 from .plant import GroundPlant
-from .sensors import GroundSensors
+from .sensors import BaseSteps, GroundSensors, read_imu, read_pose, read_switch, read_wrench
 
-STILL = 0.005
-"""Largest speed at which a loaded foot counts as fixed to the ground [m/s]."""
+
+class Audit(NamedTuple):
+    """Balance of energy and of linear momentum of a run.
+
+    Energy: work + holding = gain + friction + contact. Momentum: ground + holder + weight = momentum. Both hold up to
+    the error of the integration.
+
+    Attributes:
+        work: Work of the actuators [J].
+        holding: Work of the rail or the spring on the machine [J].
+        gain: Gain of mechanical energy, rotors and springs of the joints included [J].
+        friction: Energy that friction of the joints dissipates [J].
+        contact: Energy that the ground dissipates [J].
+        turnover: ∫ |power| dt of the actuators [J], the scale of errors.
+        ground: Impulse of the ground [N·s], (3,).
+        holder: Impulse of rail or spring [N·s], (3,).
+        weight: Impulse of gravity [N·s], (3,).
+        momentum: Gain of linear momentum [N·s], (3,).
+    """
+
+    work: float
+    holding: float
+    gain: float
+    friction: float
+    contact: float
+    turnover: float
+    ground: FloatArray
+    holder: FloatArray
+    weight: FloatArray
+    momentum: FloatArray
+
+    @property
+    def energy_error(self) -> float:
+        """Residual of the energy balance over the turnover."""
+        return abs(self.work + self.holding - self.gain - self.friction - self.contact) / self.turnover
+
+    @property
+    def momentum_error(self) -> float:
+        """Residual of the momentum balance over the impulse of gravity."""
+        residual = self.ground + self.holder + self.weight - self.momentum
+        return float(np.abs(residual).max() / np.abs(self.weight).max())
+
+    def __repr__(self) -> str:
+        """Write the balance in one line."""
+        return (
+            f"Audit(work {self.work:.4g} J, holding {self.holding:.4g} J, gain {self.gain:.4g} J, friction "
+            f"{self.friction:.4g} J, contact {self.contact:.4g} J; relative errors of energy {self.energy_error:.1g}, "
+            f"of momentum {self.momentum_error:.1g})"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +109,7 @@ class Footing:
         Returns:
             Whether all of them bear load at less than 5 mm/s, (N,).
         """
-        return np.asarray((self.points == points) & (self.slip < STILL))
+        return np.asarray((self.points == points) & (self.slip < 0.005))
 
     @property
     def centre_of_pressure(self) -> FloatArray:
@@ -148,13 +196,14 @@ class GroundRun:
         for link in logged:
             if link not in self.wrenches:
                 known = ", ".join(self.wrenches)
-                raise ExoidError(f"no wrench on {link!r} in the run", remedy=f"wrenches act on {known}")
-        q, tau = sensors.angles(self.q, rng), sensors.torques(self.tau, rng)
+                raise BadArgumentError(f"no wrench on {link!r} in the run", remedy=f"wrenches act on {known}")
+        torque_noise = per_joint(sensors.torque_noise, self.tau.shape[1], "torque_noise")
+        q, tau = noisy(self.q, sensors.angle_noise, rng), noisy(self.tau, torque_noise, rng)
         world = sensors.wrench_axes == "world"
-        pose = sensors.pose(self.position, self.rotation, rng) if world else None
+        pose = read_pose(sensors, self.position, self.rotation, rng) if world else None
         rate = 1.0 / float(self.time[1] - self.time[0])
         base = self.steps.averaged(sensors.imu_window) if sensors.imu_window else self.base
-        contacts = {link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()}
+        contacts = {link: read_switch(sensors, foot.force[:, 2], rate, rng) for link, foot in self.feet.items()}
         for link in self.wrenches:
             if link not in logged and link not in contacts:
                 contacts[link] = np.ones(len(self.time), dtype=np.bool_)
@@ -163,8 +212,8 @@ class GroundRun:
             q,
             tau=tau,
             joint_names=self.plant.leg.joint_names,
-            base=sensors.imu(base, rng, pose),
-            wrenches={link: sensors.wrench(self.wrench(link, world=world), rng) for link in logged},
+            base=read_imu(sensors, base, rng, pose),
+            wrenches={link: read_wrench(sensors, self.wrench(link, world=world), rng) for link in logged},
             contacts=contacts,
         )
 

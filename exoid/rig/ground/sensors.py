@@ -2,40 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal, get_args
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.rig.sensors import check_numbers, noisy
 from exoid.signals import BaseMotion, BasePose, Wrench
-
-from .motion import per_joint
 
 Axes = Literal["link", "world"]
 """Axes of the logged wrenches: instrumented soles turn with the foot, force plates stand in the laboratory."""
 
-MISLABELLED_TIME = 0.05
-"""Length of a stretch of wrong labels [s]."""
 
-NOT_NEGATIVE = (
-    "angle_noise",
-    "force_noise",
-    "moment_noise",
-    "gyro_noise",
-    "acceleration_noise",
-    "gyro_bias",
-    "acceleration_bias",
-    "imu_window",
-    "position_noise",
-    "turn_noise",
-    "switch_force",
-    "switch_delay",
-)
-"""Numbers of sensors that are zero or positive."""
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseSteps:
+    """Motion of the root link at every step, and which steps are samples of the log."""
+
+    # motion at M steps. Its velocity is that of half a step before, as v⁺ = v + dt a and q⁺ = q + dt v⁺
+    motion: BaseKinematics
+    samples: NDArray[np.intp]  # step of each sample of the log, (N,)
+    dt: float  # step [s]
+
+    def averaged(self, window: float) -> BaseKinematics:
+        """Compute means over a window about each sample, as a sensor of limited bandwidth reads them."""
+        # With h = n dt the window, acceleration and specific force are means over its n + 1 steps, of which
+        # the first and the last count half. The angular velocity is the mean over the n that lie between
+        # them, so that it is of the same time as the angles. The ends of the run are continued by their
+        # values.
+        half = max(1, round(0.5 * window / self.dt))
+        between = np.append(0.0, np.ones(2 * half))  # v of step k is of half a step before it
+        around = np.convolve(np.ones(2 * half), (0.5, 0.5))
+        velocity = self._mean(self.motion.angular_velocity, between)
+        turning, force = (self._mean(x, around) for x in (self.motion.angular_acceleration, self.motion.specific_force))
+        return BaseKinematics(velocity, turning, force)
+
+    def _mean(self, x: FloatArray, weights: FloatArray) -> FloatArray:
+        """Weighted mean about each sample, (N, 3)."""
+        means = scipy.ndimage.correlate1d(x, weights / weights.sum(), axis=0, mode="nearest")
+        return np.asarray(means[self.samples])
 
 
 @dataclass(frozen=True)
@@ -86,16 +95,21 @@ class GroundSensors:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        for name in NOT_NEGATIVE:
-            if not 0.0 <= getattr(self, name) < np.inf:
-                raise ExoidError(f"{name} of the sensors is {getattr(self, name)}", remedy="give a finite number ≥ 0")
+        others = ("imu_position", "imu_misalignment", "torque_noise", "wrench_axes")
+        check_numbers(self, [field.name for field in fields(self) if field.name not in others])
         for name in ("imu_position", "imu_misalignment"):
             if np.shape(getattr(self, name)) != (3,) or not np.isfinite(getattr(self, name)).all():
-                raise ExoidError(f"{name} of the sensors is {getattr(self, name)}", remedy="give three finite numbers")
+                raise BadArgumentError(
+                    f"{name} of the sensors is {getattr(self, name)}", remedy="give three finite numbers"
+                )
         if not 0.0 <= self.mislabelled < 1.0:
-            raise ExoidError(f"a share of {self.mislabelled} mislabelled samples", remedy="give one from 0 to below 1")
+            raise BadArgumentError(
+                f"a share of {self.mislabelled} mislabelled samples", remedy="give one from 0 to below 1"
+            )
         if self.wrench_axes not in get_args(Axes):
-            raise ExoidError(f"wrenches in axes {self.wrench_axes!r}", remedy=f"use one of {', '.join(get_args(Axes))}")
+            raise BadArgumentError(
+                f"wrenches in axes {self.wrench_axes!r}", remedy=f"use one of {', '.join(get_args(Axes))}"
+            )
 
     @classmethod
     def exact(cls, *, wrench_axes: Axes = "link") -> GroundSensors:
@@ -107,127 +121,48 @@ class GroundSensors:
         Returns:
             Sensors that read the truth.
         """
-        return cls(
-            angle_noise=0.0,
-            torque_noise=0.0,
-            force_noise=0.0,
-            moment_noise=0.0,
-            gyro_noise=0.0,
-            acceleration_noise=0.0,
-            imu_window=0.0,
-            position_noise=0.0,
-            turn_noise=0.0,
-            wrench_axes=wrench_axes,
-        )
-
-    def angles(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read joint angles.
-
-        Args:
-            q: True angles [rad], (N, n).
-            rng: Generator of the noise.
-
-        Returns:
-            Readings [rad], (N, n).
-        """
-        return _noisy(q, self.angle_noise, rng)
-
-    def torques(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read joint torques.
-
-        Args:
-            tau: True torques [N·m], (N, n).
-            rng: Generator of the noise.
-
-        Returns:
-            Readings [N·m], (N, n).
-
-        Raises:
-            ExoidError: The noise does not fit the number of joints.
-        """
-        return _noisy(tau, per_joint(self.torque_noise, tau.shape[1], "torque_noise"), rng)
-
-    def imu(self, base: BaseKinematics, rng: np.random.Generator, pose: BasePose | None = None) -> BaseMotion:
-        """Read the IMU.
-
-        Args:
-            base: True motion of the root link.
-            rng: Generator of noise and bias.
-            pose: Measured pose of the torso; None without motion capture.
-
-        Returns:
-            Readings.
-        """
-        place = np.array(self.imu_position)
-        turn = scipy.spatial.transform.Rotation.from_rotvec(self.imu_misalignment).as_matrix()
-        gyro, force = base.angular_velocity @ turn, base.specific_force_at(place) @ turn
-        biases = (size * rng.standard_normal(3) for size in (self.gyro_bias, self.acceleration_bias))
-        gyro_bias, force_bias = biases
-        return BaseMotion.from_imu(
-            _noisy(gyro + gyro_bias, self.gyro_noise, rng),
-            _noisy(force + force_bias, self.acceleration_noise, rng),
-            position=place,
-            pose=pose,
-        )
-
-    def pose(self, position: FloatArray, rotation: FloatArray, rng: np.random.Generator) -> BasePose:
-        """Read motion capture.
-
-        Args:
-            position: True position of the root link's origin [m], (N, 3).
-            rotation: True axes of the root link as columns, (N, 3, 3).
-            rng: Generator of the noise.
-
-        Returns:
-            Readings.
-        """
-        orientation = scipy.spatial.transform.Rotation
-        turn = orientation.from_rotvec(self.turn_noise * rng.standard_normal((len(position), 3)))
-        place = _noisy(position, self.position_noise, rng)
-        return BasePose(place, (orientation.from_matrix(rotation) * turn).as_quat())
-
-    def wrench(self, wrench: Wrench, rng: np.random.Generator) -> Wrench:
-        """Read a force plate, an instrumented sole or the sensor of a hand rail.
-
-        Args:
-            wrench: True wrench.
-            rng: Generator of the noise.
-
-        Returns:
-            Readings in the same axes and about the same point.
-        """
-        return Wrench(
-            _noisy(wrench.force, self.force_noise, rng),
-            _noisy(wrench.moment, self.moment_noise, rng),
-            wrench.point,
-            wrench.axes,
-        )
-
-    def switch(self, force: FloatArray, rate: float, rng: np.random.Generator) -> BoolArray:
-        """Read a foot switch.
-
-        Args:
-            force: True vertical force on the foot [N], (N,).
-            rate: Rate of the log [Hz].
-            rng: Generator of the mistakes.
-
-        Returns:
-            Whether the switch is closed, (N,).
-        """
-        delay = round(self.switch_delay * rate)
-        closed = force > self.switch_force
-        if delay:
-            closed = np.concatenate([np.full(min(delay, len(closed)), closed[0]), closed[:-delay]])
-        return _mislabel(closed, self.mislabelled, max(1, round(MISLABELLED_TIME * rate)), rng)
+        noises = ("angle", "torque", "force", "moment", "gyro", "acceleration", "position", "turn")
+        return cls(imu_window=0.0, wrench_axes=wrench_axes, **{f"{name}_noise": 0.0 for name in noises})
 
 
-def _noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> FloatArray:
-    return np.asarray(x + std * rng.standard_normal(x.shape))
+def read_imu(
+    sensors: GroundSensors, base: BaseKinematics, rng: np.random.Generator, pose: BasePose | None
+) -> BaseMotion:
+    """Read an IMU; a pose comes from motion capture."""
+    place = np.array(sensors.imu_position)
+    turn = scipy.spatial.transform.Rotation.from_rotvec(sensors.imu_misalignment).as_matrix()
+    gyro, force = base.angular_velocity @ turn, base.specific_force_at(place) @ turn
+    gyro_bias, force_bias = (size * rng.standard_normal(3) for size in (sensors.gyro_bias, sensors.acceleration_bias))
+    return BaseMotion.from_imu(
+        noisy(gyro + gyro_bias, sensors.gyro_noise, rng),
+        noisy(force + force_bias, sensors.acceleration_noise, rng),
+        position=place,
+        pose=pose,
+    )
 
 
-def _mislabel(closed: BoolArray, share: float, stretch: int, rng: np.random.Generator) -> BoolArray:
-    """Open a switch in random stretches, until a share of its closed samples is wrong."""
-    out, wrong = closed.copy(), round(share * int(closed.sum()))
+def read_pose(sensors: GroundSensors, position: FloatArray, rotation: FloatArray, rng: np.random.Generator) -> BasePose:
+    """Read motion capture of the root link's origin, (N, 3), and axes, (N, 3, 3)."""
+    orientation = scipy.spatial.transform.Rotation
+    turn = orientation.from_rotvec(sensors.turn_noise * rng.standard_normal((len(position), 3)))
+    place = noisy(position, sensors.position_noise, rng)
+    return BasePose(place, (orientation.from_matrix(rotation) * turn).as_quat())
+
+
+def read_wrench(sensors: GroundSensors, wrench: Wrench, rng: np.random.Generator) -> Wrench:
+    """Read a force plate, an instrumented sole or the sensor of a hand rail."""
+    force, moment = noisy(wrench.force, sensors.force_noise, rng), noisy(wrench.moment, sensors.moment_noise, rng)
+    return Wrench(force, moment, wrench.point, wrench.axes)
+
+
+def read_switch(sensors: GroundSensors, force: FloatArray, rate: float, rng: np.random.Generator) -> BoolArray:
+    """Read a foot switch under a vertical force, (N,)."""
+    delay = round(sensors.switch_delay * rate)
+    closed = force > sensors.switch_force
+    if delay:
+        closed = np.concatenate([np.full(min(delay, len(closed)), closed[0]), closed[:-delay]])
+    out, wrong = closed.copy(), round(sensors.mislabelled * int(closed.sum()))
+    stretch = max(1, round(0.05 * rate))  # mistakes come in stretches of 50 ms
     while wrong > 0:
         start = int(rng.choice(np.flatnonzero(out)))
         part = np.flatnonzero(out[start : start + min(stretch, wrong)]) + start

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError, ExoidError
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
+from exoid.signals import Wrench
 
 from .engine import Engine
-from .holder import hold
-from .ledger import Ledger
+from .holder import Holder
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
-from .run import GroundRun
-from .samples import Samples
+from .run import Audit, Footing, GroundRun
+from .sensors import BaseSteps
 
-STEP = 5e-4
-"""Default step [s]."""
-
-RATES = Rates(control=2000.0, log=500.0, step=STEP)
+RATES = Rates(control=2000.0, log=500.0, step=5e-4)
 """Default rates: the controller acts at every step, so that torque and motion of a sample are of one time."""
 
 
@@ -54,20 +56,20 @@ def simulate_on_ground(
             short, or the machine diverges.
     """
     if rail and spring is not None:
-        raise ExoidError("a rail and a spring hold the torso", remedy="choose one of both")
+        raise BadArgumentError("a rail and a spring hold the torso", remedy="choose one of both")
     every_control, every_log = rates.steps()
     first, last = (round(float(t) / rates.step) for t in motion.time[[0, -1]])
     if first > 0 or last < 1:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the reference is from {motion.time[0]:g} to {motion.time[-1]:g} s",
             remedy="begin at zero or before, and end after zero",
         )
     targets = motion.at(rates.step * np.arange(first, last + 1, dtype=np.float64))
     engine = Engine(plant, rates.step, rail=rail)
     engine.place(targets.q[0], targets.base[0])
-    holder = hold(engine, spring, targets) if spring is not None else None
+    holder = None if spring is None else Holder(engine, spring, targets)
     limit, (stiffness, damping) = plant.leg.limits.effort, gains.arrays(len(engine.q))
-    ledger, samples, torque = Ledger(engine, last), Samples(engine, holder), np.zeros(len(engine.q))
+    torque, books = np.zeros(len(engine.q)), _Books(engine, holder)
     for k in range(last - first + 1):
         now = k + first
         engine.begin()
@@ -81,21 +83,118 @@ def simulate_on_ground(
         held = None if holder is None else holder.force(k)
         if held is not None:
             applied += held
-        logs = now >= 0 and now % every_log == 0
-        if now >= 0:
-            ledger.begin(now)
-            samples.begin_step()
-        if logs:
-            samples.begin()
-        engine.finish()
-        if now >= 0:
-            ledger.finish(now, torque, held)
-            samples.finish_step()
-        if logs:
-            samples.finish(now * rates.step, torque)
+        if now < 0:
+            engine.finish()
+        else:
+            books.finish(torque, held, ends=now in (0, last), logs=now % every_log == 0)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
             raise ExoidError(
                 f"the machine diverged before {now * rates.step:.3g} s",
                 remedy="lower the gains, slow the motion, or shorten the step",
             )
-    return samples.run(ledger.audit(rates.step))
+    return books.run(rates.step)
+
+
+class _Books:
+    """States and forces of a run: of every step for the audit and the IMU, of samples for the log."""
+
+    def __init__(self, engine: Engine, holder: Holder | None) -> None:
+        self._engine, self._holder = engine, holder
+        self._steps: list[tuple[FloatArray, ...]] = []
+        self._samples: list[tuple[FloatArray, ...]] = []
+        self._logged: list[int] = []
+        self._ends: list[tuple[float, FloatArray]] = []
+
+    def finish(self, torque: FloatArray, held: FloatArray | None, *, ends: bool, logs: bool) -> None:
+        """Finish a step: note the state that it begins with, then its acceleration and forces."""
+        engine = self._engine
+        begun = engine.rate.copy(), engine.torso.rotation.copy(), engine.q.copy()
+        if ends:
+            self._ends.append((engine.energy, engine.momentum))
+        engine.finish()
+        rail = engine.rail
+        forces = torque, engine.constraint - rail, rail if held is None else held
+        if logs:
+            self._logged.append(len(self._steps))
+            wrench = engine.rail_wrench if self._holder is None else self._holder.wrench
+            self._samples.append((wrench, *engine.placements(), *engine.loads()))
+        self._steps.append((*begun, engine.acceleration.copy(), *forces))
+
+    def run(self, dt: float) -> GroundRun:
+        """Return samples, audit, and motion of the root link at every step."""
+        engine, plant, b = self._engine, self._engine.plant, self._engine.base
+        rate, turn, q, change, torque, ground, held = (np.array(x) for x in zip(*self._steps, strict=True))
+        kept = np.array(self._logged)
+        motion = _base_kinematics(plant, rate[:, :b], change[:, :b], turn)
+        wrench, position, rotation, twist, force, place = (np.array(x) for x in zip(*self._samples, strict=True))
+        feet = {
+            link: _footing(position[:, i], rotation[:, i], twist[:, i], force[:, own], place[:, own])
+            for i, (link, own) in enumerate(engine.spheres.items(), start=1)
+        }
+        wrenches = {link: foot.wrench for link, foot in feet.items()}
+        if engine.has_rail or self._holder is not None:
+            point = (0.0, 0.0, 0.0) if self._holder is None else self._holder.spring.point
+            pulled, moment = (np.einsum("nij,ni->nj", turn[kept], wrench[:, part]) for part in (0, 1))
+            wrenches[plant.root_link] = Wrench(pulled, moment, np.array(point))
+        return GroundRun(
+            plant,
+            kept * dt,
+            q[kept],
+            rate[kept, b:],
+            change[kept, b:],
+            torque[kept],
+            BaseKinematics(
+                *(x[kept] for x in (motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
+            ),
+            position[:, 0],
+            rotation[:, 0],
+            wrenches,
+            feet,
+            self._audit(rate, torque, ground, held, dt),
+            BaseSteps(motion, kept, dt),
+        )
+
+    def _audit(self, rate: FloatArray, torque: FloatArray, ground: FloatArray, held: FloatArray, dt: float) -> Audit:
+        """Balance of energy and momentum; a force acts over a step at the mean of the rates at its ends."""
+        plant, b, begin, end = self._engine.plant, self._engine.base, *self._ends
+        plane, mean, forces = plant.plane, 0.5 * (rate[1:] + rate[:-1]), (ground[:-1], held[:-1])
+        power = torque[:-1] * mean[:, b:]
+        impulses = (
+            total[0] * plane.forward + total[1] * plane.up if plant.is_planar else total[:3]
+            for total in (dt * force.sum(axis=0) for force in forces)
+        )
+        return Audit(
+            float(dt * power.sum()),
+            float(dt * np.vdot(forces[1], mean)),
+            end[0] - begin[0],
+            float(dt * np.vdot(plant.friction(rate[:-1, b:]), mean[:, b:])),
+            -float(dt * np.vdot(forces[0], mean)),
+            float(dt * np.abs(power).sum()),
+            *impulses,
+            -dt * len(mean) * self._engine.weight * plane.up,
+            end[1] - begin[1],
+        )
+
+
+def _base_kinematics(plant: GroundPlant, rate: FloatArray, change: FloatArray, turn: FloatArray) -> BaseKinematics:
+    """Motion of the root link as an IMU at its origin measures it."""
+    plane = plant.plane
+    if plant.is_planar:
+        linear = change[:, :2] @ np.array([plane.forward, plane.up])
+        spin, turning = (np.outer(x[:, 2], -plane.lateral) for x in (rate, change))
+    else:  # MuJoCo's free joint: linear in the laboratory, angular in the axes of the body
+        linear, spin, turning = change[:, :3], rate[:, 3:], change[:, 3:]
+    return BaseKinematics(spin, turning, np.einsum("nij,ni->nj", turn, linear + GRAVITY * plane.up))
+
+
+def _footing(
+    position: FloatArray, rotation: FloatArray, twist: FloatArray, forces: FloatArray, places: FloatArray
+) -> Footing:
+    """Sum up the forces on the points of a sole, (N, K, 3) at places (N, K, 3)."""
+    force = forces.sum(axis=1)
+    moment = np.cross(places - position[:, None], forces).sum(axis=1)
+    points = np.count_nonzero(forces[..., 2] > 0.0, axis=1)
+    foot = Footing(force, moment, position, rotation, points, np.zeros(len(force)))
+    arm = foot.centre_of_pressure - position
+    slip = np.nan_to_num(twist[:, 3:] + np.cross(twist[:, :3], arm))
+    return replace(foot, slip=np.hypot(slip[:, 0], slip[:, 1]))

@@ -17,10 +17,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .low_pass import ParallelFilter
-
-LONGEST_REVERSAL = 1.0
-"""A longer stay below the reversal speed is a rest [s]: its rows are kept."""
+from .parallel import ParallelFilter
 
 PIECE = 256
 """Rows that are projected together, about, if they are as far apart as the filter allows."""
@@ -28,45 +25,22 @@ PIECE = 256
 LONGEST_PIECE = 2
 """Such a piece is never longer than so many times that."""
 
-LARGEST_SHARE = 0.7
-"""Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
-
-NEGLIGIBLE = 1e-4
-"""Part of the largest response below which a response is over."""
-
 
 def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
-    """Widen the reversals of joints, and leave out rests.
-
-    The kinematics filter has about twice the cut-off f of the parallel filter, and rounds the corner that a stop makes
-    in the angle over 1 / (4π f).
-
-    Args:
-        slow: Whether each joint is slower than its reversal speed, (N, n).
-        parallel: Filter of the rows.
-
-    Returns:
-        Whether the friction of each joint is unknown, (N, n).
-    """
+    """Widen the reversals of joints, and leave out rests."""
+    # The kinematics filter has about twice the cut-off f of the parallel filter, and rounds the corner that a stop
+    # makes in the angle over 1 / (4π f).
     widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
     grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
     for joint in range(slow.shape[1]):
         for start, end in _runs(slow[:, joint]):
-            if end - start <= LONGEST_REVERSAL * parallel.rate:
+            if end - start <= parallel.rate:  # a stay of more than 1 s is a rest: its rows are kept
                 widened[max(0, start - grown) : end + grown, joint] = True
     return widened
 
 
 def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
-    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart.
-
-    Args:
-        unknown: Whether the friction of a joint is unknown, for all samples, (N,).
-        parallel: Filter of the rows.
-
-    Returns:
-        Samples of the pulses in ascending order, (M,).
-    """
+    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart."""
     start, end = _runs(unknown).T
     gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
     run = np.repeat(np.arange(len(start)), gaps + 1)
@@ -100,17 +74,6 @@ def without_reversals(
 
     Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
     close together that the filter could not tell more of them apart.
-
-    Args:
-        signals: Filtered signals of each joint at some samples, (K, R).
-        pulses: Samples of the pulses of each joint, see :func:`reversal_pulses`.
-        rows: These samples, R of them.
-        parallel: The filter.
-        block: Number of rows that are cut into pieces by themselves, so that the pieces do not depend on how many rows
-            there are; None for all.
-
-    Returns:
-        Projected signals of each joint.
     """
     left = [of_joint.copy() for of_joint in signals]
     taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
@@ -151,7 +114,8 @@ def _clusters(
     """Go over clusters of pulses, and the rows that they reach, piece by piece, but for pieces with too many."""
     reach = len(_impulse_response(parallel)) // 2
     pulses = pulses[slice(*np.searchsorted(pulses, [rows.start - reach, rows.stop + reach]))]
-    places, most = pulses.tolist(), LARGEST_SHARE * min(1.0, parallel.independent_fraction * rows.step)
+    # Where pulses would take more than this share of the independent samples of a piece, its rows stay
+    places, most = pulses.tolist(), 0.7 * min(1.0, parallel.independent_fraction * rows.step)
     for start, stop in pairwise(_cuts(rows, pulses, size)):
         near = places[bisect_left(places, rows[start] - reach) : bisect_right(places, rows[stop - 1] + reach)]
         if not 0 < len(near) <= most * (stop - start):
@@ -225,7 +189,7 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
     impulse = np.zeros((1, 2 * reach + 1))
     impulse[0, reach] = 1.0
     response = parallel(impulse, range(2 * reach + 1))[0]
-    lasting = np.flatnonzero(np.abs(response) > NEGLIGIBLE * response.max())
+    lasting = np.flatnonzero(np.abs(response) > 1e-4 * response.max())
     half = int(np.abs(lasting - reach).max())
     return np.asarray(response[reach - half : reach + half + 1])
 

@@ -20,30 +20,13 @@ SLOWEST = 2e5
 
 
 def size_on_disk(path: Path) -> int:
-    """Find the size of a file, or of the files in a folder.
-
-    Args:
-        path: The file or folder.
-
-    Returns:
-        Size [bytes].
-
-    Raises:
-        OSError: It cannot be read.
-    """
+    """Find the size of a file, or of the files in a folder."""
     files = path.iterdir() if path.is_dir() else (path,)
     return sum(file.stat().st_size for file in files if file.is_file())
 
 
 def most_memory(size: int) -> int:
-    """Largest plausible size of a file's numbers in memory.
-
-    Args:
-        size: Size on disk [bytes].
-
-    Returns:
-        Size in memory [bytes].
-    """
+    """Largest plausible size of a file's numbers in memory."""
     return max(MOST_MEMORY, MOST_EXPANSION * size)
 
 
@@ -54,16 +37,7 @@ def most_seconds(size: int) -> float:
 
 
 def refuse_expansion(memory: int, path: Path, file: str) -> None:
-    """Refuse a file whose content is far larger than the file, which may be made to fill the memory.
-
-    Args:
-        memory: Size in memory [bytes].
-        path: The file, or a folder of files.
-        file: Path as the caller gave it, for messages.
-
-    Raises:
-        ExoidError: Names both sizes.
-    """
+    """Refuse a file whose content is far larger than the file, which may be made to fill the memory."""
     if memory <= MOST_MEMORY:
         return
     size = size_on_disk(path)

@@ -40,35 +40,16 @@ WATCHED = os.name == "posix" and sys.platform != "linux"
 THREADS = "4"
 """Number of threads of polars, each of which needs memory; the variable of the same name in the environment rules."""
 
-Arrays = Mapping[str, NDArray[Any]]
-
 
 class Content(NamedTuple):
-    """Content of a file, as a reader in the child returns it.
+    """Content of a file, as a reader in the child returns it."""
 
-    Attributes:
-        arrays: Arrays of numbers, text or dates by name.
-        facts: Values of JSON by name.
-    """
-
-    arrays: Arrays
-    facts: Mapping[str, Any] = {}
+    arrays: Mapping[str, NDArray[Any]]  # arrays of numbers, text or dates by name
+    facts: Mapping[str, Any] = {}  # values of JSON by name
 
 
 def read_in_child(reader: Callable[..., Content], file: str, **arguments: Any) -> Content:  # noqa: ANN401 - JSON
-    """Read a file in the child process, with bounds on its memory (where the system has them) and its time.
-
-    Args:
-        reader: Function of a module, of the path and of the arguments.
-        file: Path as the caller gave it.
-        **arguments: Values of JSON.
-
-    Returns:
-        What the reader returned.
-
-    Raises:
-        ExoidError: The reader raised it, died, or took too long; or the child cannot be started.
-    """
+    """Read a file in the child process, with bounds on its memory (where the system has them) and its time."""
     try:
         size = size_on_disk(Path(file))
     except (OSError, ValueError):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
+from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.noise_size import robust_std
 
 from .imu import ENDS
@@ -22,7 +23,7 @@ from .standing_base import standing_reading
 SLIDING, TILTING = 0.03, 0.15
 """A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
 
-LOOK = 10.0
+LOOK = 8.0
 """Cut-off frequency of the velocities in which slipping is looked for [Hz]."""
 
 BASELINE = 0.8
@@ -107,7 +108,7 @@ def _foot_acceleration(leg: Leg, recording: Recording, base: BaseMotion, link: s
 def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
     """Integrate an acceleration, without what changes slowly, (N, 2)."""
     speed = low_passed(np.cumsum(acceleration, axis=0) / rate, rate)
-    stride = max(1, int(rate / (5.0 * LOOK)))  # the low-pass leaves no more than that
+    stride = max(1, int(rate / (6.25 * LOOK)))  # the low-pass leaves no more than that
     half = round(0.5 * BASELINE * rate / stride)
     longer = np.pad(speed[::stride], ((half, half), (0, 0)), "reflect", reflect_type="odd")  # a drift has no ends
     slow = scipy.ndimage.median_filter(longer, (2 * half + 1, 1))
@@ -124,6 +125,4 @@ def _episodes(over: FloatArray) -> NDArray[np.bool_]:
 
 def low_passed(values: FloatArray, rate: float) -> FloatArray:
     """Pass columns through a zero-phase low-pass, which leaves the velocities in which slipping is looked for."""
-    if 0.4 * rate <= LOOK:
-        return values
-    return np.asarray(scipy.signal.sosfiltfilt(scipy.signal.butter(2, LOOK, fs=rate, output="sos"), values, axis=0))
+    return values if 0.32 * rate <= LOOK else slow_part(values, rate, LOOK)

@@ -13,7 +13,8 @@ from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.regression.rows import for_leg
 from exoid.regression.trends import trend_warnings
-from exoid.signals import Recording, base_during
+from exoid.signals import Recording
+from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.residuals import plot_friction_fit, plot_prediction, plot_residual_band, plot_residual_trend

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from exoid import ExoidError, Recording
+from exoid import Recording
 from exoid.control.wearer.gait import find_phase, profile
+from exoid.errors import BadArgumentError
 
 RATE = 100.0
 
@@ -50,8 +51,8 @@ def test_motion_that_does_not_repeat_has_no_phase():
     rng = np.random.default_rng(1)
     time = np.arange(0.0, 30.0, 0.01)
     drift = np.cumsum(rng.standard_normal((len(time), 2)), axis=0) * 0.01
-    assert find_phase(Recording(time, drift, joint_names=("a", "b"))) is None
-    assert find_phase(Recording(time, np.zeros((len(time), 1)), joint_names=("a",))) is None
+    assert np.isnan(find_phase(Recording(time, drift, joint_names=("a", "b"))).values).all()
+    assert find_phase(Recording(time, np.zeros((len(time), 1)), joint_names=("a",))).period is None
 
 
 def test_touch_downs_begin_a_cycle():
@@ -76,7 +77,7 @@ def test_given_strides_count_first():
 
 @pytest.mark.parametrize("strides", [[1.0], [2.0, 1.0], [1.0, np.nan], [100.0, 101.0]])
 def test_wrong_strides_are_refused(strides):
-    with pytest.raises(ExoidError, match="strides"):
+    with pytest.raises(BadArgumentError):
         find_phase(walking()[0], strides)
 
 
@@ -97,5 +98,5 @@ def test_samples_without_a_phase_and_empty_bins_are_left_out():
     found = profile(np.array([[9.0], [1.0], [3.0]]), np.ones((3, 1)), phase, bins=2)
     assert found.mean[0, 0] == 2.0
     assert np.isnan(found.mean[1, 0])
-    with pytest.raises(ExoidError, match="0 bins"):
+    with pytest.raises(BadArgumentError):
         profile(np.ones((3, 1)), np.ones((3, 1)), phase, bins=0)

@@ -12,6 +12,7 @@ from worn import filtered, log, push, swing, unworn_estimate
 import exoid
 from exoid import ExoidError, Payload, Recording, TorsoMotion
 from exoid.actuators import Motor
+from exoid.errors import BadArgumentError
 
 LEGS = ("bleex", "cuhk")
 
@@ -118,7 +119,7 @@ def test_several_recordings_are_joined_and_kept_apart(leg, estimate, worn):
     assert len(both.time) == sum(len(part.time) for part in both.parts)
     assert len(both.to_json()["recordings"]) == 2
     assert "each recording:" in str(both)
-    with pytest.raises(ExoidError, match="2 recordings"):
+    with pytest.raises(BadArgumentError):
         both.to_csv("both.csv")
 
 
@@ -153,7 +154,7 @@ def test_drives_give_the_torque_of_the_actuators(estimate, leg, worn):
     driven = Recording(motion.time, recording.q, current=current, joint_names=leg.joint_names)
     found = exoid.interaction(estimate, driven, actuators=motors)
     assert np.allclose(found.torque, exoid.interaction(estimate, recording).torque, atol=1e-9)
-    with pytest.raises(ExoidError, match="motor currents and no torque"):
+    with pytest.raises(ExoidError):
         exoid.interaction(estimate, driven)
 
 
@@ -184,13 +185,6 @@ def test_a_joint_without_torque_is_left_out_by_name(leg, estimate, worn):
     assert "unmeasured-torque" in {finding.kind for finding in found.findings}
 
 
-def test_a_log_without_any_torque_is_refused(estimate, worn):
-    with pytest.raises(ExoidError, match="no torque"):
-        exoid.interaction(estimate, dataclasses.replace(worn[1], tau=None))
-    with pytest.raises(ExoidError, match="no torque"):
-        exoid.interaction(estimate, dataclasses.replace(worn[1], tau=np.full_like(worn[1].tau, np.nan)))
-
-
 def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(estimate, worn):
     recording = worn[1]
     found = exoid.interaction(estimate, recording)
@@ -204,12 +198,6 @@ def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(es
     assert np.allclose(found.torque[common], part.torque[inner], atol=1e-6)
 
 
-def test_a_log_that_is_too_short_is_refused(estimate, worn):
-    recording = worn[1]
-    with pytest.raises(ExoidError, match="too few"):
-        exoid.interaction(estimate, recording.between(recording.time[0], recording.time[0] + 0.12))
-
-
 def test_a_foot_on_the_ground_needs_a_measured_wrench():
     exo = exoid.load_exo("bleex", base="floating")
     options = {"seconds": 20.0, "noise": 0.4, "encoder": 1e-4}
@@ -217,7 +205,7 @@ def test_a_foot_on_the_ground_needs_a_measured_wrench():
     training = [both.recording, left.recording, mirrored(other).recording]
     estimate = exoid.identify(exo, training, terms=())
     log = standing(exo, "left", seed=7, **options)
-    with pytest.raises(ExoidError, match="left_foot on the ground throughout"):
+    with pytest.raises(ExoidError):
         exoid.interaction(estimate, log.recording)
     measured = dataclasses.replace(log.recording, wrenches={"left_foot": log.wrenches["left_foot"]})
     assert not exoid.interaction(estimate, measured).worn
@@ -250,16 +238,25 @@ def test_json_csv_and_text(estimate, worn, tmp_path):
     assert "worn" in repr(found)
 
 
-def test_wrong_arguments_are_refused(estimate, worn):
-    for arguments, match in (
-        (([],), "no recordings"),
-        ((["log.csv"],), "is no recording"),
-    ):
-        with pytest.raises(ExoidError, match=match):
-            exoid.interaction(estimate, *arguments)
-    with pytest.raises(ExoidError, match="pass one of them"):
+LOGS = {
+    "no torque": lambda log: dataclasses.replace(log, tau=None),
+    "torques that are not numbers": lambda log: dataclasses.replace(log, tau=np.full_like(log.tau, np.nan)),
+    "too short": lambda log: log.between(log.time[0], log.time[0] + 0.12),
+    "none at all": lambda log: [],
+    "a name": lambda log: ["log.csv"],
+}
+
+
+@pytest.mark.parametrize("what", LOGS)
+def test_logs_that_say_nothing_are_refused(estimate, worn, what):
+    with pytest.raises(ExoidError):
+        exoid.interaction(estimate, LOGS[what](worn[1]))
+
+
+def test_options_that_exclude_each_other_are_refused(estimate, worn):
+    with pytest.raises(BadArgumentError):
         exoid.interaction(estimate, worn[1], cutoff=5.0, preparation=exoid.signals.FiniteDifference())
-    with pytest.raises(ExoidError, match="strides of several"):
+    with pytest.raises(BadArgumentError):
         exoid.interaction(estimate, [worn[1], worn[1]], strides=[1.0, 2.0])
 
 

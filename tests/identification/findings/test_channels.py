@@ -4,11 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-import scipy.signal
 from logs import clean, kinds, of_kind, with_column
 
 import exoid
-from exoid.identification.findings.runs import Runs, median_of_five, quantum
 
 
 @pytest.mark.parametrize("part", [0.9, 0.6])
@@ -125,16 +123,3 @@ def test_a_dead_torque_channel_is_a_finding_not_an_exception():
     found = exoid.check(leg, with_column(log, "tau", 1, lambda x: 0.0 * x))
     assert {"stuck-channel", "not-identifiable"} <= kinds(found)
     assert found[0].severity == "error"
-
-
-def test_runs_of_equal_samples():
-    runs = Runs.of(np.array([1.0, 1.0, 2.0, 3.0, 3.0, 3.0]))
-    assert runs.start.tolist() == [0, 2, 3]
-    assert runs.stop.tolist() == [2, 3, 6]
-    assert quantum(np.array([0.0, 0.5, 2.0])) == 0.5
-    assert quantum(np.ones(3)) == 0.0
-
-
-def test_medians_of_five_are_those_of_a_median_filter():
-    x = np.random.default_rng(0).standard_normal(1001).round(1)
-    np.testing.assert_array_equal(median_of_five(x), scipy.signal.medfilt(x, 5))

@@ -8,12 +8,6 @@ from logs import clean, late, of_kind, with_column
 from swings import Swing
 
 import exoid
-from exoid.identification.findings.checkup import FittedLeg, _checked
-from exoid.identification.findings.least_sizes import LEAST_SIZES, LEAST_TORQUE, is_large_enough
-from exoid.identification.findings.model_checks import _state_beside
-from exoid.identification.findings.nuisance_columns import column_layout
-from exoid.identification.findings.nuisances import Nuisance, always, nuisances
-from exoid.identification.findings.sample import gather
 
 
 def exact(name="bleex"):
@@ -25,20 +19,6 @@ def exact(name="bleex"):
 
 def tilted(log, degrees):
     return with_column(log, "q", 0, lambda x: x - np.deg2rad(degrees))
-
-
-@pytest.mark.parametrize("kind", LEAST_SIZES)
-def test_a_kind_has_a_least_size(kind):
-    fault, least = Nuisance(kind, "knee", 1, "", (0,)), LEAST_SIZES[kind]
-    assert not is_large_enough(fault, np.array([-0.9 * least]), 1.0)
-    assert is_large_enough(fault, np.array([-1.1 * least]), 0.0)
-
-
-@pytest.mark.parametrize("kind", ["unmodelled-friction", "unmodelled-force"])
-def test_friction_and_forces_need_a_part_of_the_torque(kind):
-    fault = Nuisance(kind, "knee", 1, "N·m", (0, 1), group=True)
-    assert not is_large_enough(fault, np.array([5.0, 5.0]), 0.9 * LEAST_TORQUE)
-    assert is_large_enough(fault, np.array([1e-6, 0.0]), 1.1 * LEAST_TORQUE)
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
@@ -71,17 +51,3 @@ def test_the_zero_of_the_last_joint_is_information_from_two_degrees_on():
     assert (finding.joint, finding.severity) == (leg.joint_names[1], "info")
     assert finding.value == pytest.approx(np.deg2rad(2.0), rel=0.1)
     assert exoid.check(leg, with_column(log, "q", 1, lambda x: x + np.deg2rad(1.0))) == ()
-
-
-def test_what_is_left_out_at_once_is_not_significant_alone():
-    leg, log = clean()
-    estimate = exoid.identify(leg, log, check=False)
-    fitted = FittedLeg(
-        estimate.model, estimate.preparation, np.full(len(estimate.names), np.nan), estimate.values, estimate.covariance
-    )
-    evidence, layout = gather(_checked(fitted, [log]), estimate.values), column_layout(estimate.model)
-    state, every = _state_beside(evidence, (), always(layout)), nuisances(estimate.model, layout)
-    left_out = set(every) - set(state.conspicuous(every))
-    assert len(left_out) > len(every) // 3
-    alone = [state.test(one) for one in left_out]
-    assert all(score is None or score.p_value > 0.01 for score in alone)

@@ -91,6 +91,17 @@ def test_one_torque_out_of_scale_is_named():
     assert finding.value == pytest.approx(1.2, abs=0.03)
 
 
+def test_a_torque_in_another_unit_hides_no_scale_of_another_joint():
+    leg, log = clean()
+    both = with_column(with_column(log, "tau", 2, lambda x: 1000.0 * x), "tau", 1, lambda x: 1.2 * x)
+    found = {one.joint: one.value for one in exoid.check(leg, both) if one.kind == "torque-scale"}
+    assert found[leg.joint_names[2]] == pytest.approx(1000.0, rel=0.1)
+    assert found[leg.joint_names[1]] == pytest.approx(1.2, abs=0.05)
+    two_leg, two = clean("cuhk")
+    found = exoid.check(two_leg, with_column(two, "tau", 0, lambda x: 1000.0 * x))
+    assert [one.joint for one in found if one.kind == "torque-scale"] == [two_leg.joint_names[0]]
+
+
 def test_angles_in_degrees_are_found():
     leg, log = clean()
     wide = dataclasses.replace(log, largest_angle=np.inf)

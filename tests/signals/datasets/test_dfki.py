@@ -12,8 +12,9 @@ import pytest
 
 import exoid
 from exoid import ExoidError
-from exoid.signals import ZeroPhase, central_difference, zero_phase
+from exoid.signals import ZeroPhase, zero_phase
 from exoid.signals.datasets import dfki
+from exoid.signals.differentiation import central_difference
 
 PUBLISHED = {
     "1.0": {

@@ -6,7 +6,8 @@ from standing import standing
 
 import exoid
 from exoid import Armature, Coulomb, Viscous
-from exoid.signals import ZeroPhase, base_during
+from exoid.signals import ZeroPhase
+from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.elimination import eliminate, reference_axes
 from exoid.torques.contacts.standing_base import standing_base

@@ -1,0 +1,137 @@
+"""Checks of the motion of the base: out of the plane of the leg, and the size of gravity in its accelerometer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import NotSupportedError
+from exoid.estimate.finding import Finding
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.leg import Leg
+from exoid.regression.rows import for_leg
+from exoid.signals import BaseMotion, Recording
+from exoid.signals.filters.low_pass import slow_part
+from exoid.signals.moving_base import base_during
+
+from .sample import FittedLeg
+
+GRAVITY = 9.81
+"""Gravity of the models [m/s²]."""
+
+
+def out_of_plane_torque(
+    leg: Leg, q: FloatArray, v: FloatArray, a: FloatArray, base: BaseKinematics
+) -> tuple[FloatArray, FloatArray]:
+    """Compute the torque that rotation of the plane of a leg adds, by Pinocchio with the inertias of the URDF."""
+    # Rotation about the forward and upward axes adds torques such as (Ixx − Izz) ωx ωz and my x ω̇x, whose inertias are
+    # in none of X, Y and J. Acceleration sideways adds none.
+    if not leg.limbs:
+        raise NotSupportedError("the leg has no plane", where=leg.description.name, remedy="pass a planar leg")
+    whole = leg.inverse_dynamics(q, v, a, base)
+    return whole - leg.inverse_dynamics(q, v, a, base.within_plane(leg.plane, leg.hip)), whole
+
+
+def base_findings(fitted: FittedLeg) -> Iterator[Finding]:
+    """Check the base of each recording whose base moves."""
+    moving = [one for one in fitted.data if isinstance(one, Recording) and one.base is not None]
+    if fitted.model.leg.limbs and moving:
+        yield from _out_of_plane(fitted, moving)
+    for one in moving:
+        yield from _gravity_size(fitted, one)
+
+
+def _out_of_plane(fitted: FittedLeg, recordings: list[Recording]) -> Iterator[Finding]:
+    """Compare the torque of motion out of the plane with that of the whole motion, joint by joint."""
+    model, preparation = fitted.model, fitted.preparation
+    worst, name = np.zeros(len(model.joint_names)), ""
+    for one in recordings:
+        recording = for_leg(model, one)
+        base = base_during(recording, preparation)
+        assert isinstance(base, BaseKinematics)
+        q, v, a, valid = preparation.kinematics(recording)
+        rows = np.arange(len(q))[valid]
+        rows = rows[:: 1 + len(rows) // 1000]
+        extra, whole = out_of_plane_torque(model.leg, q[rows], v[rows], a[rows], base.rows(rows))
+        power = np.maximum(np.mean(whole**2, axis=0), np.finfo(float).tiny)
+        shares = np.sqrt(np.mean(extra**2, axis=0) / power)
+        if shares.max() > worst.max():
+            worst, name = shares, one.source.name if one.source else ""
+    for j, joint in enumerate(model.joint_names):
+        share = float(worst[j])
+        if share > 0.01:
+            message = (
+                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque of "
+                f"{joint} that X, Y and J do not describe"
+            )
+            remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
+            yield Finding(
+                "out-of-plane-base",
+                joint,
+                share,
+                "1",
+                "error" if share > 0.1 else "warning",
+                message,
+                remedy,
+                parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
+                recording=name if len(fitted.data) > 1 else "",
+            )
+
+
+def _gravity_size(fitted: FittedLeg, one: Recording) -> Iterator[Finding]:
+    """Compare the mean vertical specific force of a base with gravity."""
+    # A base that does not fly away has no mean acceleration: the mean of f · u over a recording is g, with u
+    # the vertical in its axes. A bias along it scales all gravity torques, which no residual shows.
+    assert one.base is not None
+    if one.base.pose is not None or one.contacts:
+        return
+    recording = for_leg(fitted.model, one)
+    assert recording.base is not None
+    size = _mean_vertical_force(recording.base, recording.sample_rate)
+    error = size - GRAVITY
+    # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
+    if abs(error) > 0.05 + 1.0 / recording.duration:
+        message = (
+            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {GRAVITY}: "
+            f"it is off, which changes mass moments by {100.0 * error / GRAVITY:.2g} %"
+        )
+        remedy = (
+            "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
+            "finds its bias"
+        )
+        yield Finding(
+            "gravity-size",
+            "",
+            error,
+            "m/s²",
+            "warning",
+            message,
+            remedy,
+            parameters=fitted.model.leg.parameter_names,
+            recording=one.source.name if one.source else "",
+        )
+
+
+def _mean_vertical_force(base: BaseMotion, rate: float) -> float:
+    """Mean of the specific force along the vertical [m/s²]."""
+    # The base leans by φ about the axis a that it turns about most, and by a small angle across. The vertical is then
+    # u = cos φ m + sin φ (a × m) with the mean direction m of the force, and φ̇ = −a · ω.
+    force, omega = base.specific_force, base.angular_velocity
+    middle = force.mean(axis=0) / np.linalg.norm(force.mean(axis=0))
+    level = omega - np.outer(omega @ middle, middle)
+    axis = np.linalg.eigh(np.cov(level.T))[1][:, -1]
+    axis = axis - (axis @ middle) * middle
+    axis = axis / np.linalg.norm(axis)
+    side = np.cross(axis, middle)
+    upward, aside, across = force @ middle, force @ side, force @ axis
+    lean = _lean(np.arctan2(aside, upward), -omega @ axis, rate)
+    other = _lean(np.arctan2(across, upward), omega @ side, rate)
+    return float(np.mean(upward * np.cos(lean) + aside * np.sin(lean)) * (1.0 + 0.5 * np.mean(other**2)))
+
+
+def _lean(slow: FloatArray, turning: FloatArray, rate: float) -> FloatArray:
+    """Join how a base leans by an accelerometer, below 0.1 Hz, and by a gyroscope, above."""
+    apart = np.cumsum(turning) / rate - slow
+    return np.asarray(slow + apart - slow_part(apart, rate, min(0.08, 0.08 * rate)))

@@ -1,0 +1,213 @@
+"""Nuisance columns: how the torque would change if the log or the model had a fault.
+
+For a small fault δ the torque is τ = W β + z δ, with z the derivative of the predicted torque by the fault: −dτ/dt for
+a torque that is late, ∂τ/∂q for an angle zero, ∂τ/∂L for a segment's length. The columns stand beside those of the
+parameters, pass the same filter, and are tested in :mod:`exoid.identification.findings.score`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.leg.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics_slopes
+from exoid.leg.leg import Leg
+from exoid.torques import Coulomb, Motion, TorqueModel
+
+from .arms import ArmShapes
+
+STEP = 1e-4
+"""Step of finite differences [rad, or a part of the quantity]."""
+
+
+class Column(NamedTuple):
+    """One nuisance column."""
+
+    kind: str  # key of COLUMNS: what it is the derivative by
+    place: int  # index of the joint or segment
+    other: int = -1  # index of another joint, or of one of several columns; −1 for none
+
+
+@dataclass(frozen=True, eq=False)
+class NuisanceColumns:
+    """Nuisance columns of a torque model, which stand beside those of its parameters."""
+
+    model: TorqueModel  # the torque model
+    columns: Sequence[Column]  # what each column is, K of them
+    values: FloatArray  # parameters at which derivatives are taken, (P,)
+    rate: float  # sampling rate [Hz]
+    speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
+    moving: bool = True  # whether samples are a motion in time; False for poses
+    # moment arms of linear actuators, by the index of their joint
+    arms: Mapping[int, ArmShapes] = field(default_factory=dict)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, (K,)."""
+        return tuple(f"{column.kind} {column.place} {column.other}" for column in self.columns)
+
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Columns that can act on each joint, (n, K)."""
+        joints = np.arange(len(self.model.joint_names))
+        return np.array([(joints == c.place) | (c.kind in OF_ALL_JOINTS) for c in self.columns], dtype=np.bool_).T
+
+    def motion(self, motion: Motion) -> Motion:
+        """Return the motion: the columns depend on nothing else."""
+        return motion
+
+    def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
+        """Write the columns."""
+        rigid, count = len(self.model.leg.parameter_names), len(self.values)
+        of_leg = np.tensordot(self.values[:rigid], columns[:rigid], axes=1)
+        torque = of_leg + np.tensordot(self.values[rigid:], columns[rigid:count], axes=1)
+        at = _Point(self, motion, torque, of_leg)
+        for column, of_column in zip(self.columns, out, strict=True):
+            of_column[... if column.kind in OF_ALL_JOINTS else column.place] = COLUMNS[column.kind](
+                at, column.place, column.other
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """What the columns of one block of samples are derivatives at."""
+
+    of: NuisanceColumns  # the columns
+    motion: Motion  # angles, velocities and accelerations
+    torque: FloatArray  # predicted torque [N·m], (n, N)
+    of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
+
+    @cached_property
+    def leg(self) -> Leg:
+        """The leg with the fitted parameters."""
+        leg = self.of.model.leg
+        return leg.with_parameters(self.of.values[: len(leg.parameter_names)])
+
+    @cached_property
+    def width(self) -> float:
+        """Width of the model's Coulomb friction [rad/s], 0.05 without it."""
+        terms = (term for term in self.of.model.terms if isinstance(term, Coulomb))
+        widths = (term.smoothing for term in terms if isinstance(term.smoothing, float) and term.smoothing > 0.0)
+        return next(widths, 0.05)
+
+    def sign(self, j: int) -> FloatArray:
+        """Direction of the motion of a joint, (N,)."""
+        return np.tanh(self.motion.v[:, j] / self.width)
+
+    @cached_property
+    def slopes(self) -> TorqueSlopes:
+        """Derivatives of the rigid-body torque of a leg that is not planar."""
+        motion = self.motion
+        return inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
+
+    @cached_property
+    def changed(self) -> FloatArray:
+        """Rigid-body torque of a planar leg with the angle of each joint off by a step, then scaled, (2 n, n, N)."""
+        samples, n = self.motion.q.shape
+        several = Motion(*self.motion[:4]).rows(np.tile(np.arange(samples), 2 * n))
+        q, v, a = (x.reshape(2 * n, samples, n) for x in several[:3])
+        for j in range(n):
+            q[j, :, j] += STEP
+            for x in (q, v, a):
+                x[n + j, :, j] *= 1.0 + STEP
+        torque = self.planar_torque(self.of.model.leg, several)
+        return torque.reshape(n, 2 * n, samples).transpose(1, 0, 2)
+
+    def planar_torque(self, leg: Leg, motion: Motion) -> FloatArray:
+        """Rigid-body torque of a planar leg, (n, N)."""
+        count = len(leg.parameter_names)
+        out = np.zeros((count, *motion.q.shape[::-1]))
+        leg.fill_regressor(motion.q, motion.v, motion.a, out, motion.torso)
+        return np.asarray(np.tensordot(self.of.values[:count], out, axes=1))
+
+
+def _delay(at: _Point, j: int, _: int) -> FloatArray:
+    """Change by a delay of 1 s: −dτ/dt, by differences of fourth order."""
+    x = at.torque[j]
+    if not at.of.moving or len(x) < 2:
+        return np.zeros_like(x)
+    d = np.gradient(x)
+    if len(x) >= 5:
+        d[2:-2] = (8.0 * (x[3:-1] - x[1:-3]) - (x[4:] - x[:-4])) / 12.0
+    return np.asarray(-d * at.of.rate)
+
+
+def _zero(at: _Point, j: int, _: int) -> FloatArray:
+    """Derivative of the rigid-body torque by an angle."""
+    if not at.of.model.leg.limbs:
+        return at.slopes.q[:, :, j].T
+    return np.asarray((at.changed[j] - at.of_leg) / STEP)
+
+
+def _scale(at: _Point, j: int, _: int) -> FloatArray:
+    """Derivative of the rigid-body torque by the scale of an angle and its derivatives."""
+    motion = at.motion
+    if not at.of.model.leg.limbs:
+        pairs = zip(at.slopes, (motion.q, motion.v, motion.a), strict=True)
+        return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
+    return np.asarray((at.changed[motion.q.shape[1] + j] - at.of_leg) / STEP)
+
+
+def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
+    """Derivative of the gravity torque by a tilt about one of two horizontal axes."""
+    model = at.leg.model.copy()
+    gravity = np.array(model.gravity.linear)
+    up = -gravity / np.linalg.norm(gravity)
+    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+    directions = (first / np.linalg.norm(first), np.cross(up, first / np.linalg.norm(first)))
+    model.gravity.linear = np.cross(directions[axis], gravity)
+    return gravity_torque(model, at.motion.q).T
+
+
+def _length(at: _Point, j: int, _: int) -> FloatArray:
+    """Derivative of the torque by the relative length of a segment."""
+    leg = at.of.model.leg
+    assert leg.chain is not None
+    offsets = leg.chain.offsets.copy()
+    offsets[j] *= 1.0 + STEP
+    longer = replace(leg, chain=replace(leg.chain, offsets=offsets))
+    return (at.planar_torque(longer, at.motion) - at.of_leg) / STEP
+
+
+def _clock(at: _Point, _: int, __: int) -> FloatArray:
+    """Derivative of the torque by the relative speed of the clock: all but gravity goes with its square."""
+    if not at.of.model.leg.limbs:
+        return 2.0 * (at.of_leg - gravity_torque(at.leg.model, at.motion.q).T)
+    still = np.zeros_like(at.motion.v)
+    return 2.0 * (at.of_leg - at.planar_torque(at.of.model.leg, at.motion._replace(v=still, a=still)))
+
+
+def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
+    """Friction that falls off at a quarter of the RMS speed."""
+    slow = 0.25 * max(float(at.of.speed[j]), 1e-6)
+    return at.sign(j) * np.exp(-((at.motion.v[:, j] / slow) ** 2))
+
+
+COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
+    "delay": _delay,
+    "gain": lambda at, j, _: at.torque[j],
+    "cross-talk": lambda at, _, other: at.torque[other],
+    "zero": _zero,
+    "scale": _scale,
+    "gravity": _gravity,
+    "length": _length,
+    "clock": _clock,
+    "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
+    "force": lambda at, _, other: at.motion.q[:, other],
+    "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
+    "sharpness": lambda at, j, _: np.tanh(4.0 * at.motion.v[:, j] / at.width),
+    "friction |v|": lambda at, j, _: np.abs(at.motion.v[:, j]),
+    "friction v²": lambda at, j, _: at.motion.v[:, j] * np.abs(at.motion.v[:, j]),
+    "friction Stribeck": _stribeck,
+    "friction load": lambda at, j, _: at.sign(j) * np.abs(at.of_leg[j]),
+}
+"""Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
+
+OF_ALL_JOINTS = ("zero", "scale", "gravity", "length", "clock")
+"""Columns that act on the torques of all joints."""

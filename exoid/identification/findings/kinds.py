@@ -1,0 +1,232 @@
+"""The kinds of fault that nuisance columns describe: which columns, which size matters, and what to say of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.estimate.finding import Finding, Severity
+from exoid.torques import TorqueModel
+
+from .arms import ArmShapes
+from .columns import Column
+
+
+class Nuisance(NamedTuple):
+    """One fault that columns describe."""
+
+    kind: str  # kind of the finding
+    joint: str  # name of the joint; "" for all
+    place: int  # index of the joint, or of the segment; −1 for all
+    unit: str  # unit of the fault
+    columns: tuple[int, ...]  # indices of the columns that it combines
+    group: bool = False  # whether the columns have a coefficient each; else they share one
+    form: str = ""  # form of the fault, such as "Stribeck friction"; "" for any
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether the fault is taken out of the recordings; else its columns stay in the fit."""
+        return KINDS[self.kind].most > 0.0 and not self.group
+
+    def is_large_enough(self, delta: FloatArray, torque_share: float) -> bool:
+        """Whether the fault has a size that matters, however exact the log."""
+        least = KINDS[self.kind].least
+        if least is None:
+            return torque_share >= LEAST_TORQUE
+        return bool((np.abs(delta).max() if self.kind == "cross-talk" else np.linalg.norm(delta)) >= least)
+
+
+class Kind(NamedTuple):
+    """What is said of one kind of fault, and from which size on."""
+
+    least: float | None  # smaller faults are not reported; None where the torque of the fault has to matter
+    message: Callable[[Nuisance, float, FloatArray], str]  # of the fault, its value as reported, and its coefficients
+    remedy: str
+    # Largest part that is taken out of the recordings at once: beyond, one step of Gauss and Newton is not to be
+    # trusted. 0 where the fault cannot be taken out.
+    most: float = 0.0
+    value: Callable[[float], float] = lambda delta: delta  # value that is reported for a coefficient
+
+
+LEAST_TORQUE = 3e-3
+"""Friction or a force whose RMS torque is below this part of the joint's RMS torque is not reported."""
+
+
+def _whose(fault: Nuisance) -> str:
+    return f"the torque of {fault.joint}" if fault.joint else "the torque of all joints"
+
+
+# An exact log shows faults that matter to nobody: the least sizes are set by hand (docs/checks.md lists them).
+KINDS = {
+    "torque-delay": Kind(
+        5e-4,
+        lambda fault, x, _: (
+            f"{_whose(fault)} comes {1e3 * abs(x):.3g} ms {'after' if x > 0.0 else 'before'} the motion"
+            + (", or its sensor has a low-pass of that time constant" if x > 0.0 else "")
+        ),
+        'correct the time stamps, or identify with delay="auto" (--delay auto)',
+        most=0.1,
+    ),
+    "torque-scale": Kind(
+        5e-3,
+        lambda fault, x, _: (
+            f"{_whose(fault)} is {x:.3g} times what the other joints' torques ask for; one log cannot "
+            "tell which of the joints is right"
+        ),
+        "calibrate the torque sensors: a known mass on the leg shows which one is wrong",
+        most=2.0,
+        value=lambda delta: 1.0 + delta,
+    ),
+    "angle-offset": Kind(
+        float(np.deg2rad(0.2)),
+        lambda fault, x, _: (
+            f"the angle of {fault.joint} reads {np.degrees(x):.3g}° too much: gravity and coupling have another phase"
+        ),
+        "set the zero of the encoder again, or add the offset to the logged angle",
+        most=0.5,
+        value=lambda delta: -delta,
+    ),
+    "angle-scale": Kind(
+        2e-3,
+        lambda fault, x, _: (
+            f"the angle of {fault.joint} is logged {x:.3g} times as large as it is: its unit or gear ratio is wrong"
+        ),
+        "correct the unit or the counts per turn of the encoder",
+        most=0.5,
+        value=lambda delta: 1.0 / (1.0 + delta),
+    ),
+    "gravity-direction": Kind(
+        float(np.deg2rad(0.2)),
+        lambda fault, x, _: (
+            f"gravity is turned by {np.degrees(x):.3g}° against the model: the base is tilted, or the "
+            "zero of the first angle is wrong"
+        ),
+        "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); calibrate the "
+        "accelerometer of a moving base",
+        most=0.5,
+    ),
+    "segment-length": Kind(
+        5e-3,
+        lambda fault, x, _: (
+            f"the segment behind {fault.joint} is {100.0 * x:+.3g} % longer than in the URDF, or the "
+            "clock of the log is off by half of that"
+        ),
+        "measure the distance between the joint axes and correct the URDF; compare the log with another clock",
+    ),
+    "clock": Kind(
+        1e-3,
+        lambda fault, x, _: (
+            f"the motion is {100.0 * abs(x):.3g} % {'faster' if x > 0.0 else 'slower'} than the time "
+            "stamps say: coupling and gravity contradict each other"
+        ),
+        "compare the stamps with another clock, and check the lengths of all segments",
+    ),
+    "unmodelled-friction": Kind(
+        None,
+        lambda fault, x, _: f"the residual of {fault.joint} depends on its velocity or load as {fault.form} does",
+        "compare terms with exoid select: Stribeck friction, friction under load, presliding",
+    ),
+    "unmodelled-force": Kind(
+        None,
+        lambda fault, x, _: (
+            f"the residual of {fault.joint} depends on the angles as the force of a strap, a cable or a spring does"
+        ),
+        "remove the strap or cable, or add the term stiffness",
+    ),
+    "moment-arm": Kind(
+        3e-4,
+        lambda fault, x, _: (
+            f"the moment arm of the actuator at {fault.joint} has another shape than described: as if "
+            f"the {fault.form} "
+            + (f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm")
+        ),
+        "measure both attachment points in the frames of their links, or the moment arm over the angle",
+    ),
+    "cross-talk": Kind(
+        5e-3,
+        lambda fault, _, delta: (
+            f"the torque sensor of {fault.joint} also sees the torques of other joints ({np.abs(delta).max():.1%})"
+        ),
+        "calibrate the sensors together, with a full matrix",
+    ),
+}
+"""Kinds of fault, in the units of their findings."""
+
+FORMS = {
+    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
+    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
+    "friction Stribeck": ("Stribeck friction", "N·m"),
+    "friction load": ("friction that grows with the load", "1"),
+}
+"""Form of friction that each column describes, and its unit."""
+
+
+class Library(NamedTuple):
+    """Nuisance columns of a torque model, and the faults that combine them."""
+
+    columns: tuple[Column, ...]  # K of them
+    faults: tuple[Nuisance, ...]  # those that are tested
+    # columns that every test contains, so that the sharpness of friction is not taken for another fault
+    always: tuple[int, ...]
+
+
+def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
+    """List the faults that are tested."""
+    names, planar = model.joint_names, model.leg.chain is not None
+    n = len(names)
+    few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
+    columns: list[Column] = []
+    faults: list[Nuisance] = []
+
+    def add(kind: str, place: int, *others: int) -> tuple[int, ...]:
+        columns.extend(Column(kind, place, other) for other in others or (-1,))
+        return tuple(range(len(columns) - len(others or (-1,)), len(columns)))
+
+    for j, joint in enumerate(names):
+        faults.append(Nuisance("torque-delay", joint, j, "s", add("delay", j)))
+        gain, zero = add("gain", j), add("zero", j)
+        if n != 2 or j == 1:  # of two joints only the ratio shows
+            faults.append(Nuisance("torque-scale", joint, j, "1", gain))
+        # In a planar leg a tilt of the base changes the torque as the zero of the first angle does.
+        tilts = planar and j == 0
+        faults.append(
+            Nuisance("gravity-direction" if tilts else "angle-offset", "" if tilts else joint, j, "rad", zero)
+        )
+        faults.append(Nuisance("angle-scale", joint, j, "1", add("scale", j)))
+        add("sharpness", j)
+        for kind, (form, unit) in FORMS.items():
+            faults.append(Nuisance("unmodelled-friction", joint, j, unit, add(kind, j), form=form))
+        force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
+        faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force, group=True))
+        if few and n > 1:
+            mixed = add("cross-talk", j, *(k for k in range(n) if k != j))
+            faults.append(Nuisance("cross-talk", joint, j, "1", mixed, group=True))
+        if planar and j < n - 1:
+            faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
+        if j in arms:
+            arm = add("arm", j, 0, 1)
+            faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, group=True, form=arms[j].what))
+    if n > 1:
+        late = tuple(k for k, column in enumerate(columns) if column.kind == "delay")
+        faults.insert(0, Nuisance("torque-delay", "", -1, "s", late))
+    if not planar:
+        tilt = (*add("gravity", 0), *add("gravity", 1))
+        faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt, group=True))
+    if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
+        faults.append(Nuisance("clock", "", -1, "1", add("clock", 0)))
+    always = tuple(k for k, column in enumerate(columns) if column.kind == "sharpness")
+    return Library(tuple(columns), tuple(faults), always)
+
+
+def describe(fault: Nuisance, delta: FloatArray, half: FloatArray, severity: Severity) -> Finding:
+    """Write a finding for a fault with its size, and the half width of its interval."""
+    kind, interval = KINDS[fault.kind], None
+    value = float(np.linalg.norm(delta))
+    if len(delta) == 1:
+        value, *ends = (kind.value(float(delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
+        interval = (min(ends), max(ends))
+    message = kind.message(fault, value, delta)
+    return Finding(fault.kind, fault.joint, value, fault.unit, severity, message, kind.remedy, interval)

@@ -1,0 +1,258 @@
+"""Checks against the URDF and physics: the scale of the torque, legs that cannot exist, legs far from their drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate.finding import Finding
+from exoid.leg.leg import Leg
+from exoid.leg.lift import check as can_exist
+from exoid.leg.lift import lift
+from exoid.leg.lift.lift import consistent_within
+from exoid.torques import TorqueModel
+
+from .evidence import Evidence
+from .factors import never_negative
+
+IMPOSSIBLE = 4.5
+"""Parameters that no leg can have are so many standard deviations from the nearest that one can."""
+
+
+def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
+    """Compare the torque of each joint with that of the URDF's inertias, friction left free."""
+    urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
+    scales: dict[str, float] = {}
+    for j, joint in enumerate(model.joint_names):
+        R, terms = evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
+        expected, torque = R[:, :rigid] @ urdf, R[:, -1]
+        A = np.column_stack([expected, R[:, terms]])
+        size = np.linalg.norm(A, axis=0)
+        if (size == 0.0).any():
+            continue
+        x, *_ = np.linalg.lstsq(A / size, torque, rcond=1e-9)
+        scale, whole = float(x[0] / size[0]), max(float(np.linalg.norm(torque)), 1e-300)
+        left = float(np.linalg.norm(torque - A / size @ x)) / whole
+        # Rigid bodies are to show, and with friction to explain most of the torque.
+        if abs(scale) * size[0] / whole > 0.1 and left < 0.4:
+            scales[joint] = scale
+    odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(3.0)}
+    if len(odd) > 1 and len(odd) == len(scales):
+        odd = {"": float(np.exp(np.mean(np.log(np.abs(list(odd.values()))))))}
+    for joint, scale in odd.items():
+        yield _scale_finding(joint, abs(scale), model.names)
+
+
+def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:
+    """Describe a torque in another unit."""
+    looks = "as another unit would make it"
+    if 300.0 < scale < 3000.0:
+        looks = "as N·mm would be, or a current in mA times N·m per A"
+    elif scale < 1.0:
+        looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
+    message = (
+        f"{f'the torque of {joint}' if joint else 'all torques'} is {scale:.3g} times what the URDF's inertias ask "
+        f"for, {looks}; the log alone cannot tell"
+    )
+    remedy = (
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    )
+    return Finding("torque-scale", joint, scale, "1", "error", message, remedy, parameters=tuple(names))
+
+
+def impossible_leg(
+    model: TorqueModel, evidence: Evidence, values: FloatArray, covariance: FloatArray
+) -> Iterator[Finding]:
+    """Find parameters that no leg can have, by more than their errors."""
+    leg = model.leg
+    rigid = len(leg.parameter_names)
+    bodies, errors = values[:rigid], covariance[:rigid, :rigid]
+    reasons = can_exist(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
+    if not reasons:
+        return
+    try:
+        apart = _wrong_side(leg, bodies, errors)
+        if apart < IMPOSSIBLE and consistent_within(leg, bodies, errors, IMPOSSIBLE):
+            return
+        nearest = lift(leg, bodies, errors)
+        change = evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest.values)).max()
+        if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
+            return
+        apart = max(apart, nearest.distance)
+    except (ExoidError, np.linalg.LinAlgError):  # a covariance without a metric
+        return
+    if apart < IMPOSSIBLE:
+        return
+    message = (
+        f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
+        "deviations away"
+    )
+    remedy = "look for a wrong sign, unit or length; rotor inertia and springs that the model lacks also do this"
+    yield Finding("impossible-leg", "", apart, "1", "warning", message, remedy, parameters=tuple(leg.parameter_names))
+
+
+def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
+    """By how many standard deviations the centre of mass of a segment is on the wrong side of its joint."""
+    sizes = [0.0]
+    for start in range(len(values) - 3 * len(leg.joint_names), len(values), 3) if leg.limbs else ():
+        place = slice(start, start + 2)
+        direction = leg.parameters[place]
+        std = float(np.sqrt(direction @ covariance[place, place] @ direction))
+        if std > 0.0:
+            sizes.append(-float(direction @ values[place]) / std)
+    return max(sizes)
+
+
+def negative_parameters(
+    model: TorqueModel, evidence: Evidence, values: FloatArray, std: FloatArray
+) -> NDArray[np.bool_]:
+    """Which parameters are negative although they cannot be, by more than their errors and 2 % of the torque."""
+    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(values))
+    below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02)
+    return np.asarray(below & never_negative(model))
+
+
+def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Find friction and rotor inertia that are negative."""
+    rigid = set(model.leg.parameter_names)
+    names = tuple(name for name, is_below in zip(model.names, below, strict=True) if is_below and name not in rigid)
+    if names:
+        message = f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors"
+        remedy = "a term is missing, a sign is wrong, or the torque is not that of this joint"
+        yield Finding(
+            "impossible-leg",
+            "",
+            float(values[model.names.index(names[0])]),
+            model.units[model.names.index(names[0])],
+            "warning",
+            message,
+            remedy,
+            parameters=names,
+        )
+
+
+def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+    """Find segments whose mass moment or inertia is far from the URDF's, beyond their errors; only of planar legs."""
+    leg = model.leg
+    for k, joint in enumerate(leg.joint_names if leg.limbs else ()):
+        urdf, found, errors = (_segments(leg, x)[k] for x in (leg.parameters, values, std))
+        pairs = (
+            ("mass moment", float(np.hypot(*urdf[:2])), float(np.hypot(*found[:2])), errors[:2].max(), "kg·m"),
+            ("inertia", float(urdf[2]), float(found[2]), float(errors[2]), "kg·m²"),
+        )
+        for what, drawn, identified, error, unit in pairs:
+            if drawn <= 0.0 or abs(identified - drawn) < 4.0 * error or 0.5 < identified / drawn < 2.0:
+                continue
+            ratio = identified / drawn
+            message = (
+                f"the {what} of {leg.link_names[k]} is {identified:.3g} {unit}, {ratio:.3g} times that of the URDF"
+            )
+            remedy = "check the URDF's inertias, what the leg carried, and the unit of the torque"
+            yield Finding("far-from-urdf", joint, ratio, "1", "info", message, remedy)
+
+
+def _segments(leg: Leg, values: FloatArray) -> FloatArray:
+    """Values of (X, Y, J) of each segment among all, (n, 3)."""
+    rigid = len(leg.parameter_names)
+    return values[rigid - 3 * len(leg.joint_names) : rigid].reshape(-1, 3)
+
+
+def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+    """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs."""
+    # A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does
+    # not show it. A tilt of the base turns all segments alike, and a small one changes little else.
+    leg = model.leg
+    for limb in leg.limbs:
+        drawn, found = (_segments(leg, x)[limb.joints, :2] for x in (leg.parameters, values))
+        size = np.hypot(*found.T)
+        if (np.hypot(*drawn.T) == 0.0).any() or (size == 0.0).any():
+            continue
+        cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
+        turns = limb.chain.signs * np.arctan2(cross, dot)
+        errors = _segments(leg, std)[limb.joints, :2].max(axis=1) / size
+        angle, error = float(turns[-1]), float(errors[-1])
+        if abs(angle) <= max(0.03, 4.0 * error):  # 1.7°: URDFs of CAD are no better
+            continue
+        absolute = limb.chain.signs * turns  # about one axis
+        alike = np.abs(absolute - absolute[-1]) < 0.25 * abs(angle) + 2.0 * np.hypot(errors, error)
+        if len(turns) > 1 and alike.all():
+            kind, joint, value = "gravity-direction", "", -float(turns[0])
+            message = (
+                f"the centres of mass of all segments lie in directions {abs(np.degrees(angle)):.3g}° from the URDF's: "
+                "the base is tilted by that, or the zero of the first angle is wrong, or the URDF; the log alone "
+                "cannot tell"
+            )
+            remedy = "level the base, and check the zero of the first encoder against a pose that was measured"
+        else:
+            kind, joint, value = "angle-offset", leg.joint_names[limb.joints][-1], angle
+            message = (
+                f"the centre of mass of {leg.link_names[limb.joints][-1]} lies in a direction "
+                f"{abs(np.degrees(angle)):.3g}° from the URDF's: the zero of its joint is off by that, or the URDF is "
+                "wrong; the log alone cannot tell"
+            )
+            remedy = "check the zero of the encoder against a pose that was measured"
+        interval = (value - 2.0 * error, value + 2.0 * error)
+        yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
+
+
+class Residuals(NamedTuple):
+    """Residuals of a fit, joint by joint."""
+
+    spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
+    nrmse: FloatArray  # RMS residual over that, (n,)
+    # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
+    persistence: FloatArray
+
+    @classmethod
+    def of(cls, evidence: Evidence, values: FloatArray) -> Residuals:
+        """Compute residuals on the rows of a check."""
+        # Behind the filter, rows are about as far apart as the samples that carry independent noise.
+        n = len(evidence.counts)
+        power, product = np.zeros((2, n))
+        torques: list[list[FloatArray]] = [[] for _ in range(n)]
+        squares: list[list[FloatArray]] = [[] for _ in range(n)]
+        for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
+            residual = np.where(part.usable, part.tau - part.W[..., : evidence.parameter_count] @ values, 0.0)
+            for j in range(n):
+                torques[j].append(part.tau[part.usable[:, j], j])
+                squares[j].append(residual[part.usable[:, j], j] ** 2)
+            if not at_rest:
+                power += np.sum(residual**2, axis=0)
+                product += np.sum(residual[1:] * residual[:-1], axis=0)
+        every = [(np.concatenate(tau), np.concatenate(square)) for tau, square in zip(torques, squares, strict=True)]
+        spread = np.array([float(np.std(tau)) if len(tau) else 0.0 for tau, _ in every])
+        rms = np.array([float(np.sqrt(np.mean(square))) if len(square) else 0.0 for _, square in every])
+        nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
+        return cls(spread, nrmse, product / np.maximum(power, np.finfo(float).tiny))
+
+
+def large_residuals(model: TorqueModel, residuals: Residuals, *, doubted: bool) -> Iterator[Finding]:
+    """Find joints whose torque the model does not explain; where nothing else was found, by smaller residuals."""
+    for j, joint in enumerate(model.joint_names):
+        nrmse, poor = float(residuals.nrmse[j]), 0.5
+        # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
+        moves = not doubted and residuals.persistence[j] > 0.5
+        if nrmse > (0.15 if moves else poor):
+            remedy = "check whether this channel is the torque of this joint, and record larger or faster motions"
+            if nrmse <= poor:
+                remedy = (
+                    "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
+                    "contacts, straps and cables"
+                )
+            message = f"the model leaves {nrmse:.0%} of the torque unexplained"
+            yield Finding(
+                "large-residual",
+                joint,
+                nrmse,
+                "1",
+                "error" if nrmse > 0.9 else "warning",
+                message,
+                remedy,
+                parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
+            )

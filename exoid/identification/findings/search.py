@@ -1,0 +1,225 @@
+"""Faults that explain the residuals of a fit, found one after the other, and the findings that say so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate.finding import Finding, Severity
+from exoid.signals import Poses, Recording, without_torque_delay
+from exoid.torques import TorqueModel
+
+from .evidence import Evidence
+from .kinds import KINDS, Nuisance, describe, library
+from .sample import FittedLeg, gather
+from .score import HALF_WIDTH, LARGE_GAIN, Score, State, in_half_widths, p_value_of
+
+SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE = 0.5, 0.25, 10.0
+"""A fault matters if it moves a parameter by more than half a half width of its interval. It then makes all parameters
+doubtful that it moves by more than a quarter. It is an error where one moves by ten."""
+
+UNDECIDED = 3.0
+"""Faults whose evidence is less than this below that of the best (20 times less likely) are named beside it."""
+
+
+class Taken(NamedTuple):
+    """A fault that was accepted."""
+
+    applied: float  # part of it that was taken out of the recordings
+    alternatives: tuple[Score, ...]  # faults that explain the log about as well
+
+
+class Fault(NamedTuple):
+    """Size of a fault beside all others, and what it does to the parameters."""
+
+    score: Score  # test, with its size and what it moves
+    alternatives: tuple[Score, ...]  # faults that explain the log about as well
+    reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
+    torque: float  # RMS torque of the fault over that of its joint
+    share: float  # RMS torque of the largest change of a parameter over that of a joint
+
+    @property
+    def matters(self) -> bool:
+        """Whether the fault moves a parameter out of half its interval, and has a size that matters."""
+        large = self.score.nuisance.is_large_enough(self.score.delta, self.torque)
+        return large and bool(self.score.moves.max(initial=0.0) > SMALLEST_MOVE)
+
+    @property
+    def moves_far(self) -> bool:
+        """Whether the fault moves a parameter by many half widths."""
+        return bool(self.score.moves.max(initial=0.0) > FAR_MOVE)
+
+
+def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fault, ...]:
+    """Look for faults that explain the residuals of a fit to sampled data, the most convincing first."""
+    # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
+    # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
+    columns, candidates, always = library(fitted.model, fitted.arms)
+    limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
+    try:
+        evidence = gather(fitted, fitted.values) if evidence is None else evidence
+        beside = _Beside(evidence, {}, always)
+        before = State.of(evidence, ()).values
+        for _ in range(6):  # at most so many faults
+            likely = _likely(beside, candidates, limit)
+            if not likely:
+                break
+            best, delta = likely[0].nuisance, 0.0
+            if best.is_corrected:
+                most = KINDS[best.kind].most
+                delta = float(np.clip(likely[0].delta[0], -most, most))
+                fitted = fitted._replace(data=tuple(_corrected(one, best, delta) for one in fitted.data))
+            old = beside.faults.pop(best, Taken(0.0, tuple(likely[1:])))  # one that was found before grows
+            beside.faults[best] = old._replace(applied=old.applied + delta)
+            if best.is_corrected:
+                beside = beside._replace(evidence=gather(fitted, State.of(beside.evidence, beside.staying()).values))
+        forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
+        sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
+        found = [size for size in sizes if size is not None and size.score.p_value < limit and size.matters]
+        if found:  # the first is blamed for what all together move more than it does alone
+            total, first = State.of(beside.evidence, beside.staying()).values - before, found[0].score
+            move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
+            found[0] = found[0]._replace(score=first._replace(move=move))
+        return tuple(found)
+    except (ExoidError, np.linalg.LinAlgError):
+        return ()  # too little is left for a check
+
+
+class _Beside(NamedTuple):
+    """Faults that were found so far, beside which others are tested."""
+
+    evidence: Evidence  # the rows, without the faults that were taken out
+    faults: dict[Nuisance, Taken]  # faults in the order in which they were found
+    always: tuple[int, ...]  # columns that protect every test
+
+    def staying(self, without: Nuisance | None = None) -> list[int]:
+        """Columns of the faults that stay in the fit."""
+        return [c for one in self.faults if not one.is_corrected and one != without for c in one.columns]
+
+    def fit(self, tested: Nuisance | None = None, *, also: tuple[Nuisance, ...] = (), **how: State | None) -> State:
+        """Fit with the columns of all faults but the tested one, those that are taken out of the recordings too."""
+        others = (*(one for one in self.faults if one != tested), *also)
+        columns = dict.fromkeys((*(column for one in others for column in one.columns), *self.always))
+        places = None if tested is None else tested.columns
+        return State.of(self.evidence, tuple(columns), tested=places, **how)
+
+    def test(self, fault: Nuisance, near: State | None = None) -> tuple[Score | None, State]:
+        """Test a fault with the noise of residuals that no longer contain it, which it would make look coloured."""
+        full = self.fit(fault, also=(fault,), near=near)
+        plain = State.of(self.evidence, self.staying(without=fault), like=full)
+        return self.fit(fault, like=full).test(fault, plain), plain
+
+
+def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> list[Score]:
+    """Most convincing fault that is significant and moves a parameter out of its interval, and those as likely."""
+    state = beside.fit()
+    plain = State.of(beside.evidence, beside.staying(), like=state)
+    new = [nuisance for nuisance in candidates if nuisance not in beside.faults]
+    scores = [state.test(nuisance, plain, limit) for nuisance in state.conspicuous(new)]
+    # what a first step left of faults that were taken out
+    scores += [beside.fit(fault).test(fault, plain, limit) for fault in beside.faults if fault.is_corrected]
+    likely: list[Score] = []
+    for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
+        most = max((one.evidence for one in likely), default=-np.inf)
+        if most > max(1.5 * score.evidence, score.evidence + UNDECIDED):
+            break  # a second test with other noise would not bring it to the best
+        again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN else score
+        if again is not None and again.p_value < limit and again.evidence > 0.0:
+            likely += [again] if again.moves.max(initial=0.0) > SMALLEST_MOVE else []
+    likely.sort(key=lambda one: -one.evidence)
+    return [one for one in likely if one.evidence > likely[0].evidence - UNDECIDED]
+
+
+def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | None:
+    """Estimate one fault beside all others; its torque may consist of other columns (forms) than were tested."""
+    score, plain = beside.test(fault)
+    if score is None:  # others explain it now
+        return None
+    evidence, taken = beside.evidence, beside.faults[fault]
+    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(evidence.parameter_count)
+    if fault.is_corrected:
+        total = taken.applied + score.delta[:1]
+        t = float(total[0]) / max(float(score.std[0]), 1e-300)
+        move = -plain.moved(fault.columns, np.repeat(total, len(fault.columns)))
+        p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
+        score = score._replace(delta=total, p_value=p_value, move=move)
+    sizes = score.delta if fault.group else np.repeat(score.delta, len(fault.columns))
+    torque = evidence.torque_shares(evidence.parameter_count + np.array(fault.columns), sizes[:, None])
+    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(score.move))
+    return Fault(score, taken.alternatives, reach, float(torque[0]), float(shares.max()))
+
+
+def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Recording | Poses:
+    """Take a fault out of a recording; gravity in another direction in a planar leg only."""
+    joints = list(range(len(data.joint_names)) if fault.place < 0 else (fault.place,))
+    if fault.kind == "torque-delay":
+        return data if isinstance(data, Poses) else without_torque_delay(data, dict.fromkeys(joints, delta))
+    changes: dict[str, Any] = {}
+    if fault.kind in ("angle-offset", "gravity-direction"):
+        changes["q"] = data.q.copy()
+        changes["q"][:, joints] += delta
+        return replace(data, **changes)
+    of_torque = fault.kind == "torque-scale"
+    factor = 1.0 / (1.0 + delta) if of_torque else 1.0 + delta
+    for name in ("tau",) if of_torque else ("q", "v", "a"):
+        if (x := getattr(data, name, None)) is not None:
+            changes[name] = np.array(x)
+            changes[name][:, joints] *= factor
+    return replace(data, **changes)
+
+
+class Delays(NamedTuple):
+    """Delays of the torques of all joints."""
+
+    values: FloatArray  # delays, 0 where none is significant [s], (n,)
+    half: FloatArray  # half widths of their 95 % intervals [s], (n,)
+
+
+def delays(faults: Sequence[Fault], joints: int) -> Delays:
+    """Add up the delays of the torque of each joint."""
+    total, variance = np.zeros((2, joints))
+    for score in (fault.score for fault in faults if fault.score.nuisance.kind == "torque-delay"):
+        joint = slice(None) if score.nuisance.place < 0 else score.nuisance.place
+        total[joint] += score.delta[0]
+        variance[joint] += score.std[0] ** 2
+    return Delays(total, HALF_WIDTH * np.sqrt(variance))
+
+
+def findings_of(model: TorqueModel, faults: Sequence[Fault]) -> tuple[Finding, ...]:
+    """Describe faults that were found."""
+    findings: dict[tuple[str, str], Finding] = {}
+    for fault in faults:
+        for one in _described(model, fault):
+            first = findings.setdefault((one.kind, one.joint), one)
+            if first is not one:  # another form of the same fault
+                names = tuple(dict.fromkeys((*first.parameters, *one.parameters)))
+                findings[one.kind, one.joint] = first.affecting(names)
+    return tuple(findings.values())
+
+
+def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
+    """A finding, and one for each other fault that explains the log about as well."""
+    score, joint = fault.score, fault.score.nuisance.joint
+    doubtful = np.maximum(score.moves, in_half_widths(fault.reach, score.half)) > DOUBTFUL_MOVE
+    if fault.moves_far:  # too large for a linear estimate of what it moves
+        acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
+        doubtful |= acting.any(axis=0) & (score.half > 0.0)
+    # An error has to be worth stopping for: a parameter moves far, and by 2 % of a joint's torque.
+    severity: Severity = "error" if fault.moves_far and fault.share > 0.02 else "warning"
+    both = [(score, doubtful)]
+    for one in fault.alternatives:
+        other = (one.nuisance.kind, one.nuisance.joint) != (score.nuisance.kind, joint)
+        if other and one.nuisance.is_large_enough(one.delta, fault.torque):
+            both.append((one, one.moves > DOUBTFUL_MOVE))
+    names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
+    for k, (one, is_doubtful) in enumerate(both):
+        finding = describe(one.nuisance, one.delta, HALF_WIDTH * one.std, severity)
+        others = " or ".join((*names_of[:k], *names_of[k + 1 :]))
+        more = f"; {others} would explain this log about as well" if others else ""
+        names = [name for name, doubted in zip(model.names, is_doubtful, strict=True) if doubted]
+        yield replace(finding, message=f"{finding.message}{more}", parameters=tuple(names))

@@ -1,0 +1,135 @@
+"""Cut-off frequency of the zero-phase preparation by the noise of the angles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+
+from .poses import Poses
+from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
+from .recording import Recording
+
+CUTOFFS = np.linspace(1.0, 8.0, 71)
+"""Cut-off frequencies that are compared [Hz]; legs do not move faster."""
+
+
+class AccelerationPower(NamedTuple):
+    """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
+
+    noise: FloatArray  # power due to the noise of the angles, (71, n); one or two columns more for some bases
+    total: FloatArray  # power of the recorded angles, as many columns
+    samples: int  # number of samples
+    rate: float  # sampling rate [Hz]
+
+
+def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = False) -> float:
+    """Choose the highest cut-off frequency at which derived accelerations have little noise.
+
+    White noise of power density N in an angle gives ω⁴ N in the acceleration. N is the median of the periodogram P of
+    the angle in its upper band, over ln 2. For each joint, noise and signal below the cut-off f are compared over all
+    segments of all recordings:
+
+        Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
+
+    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz. If there is none for a joint,
+    its f has the smallest noise ratio. For logs at 20 Hz or less that ask for a higher cut-off than their rate allows,
+    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is raised until the
+    ends of the filters leave half of the samples. A recording that contains accelerations counts with its length and
+    its rate only. Where the base moves, noise and signal of its angular acceleration, ω² times those of its angular
+    velocity about the axis that turns most, are added to those of each joint. The specific force counts by gravity, of
+    which the noise of a usual accelerometer is less than 0.02.
+
+    Where the base has rows of its own, its angular acceleration is the column of its inertia: it then counts by itself
+    too.
+
+    Args:
+        recordings: Recordings to identify from, all of the same joints. Poses are ignored.
+        base_rows: Whether rows of the base are identified from.
+
+    Returns:
+        Cut-off frequency [Hz].
+
+    Raises:
+        ExoidError: Time has a gap.
+    """
+    powers = (acceleration_power(recording, base_rows=base_rows) for recording in recordings)
+    return cutoff_from([found for found in powers if found is not None])
+
+
+def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False) -> AccelerationPower | None:
+    """Compute noise and signal power of the acceleration of a recording."""
+    if isinstance(recording, Poses):
+        return None
+    even, rate = recording.resampled(), recording.resampled().sample_rate
+    if recording.a is not None:
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + (base_rows and recording.base is not None)))
+        return AccelerationPower(nothing, nothing, len(even), rate)
+    power = _power(even.q.T, rate)
+    if even.base is not None and even.base.pose is not None:
+        of_pose = _power(even.base.pose.columns.T, rate)
+        by_part = [of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)]  # position and quaternion
+        power = np.concatenate([power, np.stack(by_part, axis=2)], axis=2)
+        # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do not
+        # share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this weight.
+        power[0] *= 16.0
+    elif even.base is not None:
+        of_base = _power(even.base.angular_velocity.T, rate, derivatives=1)
+        of_base = of_base[..., [int(np.argmax(of_base[1, -1]))]]  # the axis that turns most
+        power = np.concatenate([power + of_base, of_base], axis=2) if base_rows else power + of_base
+    return AccelerationPower(power[0], power[1], len(even), rate)
+
+
+def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
+    """Choose the cut-off frequency by the powers of each recording, see :func:`choose_cutoff`."""
+    if not powers:
+        return float(CUTOFFS[-1])
+    noise, total = np.sum([each.noise for each in powers], axis=0), np.sum([each.total for each in powers], axis=0)
+    ratio = noise / np.maximum(total, np.finfo(float).tiny)
+    # Noise in a column attenuates its parameter by about the square of the ratio (RMS): 0.04 %
+    allowed = ratio <= 0.02**2
+    last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
+    lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
+    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in powers))
+    return float(next(long_enough, highest_cutoff(min(each.rate for each in powers))))
+
+
+def highest_cutoff(rate: float) -> float:
+    """Highest cut-off: 8 Hz; below 20 samples a second, that at which both filters have their usual ratio."""
+    if CUTOFFS[-1] < LARGEST_RATIO * rate:
+        return float(CUTOFFS[-1])
+    return LARGEST_RATIO / KINEMATICS_MULTIPLE * rate
+
+
+def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray:
+    """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n)."""
+    segments = np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1)
+    return np.asarray(sum(_segment_power(segment, rate, derivatives) for segment in segments))
+
+
+def _segment_power(q: FloatArray, rate: float, derivatives: int) -> FloatArray:
+    samples = q.shape[1]
+    t = np.linspace(-1.0, 1.0, samples)
+    detrended = np.ascontiguousarray(q)
+    detrended = detrended - detrended.mean(axis=1, keepdims=True)
+    detrended -= np.multiply.outer(detrended @ t / (t @ t), t)
+    detrended *= np.hanning(samples)
+    spectrum = scipy.fft.rfft(detrended)
+    power = (spectrum.real**2 + spectrum.imag**2) / samples
+    frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
+    noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, angles are noise only
+    below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
+    slow = slice(0, below[-1] + 1)
+    weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
+    total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
+    return np.stack([np.multiply.outer(np.cumsum(weight)[below], noise), total.T])
+
+
+def _is_long(power: AccelerationPower, cutoff: float) -> bool:
+    """Tell whether the ends of the filters leave half of a recording."""
+    distorted = 2 * ZeroPhase(cutoff).edge(power.rate) if cutoff < 0.4 * power.rate else power.samples
+    return distorted <= 0.5 * power.samples

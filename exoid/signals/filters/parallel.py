@@ -1,0 +1,153 @@
+"""The zero-phase low-pass at the requested rows only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import ComplexArray, FloatArray
+
+from .low_pass import REFLECTION, edge_length, noise_bandwidth, zero_phase_modes
+
+
+@dataclass(frozen=True)
+class ParallelFilter:
+    """Zero-phase Butterworth filter, as :func:`exoid.signals.zero_phase`, worked out at the requested rows only.
+
+    Filtered rows are redundant: of 500 a second, filtered at 8 Hz, sixteen carry independent noise. Sums of squares and
+    products over every :attr:`stride`-th row equal those over all rows, so only these are computed. The filter is
+    linear and the same for all rows, so τ = W β still holds after both sides are filtered.
+
+    Attributes:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency [Hz].
+        order: Order of one of the two passes.
+    """
+
+    rate: float
+    cutoff: float
+    order: int
+
+    @cached_property
+    def reach(self) -> int:
+        """Number of samples to each side that affect a filtered sample, beyond rounding."""
+        return edge_length(self.rate, self.cutoff, self.order, 1e-15)  # below the rounding error of the filter
+
+    @cached_property
+    def independent_fraction(self) -> float:
+        """Fraction of the filtered samples that carries independent noise."""
+        return noise_bandwidth(self.rate, self.cutoff, self.order)
+
+    @property
+    def stride(self) -> int:
+        """Decimation factor that loses no information."""
+        # Four rows a row of independent noise: products of two filtered signals do not alias onto frequency zero
+        return max(1, int(1.0 / (4.0 * self.independent_fraction)))
+
+    def __call__(self, signals: FloatArray, rows: range) -> FloatArray:
+        """Filter signals and decimate them to the requested rows.
+
+        The signals are extended beyond their ends by point reflection.
+
+        Args:
+            signals: Signals in any unit, (K, N).
+            rows: Requested samples, evenly spaced, R of them.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        first, last = rows[0] - self.reach, rows[-1] + 1 + self.reach
+        beyond = max(0, -first), max(0, last - signals.shape[1])
+        window = signals[:, max(0, first) : last]
+        if any(beyond):
+            window = np.pad(window, ((0, 0), beyond), **REFLECTION)
+        return self.among_zeros(window, range(self.reach, self.reach + len(rows) * rows.step, rows.step))
+
+    def among_zeros(
+        self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
+    ) -> FloatArray:
+        """Filter signals that are zero before and after, as samples that do not count are.
+
+        Args:
+            signals: Signals in any unit, K of (N,).
+            rows: Requested samples, evenly spaced, R of them.
+            counted: Mask of samples that count: others are taken for zero, (N,). None for all.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        blocks = _blocks(self, rows.step)
+        begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
+        lead = -(-(rows[0] - begin) // blocks.size)  # the first row begins a block
+        wanted, behind = -(-len(rows) * rows.step // blocks.size), -(-(end - rows[0]) // blocks.size)
+        padded = np.zeros((lead + max(wanted, behind), blocks.size))
+        place = lead * blocks.size - rows[0]
+        window = padded.reshape(-1)[place + begin : place + end]
+        left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
+        products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
+        for k, signal in enumerate(signals):  # one after the other, in the processor's cache
+            window[:] = signal[begin:end]
+            if left_out is not None:
+                window[left_out] = 0.0
+            np.matmul(padded, blocks.products, out=products[:, k])
+        filtered = blocks.joined(products)[lead : lead + wanted]
+        return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
+
+
+class _Blocks(NamedTuple):
+    """The filter for blocks of B samples, at every step-th of them."""
+
+    # The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
+    # block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
+
+    # what samples of a block add to its own rows, and to the states of the blocks after and before it, (B, M +
+    # 4 m) with M rows a block, m modes, and real and imaginary parts one after the other
+    products: FloatArray
+    states: FloatArray  # what states add to the rows of a block, (4 m, M)
+    decay: ComplexArray  # factor of a state from block to block, (m,)
+
+    @property
+    def size(self) -> int:
+        """Samples of a block."""
+        return len(self.products)
+
+    def joined(self, products: FloatArray) -> FloatArray:
+        """Add what comes from other blocks."""
+        rows, modes = self.states.shape[1], len(self.decay)
+        own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
+        states = np.zeros_like(own)
+        for mode, decay in enumerate(self.decay):
+            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
+            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+        return np.asarray(products[..., :rows] + states.view(np.float64) @ self.states)
+
+
+def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
+    """Σ_j decay^(k−j) x_j over j ≤ k for each k, along the first axis, in place: over 2, 4, 8, … terms."""
+    distance = 1
+    while distance < len(x) and abs(decay) > 1e-20:
+        x[distance:] += decay * x[:-distance]
+        decay, distance = decay * decay, 2 * distance
+    return x
+
+
+@lru_cache(maxsize=16)
+def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
+    """Matrices of a filter for every ``step``-th row."""
+    poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff, filter_.order)
+    rows = step * np.arange(max(1, round(128 / step)))
+    size = len(rows) * step
+    k = np.arange(size)
+    response = np.append(middle, (poles ** k[:-1, np.newaxis] @ weights).real)
+    own = response[np.abs(k[:, np.newaxis] - rows)]
+    to_after, to_before = poles ** k[::-1, np.newaxis], poles ** k[:, np.newaxis]
+    from_before, from_after = (weights * poles ** power[:, np.newaxis] for power in (rows, size - 1 - rows))
+    parts = np.hstack([to_after, to_before]).view(np.float64)
+    both = np.hstack([from_before, from_after])
+    states = np.stack([both.real, -both.imag], axis=-1).reshape(len(rows), -1).T
+    return _Blocks(np.hstack([own, parts]), np.ascontiguousarray(states), poles**size)

@@ -1,0 +1,181 @@
+"""Settings and inputs that controllers refuse, with the kind of the error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target
+
+from exoid import load_leg
+from exoid.control import (
+    ControlModel,
+    FrictionCompensation,
+    Limited,
+    PassiveFriction,
+    SideBySide,
+    State,
+    Weights,
+    adaptive,
+    admittance,
+    computed_torque,
+    feedforward_pd,
+    gravity_friction_pd,
+    gravity_support,
+    lqr,
+    p,
+    pd,
+    replay_law,
+    sensitivity_amplification,
+    simulate,
+    simulate_many,
+    stateful,
+)
+from exoid.control.closed_loop import plant_step
+from exoid.control.motion_filter import MotionFilter
+from exoid.errors import BadArgumentError, ExoidError
+from exoid.experiments import healthy_gait
+from exoid.rig import Target
+from exoid.signals import Recording
+
+GAIT, PLANT = healthy_gait(period=2.0), cuhk_plant()
+REST, AIM = State(np.zeros(2), np.zeros(2)), Target(np.zeros(2), np.zeros(2))
+NAN, INF = np.nan, np.inf
+
+
+class Integrator:
+    """A law with memory alone."""
+
+    rate = 100.0
+
+    def begin(self, state):
+        return np.zeros_like(state.q)
+
+    def step(self, memory, state, target):
+        return memory, memory
+
+
+REFUSED = {
+    "gain": [
+        (make, bad)
+        for bad in (-1.0, NAN, (1.0, INF), (1.0, -2.0), np.ones((2, 2, 2)))
+        for make in (
+            lambda x: pd(x, 1.0),
+            lambda x: pd(1.0, x),
+            p,
+            lambda x: gravity_friction_pd(LEG, x, 1.0),
+            lambda x: feedforward_pd(LEG, x, 1.0),
+            lambda x: computed_torque(LEG, x, 1.0),
+        )
+    ],
+    "gains of another number of joints": [
+        (lambda shape: pd((1.0, 2.0, 3.0), 0.1).torque(_state(shape), _aim(shape)), (2,)),
+        (lambda shape: gravity_friction_pd(LEG, (1.0, 2.0, 3.0), 0.1).torque(_state(shape), _aim(shape)), (2, 4)),
+    ],
+    "rate": [
+        (make, bad)
+        for bad in (0.0, -1.0, INF, NAN)
+        for make in (
+            lambda x: pd(1.0, 1.0, rate=x),
+            lambda x: gravity_friction_pd(LEG, 1.0, 1.0, rate=x),
+            lambda x: lqr(LEG, GAIT, 2.0, rate=x),
+        )
+    ],
+    "friction": [
+        *((lambda x: FrictionCompensation(**x), bad) for bad in ({"velocity": "wished"}, {"width": -0.1})),
+        *((lambda x: FrictionCompensation(**x), bad) for bad in ({"width": NAN}, {"scale": INF})),
+        *((lambda x: PassiveFriction(**x), bad) for bad in ({"share": 1.2}, {"share": -0.1}, {"share": NAN})),
+        (lambda x: PassiveFriction(width=x), 0.0),
+    ],
+    "share": [(lambda x: gravity_support(LEG, x), bad) for bad in (1.1, -0.1, NAN, (0.5, 2.0), np.ones((2, 2)))],
+    "amplification": [
+        (lambda x: sensitivity_amplification(LEG, x), bad) for bad in (0.5, INF, NAN, (2.0, 0.9), np.ones((2, 2)))
+    ],
+    "limit": [
+        (lambda x: Limited(pd(1.0, 1.0), **x), bad)
+        for bad in ({"limit": 0.0}, {"slew": -1.0}, {"limit": NAN}, {"slew": np.ones((2, 2))})
+    ],
+    "bandwidth": [
+        (lambda x: MotionFilter(*x), bad)
+        for bad in ((0.0, 100.0), (-5.0, 100.0), (50.0, 100.0), (NAN, 100.0), (5.0, 0.0))
+    ],
+    "target without acceleration": [
+        (lambda make: make(LEG, 1.0, 1.0).torque(REST, AIM), make) for make in (feedforward_pd, computed_torque)
+    ],
+    "LQR": [
+        *((lambda x: lqr(LEG, GAIT, x), bad) for bad in (0.0, NAN)),
+        *((lambda x: lqr(LEG, GAIT, 2.0, weights=x), bad) for bad in (Weights(angle=0.0), Weights(torque=INF))),
+        (lambda x: lqr(LEG, GAIT, 2.0, weights=x), Weights(angle=(1.0, 2.0, 3.0))),
+        (lambda x: lqr(LEG, GAIT.tile(x), 10.0), 2),
+        (lambda x: lqr(load_leg(x), GAIT, 10.0), "bleex"),
+    ],
+    "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
+    "law": [
+        (stateful, {}),
+        (lambda law: Limited(law).torque(REST, AIM), Integrator()),
+        (lambda law: SideBySide((law,)).torque(REST, AIM), Integrator()),
+        (SideBySide, (pd(1.0, 1.0, rate=30.0), pd(1.0, 1.0))),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2, 3)),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2,)),
+    ],
+    "run": [
+        (lambda x: simulate(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
+        (lambda x: simulate_many(PLANT.repeat(2), pd(1.0, 1.0), GAIT, 1.0, names=x), ("one",)),
+        (lambda x: simulate(PLANT, pd(1.0, 1.0), GAIT, 1.0, settle=x), 1.0),
+        *((lambda x: plant_step(*x), bad) for bad in ((0.0, 100.0), (100.0, NAN), (99.97, 100.0))),
+        (lambda make: simulate(PLANT, make(LEG, 0.5, 1.0), GAIT, 1.0), admittance),
+    ],
+    "replay": [
+        (lambda law: replay_law(law, logged()), sensitivity_amplification(LEG, 2.0)),  # 500 Hz, the log has 100
+        (lambda law: replay_law(law, logged().select(LEG.joint_names[:1]), GAIT), pd((1.0, 1.0), (1.0, 1.0))),
+    ],
+}  # fmt: skip
+
+
+def _state(shape):
+    return State(*np.zeros((2, *shape)))
+
+
+def _aim(shape):
+    return Target(*np.zeros((3, *shape)))
+
+
+def logged(keep=slice(None)):
+    time = np.arange(200) / 100.0
+    q = np.sin(np.outer(time, [1.0, 2.0]))
+    v = np.cos(np.outer(time, [1.0, 2.0])) * [1.0, 2.0]
+    return Recording(time=time[keep], q=q[keep], v=v[keep], joint_names=LEG.joint_names)
+
+
+@pytest.mark.parametrize(("call", "bad"), [case for cases in REFUSED.values() for case in cases])
+def test_bad_arguments_are_refused(call, bad):
+    with pytest.raises(BadArgumentError):
+        call(bad)
+
+
+def test_a_motion_beyond_the_limits_and_a_run_that_diverges_are_refused():
+    with pytest.raises(ExoidError, match="the motion asks left_knee"):
+        simulate(PLANT, pd(1.0, 1.0), healthy_gait(scale=3.0), 10.0)
+    with pytest.raises(ExoidError, match="diverged"):
+        simulate(PLANT, pd(1e7, 1e7), GAIT, 1.0)
+
+
+def test_logs_with_gaps_or_missing_values_and_torques_that_are_not_finite_are_refused():
+    law, q = pd((1.0, 1.0), (1.0, 1.0)), logged().q.copy()
+    with pytest.raises(ExoidError, match="gap"):
+        replay_law(law, logged(np.r_[0:100, 150:200]), GAIT)
+    q[20, 1] = NAN
+    with pytest.raises(ExoidError, match="row 20"):
+        replay_law(law, Recording(time=logged().time, q=q, joint_names=LEG.joint_names))
+    model = ControlModel.of(exact_estimate())
+    broken = replace(model, spring=np.full_like(model.spring, NAN))
+    with pytest.raises(ExoidError, match="at 0 s"):
+        replay_law(gravity_support(broken), logged(), GAIT)
+
+
+@pytest.mark.parametrize("what", ["q", "v"])
+def test_adaptive_control_refuses_readings_that_are_not_finite(what):
+    law = adaptive(exact_estimate(), 60.0, 6.0)
+    with pytest.raises(ExoidError, match="not finite"):
+        law.step(law.begin(REST), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))
