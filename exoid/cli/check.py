@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .numbers import parse_known
 from .option_groups import expand_options
 from .options import (
@@ -53,7 +53,7 @@ def check(
 
     refuse_unknown_leg(leg)
     recordings = read_logs(logs, reading)
-    found_leg = choice.find(leg, recordings[0].joint_names)
+    found_leg = find_leg(leg, choice, recordings[0].joint_names)
     drives, values = read_drives(actuators, found_leg), parse_known(known)
     found = exoid.check(found_leg, recordings, given_terms(terms), cutoff=cutoff, known=values, actuators=drives)
     print_result(_text(found), as_json=as_json, data={"findings": findings_to_json(found)})

@@ -14,7 +14,7 @@ import exoid
 from exoid.errors import BadArgumentError
 
 from .inputs import given_terms, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .messages import note
 from .numbers import parse_numbers, split_names, values_by_name
 from .option_groups import expand_options
@@ -169,7 +169,7 @@ def plan(
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
-    found = choice._replace(floating_base=stance.stance is not None).find(leg, logged)
+    found = find_leg(leg, choice._replace(floating_base=stance.stance is not None), logged)
     allowed, chosen, excitation = limits.of(found), given_terms(terms), exoid.experiments.excitation
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan
