@@ -122,7 +122,7 @@ def test_a_plan_is_what_a_rig_is_commanded(plan):
         target = reference.at(float(recording.time[k]))
         np.testing.assert_allclose(target.q[:, 0], recording.q[k], atol=1e-12)
         np.testing.assert_allclose(target.v[:, 0], recording.v[k], atol=1e-12)
-        np.testing.assert_allclose(reference.acceleration(recording.time[k])[:, 0], recording.a[k], atol=1e-11)
+        np.testing.assert_allclose(reference.at(recording.time[k]).a[:, 0], recording.a[k], atol=1e-11)
     np.testing.assert_allclose(recording.tau, CUHK.inverse_dynamics(recording.q, recording.v, recording.a), atol=1e-10)
 
 

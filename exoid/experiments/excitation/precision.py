@@ -26,6 +26,9 @@ from exoid.torques.contacts.support_model import SupportModel
 from .noise import TorqueNoise
 from .scales import Scales
 
+BLOCK = 2**15
+"""Number of samples in a block of a long log."""
+
 READINGS = 50
 """Default number of independent readings of a pose, both directions of approach together."""
 
@@ -246,7 +249,7 @@ def _rows(
 
 
 def _blocks(recording: Recording) -> Iterator[Recording]:
-    count = max(1, round(len(recording) / 2**15))
+    count = max(1, round(len(recording) / BLOCK))
     edges = np.linspace(0, len(recording), count + 1).astype(int)
     return (recording.slice(int(b), int(e)) for b, e in pairwise(edges))
 

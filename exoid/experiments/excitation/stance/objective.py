@@ -39,7 +39,7 @@ class StanceObjective(MotionObjective):
     limit_names = ("angle", "velocity", "acceleration", *LIMITS)
 
     @property
-    def pitches(self) -> FloatArray:
+    def pitches(self) -> FloatArray:  # type: ignore[override]
         """No tilt of a torso that moves, (T,)."""
         return np.zeros(len(self.demands))
 
