@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.signals import FiniteDifference
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 from exoid.torques.term import random_motion
@@ -63,9 +64,8 @@ def _known(model: ControlModel, torque_std: float) -> Estimate:
         if name in rubbing:
             values[k] = friction[rubbing[name], labels.index(name.split("_", 1)[1])]
     W = torques.regressor(q, v, a)[..., rest].reshape(-1, len(rest))
-    scale = np.linalg.norm(W, axis=0)
     torque = plain.inverse_dynamics(q.T, v.T, a.T).T.ravel()
-    values[rest] = np.linalg.lstsq(W / scale, torque, rcond=None)[0] / scale
+    values[rest] = scaled_lstsq(W, torque)
     return Estimate(
         model=torques,
         values=values,

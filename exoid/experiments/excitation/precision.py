@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.diagnostics import identifiability_class
-from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
@@ -259,7 +259,7 @@ def _inverse(R: FloatArray) -> tuple[FloatArray, float, NDArray[np.intp]]:
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, sigma, Vt = np.linalg.svd(np.vstack([R / scale, np.zeros((R.shape[1], R.shape[1]))]), full_matrices=False)
-    determined = sigma > UNDETERMINED * sigma[0]
+    determined = sigma > RANK * sigma[0]
     V = (Vt[determined].T / sigma[determined]) / scale[:, None]
     part = np.linalg.norm(Vt[~determined], axis=0) if not determined.all() else np.zeros(len(sigma))
     condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf

@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.scales import STATES, Scales, reference_states
-from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.regression.least_squares import INVOLVED, RANK
 
 from .demands import Demands
 
@@ -26,9 +26,9 @@ def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale
         rows.append(columns.reshape(len(scale), -1).T)
     W = np.linalg.qr(np.vstack(rows), mode="r")
     size = np.linalg.norm(W, axis=0)
-    size = np.where(size > UNDETERMINED * size.max(), size, size.max())  # a foot at rest leaves only rounding
+    size = np.where(size > RANK * size.max(), size, size.max())  # a foot at rest leaves only rounding
     _, sigma, Vt = np.linalg.svd(W / size)
-    loose = Vt[sigma <= UNDETERMINED * sigma[0]].T / size[:, None]
+    loose = Vt[sigma <= RANK * sigma[0]].T / size[:, None]
     return np.asarray(np.linalg.qr(loose)[0])
 
 
