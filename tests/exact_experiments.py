@@ -11,9 +11,9 @@ import numpy as np
 
 from exoid import Recording, published
 from exoid.experiments import bleex, cuhk
-from exoid.lab.reproduce.sequential import SequentialEstimate
 from exoid.lab.reproduce.sequential import bleex as bleex_steps
 from exoid.lab.reproduce.sequential import cuhk as cuhk_steps
+from exoid.lab.reproduce.sequential.estimate import SequentialEstimate
 from exoid.signals import Poses
 from exoid.torques import TorqueModel
 

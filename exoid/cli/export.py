@@ -33,7 +33,7 @@ def export(
     _refuse_without_effect(target, links, options)
     check_outputs(target.files, [estimate])
     if target.ros2 is not None:
-        from exoid.codegen.ros2 import refuse_foreign  # noqa: PLC0415
+        from exoid.codegen.ros2.folder import refuse_foreign  # noqa: PLC0415
 
         refuse_foreign(target.ros2)
     found = exoid.Estimate.load(estimate)

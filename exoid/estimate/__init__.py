@@ -1,7 +1,7 @@
 """The result of an identification: values with intervals, files, text, comparison, validation, prediction, export."""
 
 from .comparison import Comparison, compare
-from .data import EstimateData, Input
+from .data import EstimateData
 from .estimate import Estimate
 from .export import Export
 from .ground_prediction import GroundForce, ground_forces
@@ -23,7 +23,6 @@ __all__ = [
     "Export",
     "GroundForce",
     "GroupedEstimate",
-    "Input",
     "MjcfExport",
     "ModelError",
     "NonlinearParameters",

@@ -1,12 +1,11 @@
 """From recordings to parameters: how they are found."""
 
 from .check import check
-from .estimators import ESTIMATORS, register_estimator
+from .estimators import register_estimator
 from .identify import identify
 from .selection import Selection, select_terms
 
 __all__ = [
-    "ESTIMATORS",
     "Selection",
     "check",
     "identify",

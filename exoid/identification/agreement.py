@@ -13,7 +13,8 @@ from exoid.estimate.equality import Equality, equality_of
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 
-from .estimators import Estimator, fit_by
+from .estimators import Estimator
+from .estimators.by_name import fit_by
 from .problem import Problem
 
 DISAGREE = 0.01

@@ -12,7 +12,7 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term
 
 from .drives import Drives
-from .estimators import find_estimator
+from .estimators.by_name import find_estimator
 from .findings.checkup import signal_findings
 from .gather import begin
 from .group_rows import Group

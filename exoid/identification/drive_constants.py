@@ -19,7 +19,7 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
 from .drive_model import about
-from .estimators import fit_by
+from .estimators.by_name import fit_by
 from .fitting import Fitted, Task
 from .group_rows import Data
 from .problem import Problem

@@ -12,7 +12,8 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 from exoid.torques import DEFAULT_TERMS, Armature, Term
 
-from .estimators import Estimator, name_of
+from .estimators import Estimator
+from .estimators.by_name import name_of
 from .group_rows import Group, within
 
 Drives = Mapping[str, Drive | Coupling] | Actuators

@@ -17,7 +17,8 @@ from exoid.torques import Term
 from .checkup import without_delays
 from .drive_constants import search_constants, with_found
 from .drives import Drives
-from .estimators import Estimator, find_estimator, fit_by, name_of
+from .estimators import Estimator
+from .estimators.by_name import find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .gather import begin, gather
 from .group_rows import Measured

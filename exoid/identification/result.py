@@ -35,7 +35,7 @@ from exoid.torques.contacts.support_model import LOOP
 
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
-from .estimators import name_of
+from .estimators.by_name import name_of
 from .findings.checkup import Checkup
 from .findings.factors import never_negative
 from .fitting import Fitted, Task

@@ -11,7 +11,8 @@ from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.torques import CoupledTerm, Term
 
-from .estimators import Estimator, name_of
+from .estimators import Estimator
+from .estimators.by_name import name_of
 from .group_rows import Group
 from .recording_summary import RecordingSummary, unmeasured_joints
 

@@ -16,7 +16,7 @@ from exoid.torques import TorqueModel
 from exoid.torques.linearised import linearise
 from exoid.torques.nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 
-from .estimators import fit_by
+from .estimators.by_name import fit_by
 from .fitting import Fitted, Start, Task
 from .problem import Problem
 

@@ -17,10 +17,11 @@ from .base_kinematics import BaseKinematics
 from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
-from .reduction import Plane, Reduction
+from .reduction import Plane
 from .reduction.planar import PlanarChain, TorsoSamples, fill_regressor
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
 from .reduction.reduced_regressor import fill_reduced_regressor
+from .reduction.reduction import Reduction
 from .reduction.tree import Tree
 from .torso import MovingBase, base_kinematics, torso_samples
 

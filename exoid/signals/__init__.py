@@ -15,7 +15,7 @@ from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
 from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
-from .preparation_names import PREPARATIONS, register_preparation
+from .preparation_names import register_preparation
 from .readers import ReadOptions, register_format
 from .recording import Recording
 from .recordings import Recordings
@@ -25,7 +25,6 @@ from .wrench import Wrench
 from .wrench_frame import WrenchFrame
 
 __all__ = [
-    "PREPARATIONS",
     "Approaches",
     "BaseMotion",
     "BasePose",

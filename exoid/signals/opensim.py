@@ -19,7 +19,8 @@ from .base_pose import turn_upright
 from .column import Column
 from .opensim_forces import UP, read_opensim_forces
 from .pose_motion import STANDARD_CUTOFF
-from .readers import ReadOptions, Table, open_table
+from .readers import ReadOptions, Table
+from .readers.kinds import open_table
 from .recording import Recording
 
 if TYPE_CHECKING:

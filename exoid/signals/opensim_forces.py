@@ -14,7 +14,8 @@ from exoid.errors import UnreadableInputError, within
 from . import checks, timebase
 from .base_pose import turn_upright
 from .filters.low_pass import zero_phase
-from .readers import Table, open_table
+from .readers import Table
+from .readers.kinds import open_table
 from .recording import Recording
 from .source_location import SourceLocation
 from .wrench import Wrench

@@ -23,7 +23,8 @@ from .external import interpolate, select_rows
 from .external_log import log_of_external
 from .log import read_log
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
-from .readers import ReadOptions, open_table
+from .readers import ReadOptions
+from .readers.kinds import open_table
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns

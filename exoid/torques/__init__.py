@@ -1,6 +1,6 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
-from .catalog import DEFAULT_TERMS, TERMS, register_term
+from .catalog import DEFAULT_TERMS, register_term
 from .coupled_term import CoupledTerm, JointsMotion
 from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .internal_state import InternalState
@@ -14,7 +14,6 @@ from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
 __all__ = [
     "DEFAULT_TERMS",
-    "TERMS",
     "Armature",
     "Cable",
     "CoordinateTerm",

@@ -12,7 +12,7 @@ import pytest
 
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
 from exoid.codegen import CSource, c_source
-from exoid.estimate import Input
+from exoid.estimate.data import Input
 from exoid.estimate.provenance import provenance
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel

@@ -14,7 +14,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Coulomb, Leg, Offset, Stiffness, Viscous
 from exoid.codegen import c_source, write_c
-from exoid.estimate import Input
+from exoid.estimate.data import Input
 from exoid.leg.description import describe
 from exoid.torques import TorqueModel
 

@@ -17,7 +17,7 @@ from laws_of_bleex import KD, laws, target_of
 import exoid
 from exoid import ExoidError
 from exoid.codegen import Safety, c_source, write_ros2
-from exoid.codegen.ros2 import write_folder
+from exoid.codegen.ros2.folder import write_folder
 from exoid.control import State, stateful
 
 CPP = shutil.which("g++")

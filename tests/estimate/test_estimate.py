@@ -11,10 +11,11 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
-from exoid.estimate import Input
+from exoid.estimate.data import Input
 from exoid.estimate.torque_filter import TorqueFilter
 from exoid.regression import JointNoise
-from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
+from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
+from exoid.signals.preparation_names import PREPARATIONS
 from exoid.torques import TorqueModel
 
 GOLDEN = Path(__file__).parent / "golden"

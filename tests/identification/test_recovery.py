@@ -10,7 +10,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
-from exoid.identification import ESTIMATORS
+from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.catalog import urdf_folder
 from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase

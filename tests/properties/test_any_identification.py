@@ -12,7 +12,7 @@ from planar_chains import random_chain
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Recording, Stiffness, Viscous
-from exoid.identification.estimators import ESTIMATORS
+from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.signals import FiniteDifference
 from exoid.torques import JointMotion, TorqueModel
 

@@ -12,7 +12,8 @@ from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
-from exoid.identification.estimators import ESTIMATORS, ols, wls
+from exoid.identification.estimators import ols, wls
+from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression.residuals import fit_noise, sandwich

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.tools.reader_process import Content
+from exoid.tools.reader_process.child import Content
 
 
 def echo(file, **arguments):

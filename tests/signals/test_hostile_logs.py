@@ -20,7 +20,8 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
 from exoid.signals.readers.bounds import MOST_COLUMNS
-from exoid.tools.reader_process import bounds, child, memory, read_in_child
+from exoid.tools.reader_process import bounds, child, memory
+from exoid.tools.reader_process.child import read_in_child
 
 if sys.platform != "win32":
     import resource

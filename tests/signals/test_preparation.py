@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from exoid import ExoidError
-from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, Recording, ZeroPhase, motion_edge, zero_phase
+from exoid.signals import FiniteDifference, MovingAverage, Recording, ZeroPhase, motion_edge, zero_phase
 from exoid.signals.differentiation import central_difference, second_difference
 from exoid.signals.filters.moving_average import exponential_moving_average
+from exoid.signals.preparation_names import PREPARATIONS
 
 FREQUENCIES = 2.0 * np.pi * np.array([0.3, 0.7, 1.3, 2.1])
 AMPLITUDES = np.array([0.4, 0.2, 0.08, 0.04])

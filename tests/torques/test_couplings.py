@@ -19,7 +19,6 @@ from exoid.identification.estimators.closed_loop import as_plant
 from exoid.lab.stability import check_properties
 from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
-from exoid.torques import TERMS as KNOWN
 from exoid.torques import (
     Cable,
     CoordinateTerm,
@@ -31,6 +30,7 @@ from exoid.torques import (
     TorqueModel,
     register_term,
 )
+from exoid.torques.catalog import TERMS as KNOWN
 from exoid.torques.catalog import term_from_json, term_to_json
 from exoid.torques.nonlinear import nonlinear_settings
 from exoid.torques.term import random_motion

@@ -8,8 +8,8 @@ from planar_chains import random_motion
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
-from exoid.torques import DEFAULT_TERMS, TERMS, CoupledTerm, JointMotion, Term, TorqueModel
-from exoid.torques.catalog import term_by_name, term_from_json, term_to_json
+from exoid.torques import DEFAULT_TERMS, CoupledTerm, JointMotion, Term, TorqueModel
+from exoid.torques.catalog import TERMS, term_by_name, term_from_json, term_to_json
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
 LABELS = ("hip", "knee", "ankle")

@@ -20,8 +20,8 @@ from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
-from .sequential import SequentialEstimate
 from .sequential import bleex as steps
+from .sequential.estimate import SequentialEstimate
 from .torque_error import by_name, nrmse_text, torque_nrmse
 
 SIDES = ("left", "right")

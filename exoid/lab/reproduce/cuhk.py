@@ -20,8 +20,8 @@ from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rate
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
-from .sequential import SequentialEstimate
 from .sequential import cuhk as steps
+from .sequential.estimate import SequentialEstimate
 from .torque_error import by_name, nrmse_text, predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)

@@ -16,7 +16,7 @@ from exoid.view import paper
 from exoid.view.report.page import Block, Page, Picture, Text
 from exoid.view.style import COLUMN
 
-from .sequential import SequentialEstimate
+from .sequential.estimate import SequentialEstimate
 
 
 class Drawing(NamedTuple):

@@ -14,7 +14,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.identification.estimators import ESTIMATORS
+from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid.signals.source import Source
-from exoid.tools.reader_process import refuse_expansion
+from exoid.tools.reader_process.bounds import refuse_expansion
 from exoid.tools.reader_process.reading import reading
 
 from .bounds import refuse_columns

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
-from exoid.tools.reader_process import Content, read_in_child, refuse_expansion
+from exoid.tools.reader_process.bounds import refuse_expansion
+from exoid.tools.reader_process.child import Content, read_in_child
 from exoid.tools.reader_process.reading import reading
 
 from .bounds import refuse_columns

@@ -16,7 +16,7 @@ from exoid.errors import ExoidError, UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.quantities import QUANTITIES
 from exoid.signals.source import Source
-from exoid.tools.reader_process import refuse_expansion
+from exoid.tools.reader_process.bounds import refuse_expansion
 
 from .bounds import refuse_columns
 from .options import ReadRequest

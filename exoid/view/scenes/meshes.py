@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.tools.reader_process import Content, read_in_child
+from exoid.tools.reader_process.child import Content, read_in_child
 from exoid.tools.reader_process.reading import reading
 
 from .visual import hex_colour

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.lab.reproduce.sequential import SequentialEstimate
+from exoid.lab.reproduce.sequential.estimate import SequentialEstimate
 
 
 @pytest.mark.slow

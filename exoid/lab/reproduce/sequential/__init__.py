@@ -1,6 +1,5 @@
 """Sequential identification of both documents: one function a step, with propagation of the uncertainty."""
 
 from . import bleex, cuhk
-from .estimate import SequentialEstimate
 
-__all__ = ["SequentialEstimate", "bleex", "cuhk"]
+__all__ = ["bleex", "cuhk"]
