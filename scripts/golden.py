@@ -50,7 +50,7 @@ KEPT = 40
 """Entries of an array that are stored, evenly spread."""
 
 FLOOR = 1e-12
-"""Differences below this are rounding of zeros."""
+"""Differences below this, relative to the largest entry of a list, are rounding of zeros."""
 
 
 def journey(name: str) -> Callable[[Callable[[], Any]], Callable[[], Any]]:
@@ -472,8 +472,9 @@ def difference(old: Any, new: Any) -> tuple[float, str]:  # noqa: ANN401
         if len(old) != len(new):
             return np.inf, f"{len(old)} entries, now {len(new)}"
         if old and all(isinstance(x, float) for x in (*old, *new)):
-            gap, size = np.abs(np.subtract(old, new)), np.abs(old).max()
-            return (float(gap.max() / size), "") if gap.max() > FLOOR else (0.0, "")
+            gap, size = np.abs(np.subtract(old, new)), np.maximum(np.abs(old), np.abs(new))
+            counted = gap > FLOOR * size.max()
+            return (float((gap[counted] / size[counted]).max()), "") if counted.any() else (0.0, "")
         parts = [(difference(x, y), str(k)) for k, (x, y) in enumerate(zip(old, new, strict=True))]
     elif isinstance(old, int | float) and isinstance(new, int | float) and not isinstance(old, bool):
         gap = abs(old - new)
@@ -497,6 +498,8 @@ def main() -> None:
     names = [name for name in JOURNEYS if options.k in name]
     if options.list:
         sys.exit("\n".join(names) + f"\n{len(names)} journeys" if names else "none")
+    if not names:
+        parser.error(f"no journey has {options.k!r} in its name")
     targets = {key: path.resolve() for key in ("store", "compare") if (path := getattr(options, key))}
     found: dict[str, Any] = {}
     with ProcessPoolExecutor(options.jobs) as pool:
@@ -510,7 +513,10 @@ def main() -> None:
         targets["store"].write_text(
             json.dumps(found, separators=(",", ":"), ensure_ascii=False) + "\n", encoding="utf-8"
         )
-    moved = 0
+    raised = [name for name in names if isinstance(found[name], dict) and "raised" in found[name]]
+    for name in raised:
+        print(f"RAISED  {name}  {found[name]['raised']}")
+    moved, gone = 0, []
     if "compare" in targets:
         old = json.loads(targets["compare"].read_text(encoding="utf-8"))
         for name in names:
@@ -518,8 +524,11 @@ def main() -> None:
             moved += worst > options.tolerance
             if worst > 0.0:
                 print(f"{'MOVED' if worst > options.tolerance else 'same '} {worst:9.2e}  {name}  {where}")
+        gone = [name for name in old if options.k in name and name not in JOURNEYS]
+        for name in gone:
+            print(f"GONE  {name}")
         print(f"{len(names) - moved} of {len(names)} journeys equal to {options.tolerance:g}")
-    sys.exit(moved > 0)
+    sys.exit(bool(moved or raised or gone))
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from exoid.experiments.fourier import from_coefficients
 from exoid.online import RecursiveEstimator
 from exoid.rig import PlanarStepper, Plant, ProportionalDerivative, Sensors, Target
 from exoid.rig.controllers import Reference
+from exoid.rig.sensors import read_angle
 
 SETTLING = 1.0
 """Time from which on readings count [s]."""
@@ -148,7 +149,7 @@ class Machine:
         still = np.zeros_like(self._q)
         for _ in range(round(seconds * rate)):
             target = reference.at(self._done / rate)
-            reading = self.scene.sensors.angle(rig.q, self._rng)
+            reading = read_angle(self.scene.sensors, rig.q, self._rng)
             error = target.q - rig.q
             before, self._torque = self._torque, command(target, reading, rig.v)
             samples.append((reading, self._noise.torque(0.5 * (before + self._torque), self._rng), error))

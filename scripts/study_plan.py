@@ -53,7 +53,7 @@ BATCH = 50
 def log(leg: exoid.Leg, motion: Harmonics, seconds: float, rig: int = 0) -> exoid.Recording:
     """Follow a motion perfectly."""
     stamps = np.arange(round(seconds * RATE) + 1) / RATE
-    states = [(*motion.at(float(t))[:2], motion.acceleration(float(t))) for t in stamps]
+    states = [motion.at(float(t)) for t in stamps]
     q, v, a = (np.array([state[k][:, rig] for state in states]) for k in range(3))
     return exoid.Recording(stamps, q, v, a, joint_names=leg.joint_names)
 

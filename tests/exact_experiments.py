@@ -39,7 +39,7 @@ class Exact:
 
     def recording(self, motion, rig, seconds, rate):
         time = np.arange(round(seconds * rate)) / rate
-        samples = [(*motion.at(t)[:2], motion.acceleration(t)) for t in time]
+        samples = [motion.at(t) for t in time]
         q, v, a = (np.array([part[:, rig] for part in parts]) for parts in zip(*samples, strict=True))
         return Recording(time=time, q=q, v=v, a=a, tau=self.torque(q, v, a), joint_names=self.model.leg.joint_names)
 

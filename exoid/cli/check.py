@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .numbers import parse_known
 from .option_groups import expand_options
 from .options import (
@@ -49,14 +49,14 @@ def check(
 
     Example: exoid check bleex bleex_swing:train
     """
-    from exoid.estimate.finding import findings_to_json  # noqa: PLC0415 - help needs no estimates
+    from exoid.tools.json_values import json_value  # noqa: PLC0415 - help needs no NumPy
 
     refuse_unknown_leg(leg)
     recordings = read_logs(logs, reading)
-    found_leg = choice.find(leg, recordings[0].joint_names)
+    found_leg = find_leg(leg, choice, recordings[0].joint_names)
     drives, values = read_drives(actuators, found_leg), parse_known(known)
     found = exoid.check(found_leg, recordings, given_terms(terms), cutoff=cutoff, known=values, actuators=drives)
-    print_result(_text(found), as_json=as_json, data={"findings": findings_to_json(found)})
+    print_result(_text(found), as_json=as_json, data={"findings": json_value(found)})
 
 
 def _text(findings: tuple[Finding, ...]) -> str:

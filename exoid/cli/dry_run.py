@@ -13,15 +13,13 @@ from exoid.experiments import follow_log
 
 from .inputs import read_log
 from .numbers import joint_values, parse_gains
-from .options import LogOptions
+from .options import DryRunOptions, GainOptions, LogOptions
 from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.control.model import ModelSource
     from exoid.control.stateful import AnyLaw
     from exoid.signals import Recording
-
-    from .track import DryRunOptions, GainOptions
 
 WITHOUT_TARGET = ("gravity_support", "transparent")
 """Controllers for wearers, which follow no reference."""

@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .messages import note
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
@@ -114,7 +114,7 @@ def identify(
         text, data = identify_grouped(
             dict(zip(log_names(logs), read_logs(logs, reading), strict=True)),
             split_names(own) or (),
-            lambda joints: choice.find(leg, joints),
+            lambda joints: find_leg(leg, choice, joints),
             lambda found: read_drives(actuators, found),
             fit.settings(),
             paths,
@@ -123,7 +123,7 @@ def identify(
         return
     recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
     held_out = read_logs(tests, reading, beside=logs)
-    settings, found = fit.settings(), choice.find(leg, recordings[0].joint_names)
+    settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
     with with_progress(recordings) as source:
         estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)
     predicted = [exoid.validate(estimate, recording) for recording in held_out]

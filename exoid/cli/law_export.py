@@ -12,7 +12,7 @@ from exoid.control import ControlModel
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate.provenance import provenance
 
-from .export import LawOptions, Target
+from .export_options import LawOptions, Target
 from .motions import gait
 from .numbers import joint_values, parse_gains
 from .refusals import refuse

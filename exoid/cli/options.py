@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from typer import Argument, Option
-
-if TYPE_CHECKING:
-    from exoid.leg.leg import Leg
 
 Text = str | None
 Texts = list[str] | None
@@ -128,18 +124,43 @@ class LegOptions(NamedTuple):
         bool, Option("--floating-base", help="Rows of force and moment on the torso; for legs that stand or walk.")
     ] = False
 
-    def find(self, name: str, logged: Sequence[str] | None) -> Leg:
-        """Load the leg."""
-        from .legs import find_leg  # noqa: PLC0415 - help needs no leg
-
-        return find_leg(name, self, logged)
-
 
 ANY_LEG = LegOptions()
 """The default leg of a name."""
 
 FIXED_BASE = {"choice": ("moving_base", "floating_base")}
 """Options of the base, for verbs that have none."""
+
+
+class GainOptions(NamedTuple):
+    """Gains and rate of the controllers; None for the default of each."""
+
+    kp: Annotated[Text, Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None
+    kd: Annotated[Text, Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None
+    rate: Annotated[Number, Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
+
+
+class DryRunOptions(NamedTuple):
+    """Options of a run without a rig."""
+
+    dry_run: Annotated[
+        Text, Option(metavar="LOG", help="No rig: print the torque that one controller would have commanded in a log.")
+    ] = None
+    law: Annotated[
+        Text,
+        Option(
+            metavar="NAME",
+            help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
+            "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
+        ),
+    ] = None
+    limit: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
+    slew: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")] = (
+        None
+    )
+    output: Annotated[
+        Text, Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques.")
+    ] = None
 
 
 def given(*groups: Any) -> dict[str, object]:  # noqa: ANN401 - any named tuples

@@ -14,7 +14,7 @@ import exoid
 from exoid.errors import BadArgumentError
 
 from .inputs import given_terms, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .messages import note
 from .numbers import parse_numbers, split_names, values_by_name
 from .option_groups import expand_options
@@ -169,7 +169,7 @@ def plan(
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
-    found = choice._replace(floating_base=stance.stance is not None).find(leg, logged)
+    found = find_leg(leg, choice._replace(floating_base=stance.stance is not None), logged)
     allowed, chosen, excitation = limits.of(found), given_terms(terms), exoid.experiments.excitation
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan
@@ -194,14 +194,13 @@ def plan(
 def _files(output: str | None, torso: TorsoOptions, stance: StanceOptions) -> Sequence[Path]:
     """Files of a plan."""
     from exoid.experiments.excitation.plan_files import plan_files  # noqa: PLC0415
-    from exoid.experiments.excitation.stance.files import stance_files  # noqa: PLC0415
 
     feet = split_names(stance.stance)
     if output is None:
         return ()
     if feet is not None:
-        return stance_files(output, feet)
-    return plan_files(output, [math.radians(tilt) for tilt in _tilts(torso)], poses=torso.poses > 0)
+        return plan_files(output, feet)
+    return plan_files(output, [f"tilt{tilt:+g}" for tilt in _tilts(torso)], poses=torso.poses > 0)
 
 
 def _tilts(torso: TorsoOptions) -> tuple[float, ...]:
@@ -230,15 +229,12 @@ def _range(text: str) -> tuple[float, float]:
 
 def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: str | None) -> None:
     """Write the requested files."""
-    from exoid.experiments.excitation import Plan, StancePlan  # noqa: PLC0415
+    from exoid.experiments.excitation import Assessment  # noqa: PLC0415
     from exoid.experiments.excitation.plan_files import write_plan  # noqa: PLC0415
-    from exoid.experiments.excitation.stance.files import write_stance_plan  # noqa: PLC0415
 
     written: Sequence[Path] = ()
-    if output is not None and isinstance(result, Plan):
+    if output is not None and not isinstance(result, Assessment):
         written = write_plan(output, result)
-    elif output is not None and isinstance(result, StancePlan):
-        written = write_stance_plan(output, result)
     if figure is not None:
         _draw(result, figure)
     for path in (*written, *([] if figure is None else [figure])):

@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import read_drives, read_logs
-from .legs import refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg
 from .option_groups import expand_options
 from .options import (
     ANY_LEG,
@@ -54,7 +54,7 @@ def select(
     tests = [] if test is None else [test]
     recordings = read_logs(logs, reading, beside=tests)
     tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
-    found = choice.find(leg, recordings[0].joint_names)
+    found = find_leg(leg, choice, recordings[0].joint_names)
     drives = read_drives(actuators, found)
     if drives is not None:
         recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))

@@ -20,6 +20,7 @@ from exoid.tools.files import make_folder
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .inputs import given_terms
+from .legs import find_leg
 from .numbers import parse_numbers, split_names
 from .option_groups import expand_options
 from .options import ANY_LEG, FIXED_BASE, AsJson, LegName, LegOptions, TermNames, Text
@@ -80,7 +81,7 @@ def study(
     """
     if folder is not None:
         make_folder(folder)  # before the minute that planning takes
-    found, chosen = choice.find(leg, None), given_terms(terms)
+    found, chosen = find_leg(leg, choice, None), given_terms(terms)
     chosen = DEFAULT_TERMS if chosen is None else chosen
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))

@@ -13,7 +13,19 @@ from exoid.errors import BadArgumentError
 from .messages import note
 from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, Figures, LogOptions, Number, Report, Roles, Text, given
+from .options import (
+    READ_AS_IT_IS,
+    AsJson,
+    DryRunOptions,
+    Figures,
+    GainOptions,
+    LogOptions,
+    Number,
+    Report,
+    Roles,
+    Text,
+    given,
+)
 from .outputs import check_outputs, print_result, save_figures, show_report
 from .progress import progress_bar
 from .refusals import is_readable, refuse
@@ -29,14 +41,6 @@ class DocumentOptions(NamedTuple):
 
     rotor: Annotated[Number, Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None
     wrong: Annotated[bool, Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False
-
-
-class GainOptions(NamedTuple):
-    """Gains and rate of the controllers; None for the default of each."""
-
-    kp: Annotated[Text, Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None
-    kd: Annotated[Text, Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None
-    rate: Annotated[Number, Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
 
 
 class MotionOptions(NamedTuple):
@@ -58,29 +62,6 @@ class RigOptions(NamedTuple):
 
     payload: Annotated[Number, Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
     friction: Annotated[Number, Option(metavar="X", help="Factor of the rig's friction.")] = None
-
-
-class DryRunOptions(NamedTuple):
-    """Options of a run without a rig."""
-
-    dry_run: Annotated[
-        Text, Option(metavar="LOG", help="No rig: print the torque that one controller would have commanded in a log.")
-    ] = None
-    law: Annotated[
-        Text,
-        Option(
-            metavar="NAME",
-            help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
-            "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
-        ),
-    ] = None
-    limit: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
-    slew: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")] = (
-        None
-    )
-    output: Annotated[
-        Text, Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques.")
-    ] = None
 
 
 @expand_options(without={"reading": ("payload", "base_position", "wrench")})

@@ -15,7 +15,7 @@ from typer import Argument, Option
 import exoid
 
 from .inputs import read_logs
-from .legs import BUILT_IN, refuse_unknown_leg
+from .legs import BUILT_IN, find_leg, refuse_unknown_leg
 from .messages import note
 from .numbers import values_by_name
 from .option_groups import expand_options
@@ -101,9 +101,9 @@ def _shown(
     if name in BUILT_IN:
         sides = ("left", "right") if choice.side == "both" else (choice.side,)
         each = [choice._replace(side=side) for side in sides]
-        legs = [one._replace(inertias=None).find(name, logged) for one in each]
-        return legs, [] if choice.inertias is None else [one.find(name, logged) for one in each]
-    return [choice.find(name, logged or None)], []
+        legs = [find_leg(name, one._replace(inertias=None), logged) for one in each]
+        return legs, [] if choice.inertias is None else [find_leg(name, one, logged) for one in each]
+    return [find_leg(name, choice, logged or None)], []
 
 
 def _folder_of(leg: str) -> Path:

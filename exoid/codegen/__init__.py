@@ -1,8 +1,8 @@
 """A leg with known parameters, or a control law, as C for a microcontroller that runs neither Python nor Pinocchio."""
 
-from .dialect import PRECISIONS, Dialect
-from .forms import JointInC, Place, register_c_form
-from .law_in_c import MOTION, REFERENCE, ArrayInC, InputInC, LawInC, LegInC
+from .dialect import Dialect
+from .forms import JointInC, register_c_form
+from .law_in_c import MOTION, REFERENCE, ArrayInC, InputInC, LawInC
 from .ros2 import write_ros2
 from .safety import Safety
 from .source import CSource
@@ -10,7 +10,6 @@ from .write import c_source, write_c
 
 __all__ = [
     "MOTION",
-    "PRECISIONS",
     "REFERENCE",
     "ArrayInC",
     "CSource",
@@ -18,8 +17,6 @@ __all__ = [
     "InputInC",
     "JointInC",
     "LawInC",
-    "LegInC",
-    "Place",
     "Safety",
     "c_source",
     "register_c_form",

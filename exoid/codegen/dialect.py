@@ -55,7 +55,7 @@ class Dialect:
         if not math.isfinite(value):
             raise BadArgumentError(f"C has no number {value}", remedy="give every parameter and setting a finite value")
         if self.real == "double":
-            return repr(float(value))
+            return repr(float(value))  # the shortest text that reads back to the same bits
         with np.errstate(over="ignore"):
             narrow = np.float32(value)
         if not np.isfinite(narrow):
@@ -89,7 +89,8 @@ def comment(text: str) -> str:
     """Make any text fit for a comment: one line of ASCII that neither ends nor starts a comment."""
     plain = " ".join(text.translate(IN_C).encode("ascii", "replace").decode().split())
     plain = " " * (len(text) - len(text.lstrip(" "))) + "".join(letter for letter in plain if letter.isprintable())
+    # "??/" is a trigraph for a backslash, and a backslash at the end of a line would join the next one to the comment
     for forbidden, harmless in (("*/", "* /"), ("/*", "/ *"), ("??", "? ?"), ("\\", "|")):
-        while forbidden in plain:
+        while forbidden in plain:  # what is put in may form another one with its neighbours
             plain = plain.replace(forbidden, harmless)
     return plain

@@ -121,9 +121,10 @@ class LawInC:
 
 def law_in_c(law: object, dialect: Dialect) -> LawInC:
     """Describe a law by its method ``in_c``, unless a subclass computes something else than that method says."""
+    # The method must stand in the class that computes the torque, or in one derived from it.
     kinds = type(law).__mro__
     described = next((kind for kind in kinds if "in_c" in vars(kind)), None)
-    computed = next((kind for kind in kinds if vars(kind).keys() & {"torque", "step", "changed"}), None)
+    computed = next((kind for kind in kinds if vars(kind).keys() & {"torque", "step", "_changed"}), None)
     if described is None or (computed is not None and not issubclass(described, computed)):
         raise NotSupportedError(
             f"{type(law).__name__} has no form in C",

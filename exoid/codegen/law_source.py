@@ -135,6 +135,7 @@ def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
     """Tables of limits and damping."""
     limit, slew = per_joint(law.limit, "limit", n), per_joint(law.slew, "slew", n)
     without = f"; {ABSURD:g} for none"
+    # an infinite limit is a number so large that no torque reaches it: C99 has no literal for infinity
     yield ArrayInC("largest", f"largest torque [N m]{without}", np.minimum(limit, ABSURD))
     yield ArrayInC(
         "change", f"largest change of the torque in one step [N m]{without}", np.minimum(slew / law.rate, ABSURD)

@@ -22,9 +22,6 @@ from .source import CSource
 from .templates import fill
 from .terms import TermsInC, terms_in_c
 
-FUNCTIONS = ("gravity", "friction", "stiffness", "mass_matrix", "rigid_bodies", "inverse_dynamics")
-"""Functions of every file, after the prefix."""
-
 
 def leg_source(
     model: TorqueModel,
@@ -62,7 +59,8 @@ def leg_source(
         commands=[] if actuators is None else commands_in_c(actuators, dialect),
         units=() if actuators is None else actuators.units,
     )
-    functions = tuple(f"{prefix}_{each}" for each in (*FUNCTIONS, *(("command",) if actuators is not None else ())))
+    names = ["gravity", "friction", "stiffness", "mass_matrix", "rigid_bodies", "inverse_dynamics"]
+    functions = tuple(f"{prefix}_{each}" for each in [*names, *(["command"] if actuators is not None else [])])
     facts = {
         "schema": "exoid-c-1",
         "precision": dialect.real,

@@ -65,7 +65,7 @@ class Safety:
         Returns:
             Number of samples for which a counter may stand still, at least one.
         """
-        return max(1, round(self.patience * rate))
+        return max(1, round(self.patience * rate))  # with zero the first sample after a new one would be stale
 
     def gains(self, default: FloatArray) -> FloatArray:
         """Choose the damping of each joint.

@@ -78,7 +78,7 @@ def _torques(
 
 def _summand(expression: str) -> str:
     """Put parentheses around an expression that ends in an operator weaker than a sum, such as a conditional."""
-    outside, inside = "", expression
+    outside, inside = "", expression  # parentheses are taken away from the innermost outwards
     while outside != inside:
         outside, inside = inside, re.sub(r"\([^()]*\)", "", inside)
     return f"({expression})" if re.search("[?<>=!&|^,]", outside) else expression

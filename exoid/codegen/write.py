@@ -119,7 +119,7 @@ def write_c(
         safety=safety,
         actuators=actuators,
     )
-    _, *headers = written.files.items()
+    _, *headers = written.files.items()  # the source may have another name than the prefix, as my-law.c
     files = {Path(path).name: written.text, **dict(headers)}
     for file, text in files.items():
         write_whole(path if file == Path(path).name else Path(path).with_name(file), [text])

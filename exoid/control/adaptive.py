@@ -18,9 +18,6 @@ from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel
 
-LIMITED = 1e-6
-"""Difference of requested and held torque at which a limit acts [N·m]."""
-
 FAR = 100.0
 """Standard deviations between a parameter without bounds and its floor, which is free: from zero rounding is larger."""
 
@@ -107,7 +104,7 @@ class Adaptive:
         torque = np.einsum("bnp,bp->nb", Y, values) + self.model.fixed(q, v_r, a_r) - kd * s
         moving = (np.abs(v_d) >= np.asarray(self.still)[:, None]) & (np.abs(v) >= np.asarray(self.still)[:, None])
         if state.last is not None:  # the difference that a limit makes is not the leg's
-            moving &= ~(np.abs(state.last.reshape(n, -1) - requested) > LIMITED)
+            moving &= ~(np.abs(state.last.reshape(n, -1) - requested) > 1e-6)
         zone = np.asarray(self.dead_zone)[:, None]
         change = np.einsum("bnp,nb->bp", Y, (s - np.clip(s, -zone, zone)) * moving)
         learned = values - self.gain / self.rate * change @ self.model.covariance

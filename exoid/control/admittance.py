@@ -20,8 +20,6 @@ from .friction import PASSIVE, PassiveFriction, wearer_friction
 from .law import State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
 
-INTERACTION = InputInC("interaction", "torque of the wearer on the leg, by sensors or an observer [N m]", "reading")
-
 
 class VirtualMass(NamedTuple):
     """Memory: motion of the virtual mass about the target, (n,) or (n, B) each."""
@@ -94,6 +92,7 @@ class Admittance:
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C; it measures the torque of the wearer."""
         n, half = self.model.n, 0.5 / self.rate
+        felt = InputInC("interaction", "torque of the wearer on the leg, by sensors or an observer [N m]", "reading")
         mass, damping, stiffness, frequency, reach = (
             per_joint(getattr(self, name), name, n) for name in ("mass", "damping", "stiffness", "frequency", "reach")
         )
@@ -106,7 +105,7 @@ class Admittance:
             "omega^2 (q_d + x - q)) + C(q, v) v + G(q) + springs(q){friction} - interaction",
             step=step_of("admittance"),
             calls=("inverse_dynamics",),
-            inputs=(*MOTION, INTERACTION),
+            inputs=(*MOTION, felt),
             tables={
                 "virtual_mass": (mass + half * (damping + half * stiffness), "m + (D + K T/2) T/2 [kg m^2]"),
                 "virtual_damping": (damping, "D [N m s/rad]"),

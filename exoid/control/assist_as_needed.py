@@ -22,9 +22,6 @@ from .model import ControlModel, ModelSource
 TUNNEL = float(np.deg2rad(4.0))
 """Default half width of the tunnel [rad]."""
 
-FORGETTING = 3.0
-"""Default time in which learnt assistance fades to 37 % [s]."""
-
 
 class Learnt(NamedTuple):
     """Memory: assistance that was learnt."""
@@ -45,7 +42,7 @@ class AssistAsNeeded:
     model: ControlModel  # model of the leg
     tunnel: FloatArray  # half width b of the tunnel [rad], likewise
     learning: FloatArray  # gain g [N·m/(rad·s)], likewise; 0 for assistance without memory
-    forgetting: float = FORGETTING  # time T_f in which learnt assistance fades to 37 % [s]
+    forgetting: float = 3.0  # time T_f in which learnt assistance fades to 37 % [s]
     friction: PassiveFriction | None = PASSIVE  # friction compensation, which never drives; None for none
     rate: float = RATE  # sampling rate [Hz]
 
@@ -109,7 +106,7 @@ def assist_as_needed(
     *,
     tunnel: ArrayLike = TUNNEL,
     learning: ArrayLike = 0.0,
-    forgetting: float = FORGETTING,
+    forgetting: float = 3.0,
     friction: PassiveFriction | None = PASSIVE,
     rate: float = RATE,
 ) -> AssistAsNeeded:

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.codegen import ArrayInC, Dialect, InputInC, LawInC, LegInC
+from exoid.codegen import ArrayInC, Dialect, InputInC, LawInC
 from exoid.codegen.forms import c_form
-from exoid.codegen.law_in_c import Needed
+from exoid.codegen.law_in_c import LegInC, Needed
 from exoid.codegen.terms import torques_in_c
 from exoid.errors import NotSupportedError
 from exoid.torques import Coulomb, Stiffness, Term, Viscous

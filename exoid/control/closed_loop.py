@@ -33,9 +33,6 @@ from .tracking import Tracking, tracking_of
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-LONGEST_STEP = 5e-4
-"""Longest step of the plant [s]."""
-
 LOG_RATE = 100.0
 """Rate of the log [Hz], unless the controller is faster."""
 
@@ -167,7 +164,7 @@ def plant_step(control: float, log: float) -> float:
     periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]
     scale = periods[0].denominator * periods[1].denominator // gcd(periods[0].denominator, periods[1].denominator)
     common = Fraction(gcd(*(int(period * scale) for period in periods)), scale)
-    step = float(common / -(-common // Fraction(LONGEST_STEP).limit_denominator(100_000)))
+    step = float(common / -(-common // Fraction(1, 2000)))
     shortest = 2e-5  # [s]; shorter ones would take minutes
     if step < shortest:
         raise BadArgumentError(

@@ -9,8 +9,8 @@ from exoid.actuators import Actuators
 from exoid.rig import Target
 
 from .law import State
+from .limited import Wrapped
 from .stateful import Memory, stateful, torque_without_memory
-from .wrapped import Wrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,19 +69,8 @@ class Driven(Wrapped):
         torque, memory = stateful(self.law).step(memory, state, target)
         return self._command_of(torque, state), memory
 
-    def changed(self, torque: FloatArray, state: State) -> FloatArray:
-        """Compute the torque that the drives make of the commands for a torque.
-
-        Args:
-            torque: Torque of the other controller [N·m], of the shape of ``state.q``.
-            state: Measured state, (n,) or (n, B).
-
-        Returns:
-            Torque [N·m], of the same shape.
-
-        Raises:
-            ExoidError: See :meth:`command`.
-        """
+    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Compute the torque that the drives make of the commands for a torque."""
         command = self._command_of(torque, state)
         return self.actuators.torque_of(command.T, state.q.T, state.v.T).T.reshape(command.shape)
 

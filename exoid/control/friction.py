@@ -62,7 +62,14 @@ class FrictionCompensation:
         return self.scale * model.friction(state.q, velocity, self.width)
 
     def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the statements, and the words for the equation; ``measured`` is the velocity in C."""
+        """Write the compensation in C.
+
+        Args:
+            measured: Measured velocities in C, such as ``in->v``.
+
+        Returns:
+            Statements that fill ``friction``, and the words of the equation.
+        """
         velocity = "in->v_d" if self.velocity == "desired" else measured
         share = "" if self.scale == 1.0 else f"{self.scale:g} "
         return f"    {{{{p}}}}_friction({velocity}, friction);", f" + {share}F({velocity.split('->')[1]})"
@@ -130,7 +137,14 @@ class PassiveFriction:
         return self.of(model, state.q, state.v)
 
     def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the statements, and the words for the equation; ``measured`` is the velocity in C."""
+        """Write the compensation in C.
+
+        Args:
+            measured: Measured velocities in C, such as ``in->v``.
+
+        Returns:
+            Statements that fill ``friction``, and the words of the equation.
+        """
         statements = (
             f"    {{{{p}}}}_friction({measured}, friction);\n"
             "    for (j = 0; j < {{N}}; ++j) { /* never drives */\n"

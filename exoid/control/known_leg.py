@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.signals import FiniteDifference
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 from exoid.torques.term import random_motion
@@ -18,10 +19,6 @@ ROWS = 400
 """Samples at which the torques of model and estimate agree."""
 
 
-REFRESHED: tuple[type[Term], ...] = (Offset, Stiffness, Coulomb, Viscous, Armature)
-"""Terms with coefficients that a controller adapts."""
-
-
 def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
     """Convert the source of a model to an estimate of bodies, springs, friction and rotors."""
     return _reduced(source) if isinstance(source, Estimate) else _known(ControlModel.of(source), torque_std)
@@ -29,7 +26,8 @@ def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
 
 def _reduced(source: Estimate) -> Estimate:
     """Leave other terms out of an estimate."""
-    kept = tuple(term for term in source.model.terms if type(term) in REFRESHED)
+    refreshed = (Offset, Stiffness, Coulomb, Viscous, Armature)
+    kept = tuple(term for term in source.model.terms if type(term) in refreshed)
     if len(kept) == len(source.model.terms):
         return source
     model = TorqueModel(source.leg, kept, separate=source.model.separate)
@@ -66,9 +64,8 @@ def _known(model: ControlModel, torque_std: float) -> Estimate:
         if name in rubbing:
             values[k] = friction[rubbing[name], labels.index(name.split("_", 1)[1])]
     W = torques.regressor(q, v, a)[..., rest].reshape(-1, len(rest))
-    scale = np.linalg.norm(W, axis=0)
     torque = plain.inverse_dynamics(q.T, v.T, a.T).T.ravel()
-    values[rest] = np.linalg.lstsq(W / scale, torque, rcond=None)[0] / scale
+    values[rest] = scaled_lstsq(W, torque)
     return Estimate(
         model=torques,
         values=values,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +11,39 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.codegen.law_in_c import law_in_c
 from exoid.errors import BadArgumentError
+from exoid.rig import Target
 
 from .law import State, spread
-from .wrapped import Wrapped
+from .stateful import AnyLaw, Memory, stateful, torque_without_memory
+
+
+@dataclass(frozen=True, eq=False)
+class Wrapped(ABC):
+    """Another controller whose torque is changed by a function of the state. It has the memory of that controller."""
+
+    law: AnyLaw  # the other controller, with or without memory
+
+    @property
+    def rate(self) -> float:
+        """Sampling rate [Hz]."""
+        return self.law.rate
+
+    @abstractmethod
+    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Compute what becomes of a torque of the other controller."""
+
+    def torque(self, state: State, target: Target) -> FloatArray:
+        """Compute the torque; see the class."""
+        return self._changed(torque_without_memory(self.law, state, target), state)
+
+    def begin(self, state: State) -> Memory:
+        """Compute the memory of the other controller before the first sample."""
+        return stateful(self.law).begin(state)
+
+    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
+        """Compute the torque, and the memory of the other controller."""
+        torque, memory = stateful(self.law).step(memory, state, target)
+        return self._changed(torque, state), memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +80,8 @@ class Limited(Wrapped):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
-    def changed(self, torque: FloatArray, state: State) -> FloatArray:
-        """Clip a torque to the limits.
-
-        Args:
-            torque: Torque of the other controller [N·m], of the shape of ``state.q``.
-            state: Measured state with the last torque, (n,) or (n, B).
-
-        Returns:
-            Torque within the limits [N·m], of the same shape.
-        """
+    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Clip a torque to the limits of its change and size."""
         last = np.zeros_like(torque) if state.last is None else state.last
         change = spread(np.asarray(self.slew), torque) / self.rate
         torque = np.clip(torque, last - change, last + change)

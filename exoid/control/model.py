@@ -154,7 +154,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        return np.asarray(self.gravity(q) + self._springs(q))
+        return np.asarray(self.gravity(q) + self.springs(q))
 
     def gravity(self, q: FloatArray) -> FloatArray:
         """Compute the gravity torque of the bodies.
@@ -179,7 +179,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        torque = self._bodies(q, v, a) + self._springs(q)
+        torque = self._bodies(q, v, a) + self.springs(q)
         return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
@@ -306,8 +306,15 @@ class ControlModel:
                 torque[list(other.joints)] += part.reshape(-1, *a.shape[1:])
         return torque
 
-    def _springs(self, q: FloatArray) -> FloatArray:
-        """Evaluate s(q) by Horner's scheme."""
+    def springs(self, q: FloatArray) -> FloatArray:
+        """Compute the torque s(q) of springs and offsets, by Horner's scheme.
+
+        Args:
+            q: Angles [rad], (n,) or (n, B).
+
+        Returns:
+            Torque [N·m], of the same shape.
+        """
         first, *rest = self.spring if q.ndim == 1 else self.spring[..., None]
         torque = first
         for coefficient in rest:

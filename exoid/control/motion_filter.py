@@ -12,9 +12,6 @@ from exoid.errors import BadArgumentError
 
 from .law import refuse_rate
 
-HALF_POWER = float(np.sqrt(np.sqrt(2.0) - 1.0))
-"""Frequency at which 1 / (1 + jω/λ)² has half the power, over λ."""
-
 
 class FilteredMotion(NamedTuple):
     """Memory of the filter, which contains the filtered motion, (n,) or (n, B) each."""
@@ -62,7 +59,8 @@ class MotionFilter:
     @property
     def pole(self) -> float:
         """Pole λ [1/s]."""
-        return 2.0 * np.pi * self.bandwidth / HALF_POWER
+        # 1 / (1 + jω/λ)² has half the power where (ω/λ)² = √2 − 1
+        return 2.0 * np.pi * self.bandwidth / float(np.sqrt(np.sqrt(2.0) - 1.0))
 
     @property
     def delay(self) -> float:

@@ -39,12 +39,6 @@ ANGLES = 12
 FLOOR = 0.1
 """Share ε of the initial mass matrix below which M(q) never falls."""
 
-OPTIMAL = 1e-10
-"""Slope of the distance along a column, over the target's size, below which a point is the nearest."""
-
-INSIDE = 1e-7
-"""Distance in standard deviations at which a point counts as one of the set."""
-
 
 @dataclass(frozen=True, eq=False)
 class ParameterCone:
@@ -74,7 +68,8 @@ class ParameterCone:
         scale = np.linalg.norm(columns, axis=0)
         masses = _non_negative(columns / scale, whiten @ (values - self.floor)) / scale
         found = self.floor + self.generators @ masses
-        return values if np.linalg.norm(whiten @ (values - found)) <= INSIDE else np.asarray(found)
+        inside = np.linalg.norm(whiten @ (values - found)) <= 1e-7  # standard deviations
+        return values if inside else np.asarray(found)
 
 
 def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
@@ -83,9 +78,9 @@ def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
     # (github.com/scipy/scipy/issues/25389). So the conditions of Kuhn and Tucker are checked, Aᵀ(b − A w) ≤ 0, and = 0
     # where w > 0; where they fail, bounded least squares by another method take its place.
     masses, _ = scipy.optimize.nnls(columns, target)
-    slope, least = columns.T @ (target - columns @ masses), OPTIMAL * np.linalg.norm(target)
+    slope, least = columns.T @ (target - columns @ masses), 1e-10 * np.linalg.norm(target)
     if slope.max() > least or np.abs(slope[masses > 0.0]).max(initial=0.0) > least:
-        masses = scipy.optimize.lsq_linear(columns, target, (0.0, np.inf), method="bvls", tol=OPTIMAL**2).x
+        masses = scipy.optimize.lsq_linear(columns, target, (0.0, np.inf), method="bvls", tol=1e-20).x
     return np.asarray(np.maximum(masses, 0.0))
 
 

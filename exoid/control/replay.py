@@ -23,9 +23,6 @@ from .law import State
 from .limited import Limited
 from .stateful import AnyLaw, name_of, stateful
 
-AT_LIMIT = 1.0 - 1e-9
-"""Share of a limit from which on a torque is at it."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LawReplay:
@@ -98,7 +95,7 @@ class LawReplay:
     @property
     def share_at_limit(self) -> FloatArray:
         """Share of the samples at which the torque is at its limit."""
-        return np.asarray((np.abs(self.commanded) >= AT_LIMIT * self.limit).mean(axis=0))
+        return np.asarray((np.abs(self.commanded) >= (1.0 - 1e-9) * self.limit).mean(axis=0))
 
     @property
     def share_at_slew(self) -> FloatArray:

@@ -11,17 +11,15 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.intervals import intervals
+from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 
 from .data import EstimateData
 
 SIGNIFICANT = 0.05
 """A smaller probability is called a difference."""
-
-RANK = 1e-10
-"""Directions whose variance, in units of the parameters' own, is below this count as known exactly by both."""
 
 
 DEPENDENT = (
@@ -154,14 +152,14 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     shared = {source.sha256 for source in first.inputs} & {source.sha256 for source in second.inputs}
     names = tuple(name for name in first.names if name in second.names)
     if not names:
-        raise ExoidError(
+        raise BadArgumentError(
             f"no common parameter: {', '.join(first.names)} and {', '.join(second.names)}",
             remedy="identify the same leg with the same terms",
         )
     one, other = ([estimate.names.index(name) for name in names] for estimate in (first, second))
     units = tuple(first.units[k] for k in one)
     if units != tuple(second.units[k] for k in other):
-        raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
+        raise BadArgumentError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     if shared:
@@ -283,7 +281,7 @@ def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
     std = np.sqrt(np.diag(covariance))
     std = np.where(std > 0.0, std, 1.0)
     sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))
-    seen = sizes > RANK * max(sizes.max(), RANK)
+    seen = sizes > RANK_OF_SQUARES * max(sizes.max(), RANK_OF_SQUARES)
     rank = int(seen.sum())
     if rank == 0:
         return 0.0, 1.0

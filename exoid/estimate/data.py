@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
@@ -154,7 +154,7 @@ class EstimateData(ParameterTable):
         for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{name} of shape {array.shape} must be finite and fit {count} parameters of {joints} joints",
                     remedy="identify again",
                 )
@@ -162,10 +162,10 @@ class EstimateData(ParameterTable):
             object.__setattr__(self, name, array)
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
         if len(self.noise) not in (0, joints):
-            raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
+            raise BadArgumentError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
         positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
         if not (positive and self.condition_number >= 1.0):
-            raise ExoidError(
+            raise BadArgumentError(
                 "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
                 remedy="identify again",
             )
@@ -340,7 +340,7 @@ class EstimateData(ParameterTable):
             ExoidError: The base of the leg floats: forces on it were not measured as torques are.
         """
         if self.model.leg.base_rows:
-            raise ExoidError(
+            raise NotSupportedError(
                 "the rows of a floating base have no measured torque",
                 remedy="use exoid.joint_torques and exoid.ground_forces, which have bands",
             )

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
 from exoid.leg.leg import Leg
 from exoid.leg.lift import Lift, lift
@@ -21,6 +21,7 @@ from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import distribute_bodies
 from exoid.leg.lift.masses import MASS_FACTOR, MassChange, mass_changes, refuse_mass_changes
 from exoid.leg.rewriting import rewrite
+from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Coulomb, Term, TorqueModel, Viscous
@@ -168,7 +169,7 @@ def export_urdf(
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
-        raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
+        raise BadArgumentError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
     leg = estimate.model.leg
     for file in (urdf, sidecar):
         refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
@@ -220,7 +221,7 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     scale = np.where(estimate.std > 0.0, estimate.std, 1.0)
     correlation = estimate.covariance / np.outer(scale, scale)
     change = (rigid - values[:p]) / scale[:p]
-    pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=1e-12)
+    pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=RANK_OF_SQUARES)
     values[p:] += scale[p:] * (correlation[p:, :p] @ pull)
     values[:p] = rigid
     return values

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.tables import DataTable, make_table
 
 Severity = Literal["info", "warning", "error"]
@@ -52,7 +52,7 @@ class Finding:
         """Check that numbers are finite and the severity exists."""
         numbers = (self.value, *(self.interval or ()))
         if self.severity not in SEVERITIES or not np.isfinite(numbers).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"finding {self.kind} with severity {self.severity!r} and numbers {numbers}", remedy="identify again"
             )
 
@@ -97,39 +97,3 @@ def findings_table(findings: Sequence[Finding]) -> DataTable:
 def finding_lines(findings: Sequence[Finding]) -> Iterator[str]:
     """Write each finding in one line."""
     yield from map(str, findings)
-
-
-def findings_to_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    """Turn findings into JSON objects."""
-    return [
-        {
-            **asdict(finding),
-            "interval": None if finding.interval is None else list(finding.interval),
-            "parameters": list(finding.parameters),
-        }
-        for finding in findings
-    ]
-
-
-def findings_from_json(data: Sequence[Mapping[str, Any]]) -> tuple[Finding, ...]:
-    """Read findings that :func:`findings_to_json` wrote."""
-    return tuple(_finding(**item) for item in data)
-
-
-def _finding(
-    kind: str,
-    joint: str,
-    value: float,
-    unit: str,
-    severity: Severity,
-    message: str,
-    remedy: str,
-    interval: Sequence[float] | None,
-    parameters: Sequence[str],
-    recording: str,
-) -> Finding:
-    """Convert the fields of a JSON object."""
-    ends = None if interval is None else (float(interval[0]), float(interval[1]))
-    names = tuple(str(name) for name in parameters)
-    text = (str(message), str(remedy))
-    return Finding(str(kind), str(joint), float(value), str(unit), severity, *text, ends, names, str(recording))

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.regression.intervals import half_width
+from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.link_wrenches import wrenches_on_links
@@ -24,9 +25,6 @@ from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
 from .torque_band import parameter_variance
-
-RANK = 1e-9
-"""Directions of a wrench in which no row reacts, below this part of the largest."""
 
 UNSEEN = 1e-6
 """A component of a wrench counts as seen if this part of it, or less, is lost in the torques."""
@@ -96,10 +94,12 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     """
     model, leg = estimate.model, estimate.model.leg
     if not leg.base_rows:
-        raise ExoidError("the base of this leg does not float", remedy='identify a leg with base="floating"')
+        raise NotSupportedError("the base of this leg does not float", remedy='identify a leg with base="floating"')
     recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
     if recording.tau is None or not recording.measured.all():
-        raise ExoidError("the torque of a joint is missing", where=source_of(recording), remedy="record all torques")
+        raise UnreadableInputError(
+            "the torque of a joint is missing", where=source_of(recording), remedy="record all torques"
+        )
     found: dict[str, list[GroundForce]] = {}
     for stretch in split(leg, recording).stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
@@ -107,7 +107,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
             for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):
                 found.setdefault(link, []).append(force)
     if not found:
-        raise ExoidError(
+        raise NotIdentifiableError(
             "no foot carries the leg alone", where=source_of(recording), remedy="record contacts of a standing leg"
         )
     return {link: _in_order(parts) for link, parts in found.items()}

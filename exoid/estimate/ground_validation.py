@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
@@ -71,7 +71,7 @@ def compare_on_ground(
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)
         if not stretches:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"{', '.join(sorted(resting))} on the ground throughout, and the wrenches there were not measured",
                 where=recording.source.name if recording.source else "",
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
@@ -112,7 +112,7 @@ def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorqu
         variance = parameter_variance(estimate.covariance, rows.W[:, joints]) + noise
         found.append(StandingTorques(rows.time, torque, half_width(LEVEL, estimate.dof) * np.sqrt(variance)))
     if not found:
-        raise ExoidError(
+        raise NotSupportedError(
             "several links rest by unknown wrenches throughout, and torques do not follow from the motion",
             where=recording.source.name if recording.source else "",
             remedy="measure the wrenches, or record motions on one foot",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tools.tables import DataTable, make_table, to_html, to_text
 
@@ -89,7 +89,7 @@ class GroupedEstimate(ParameterTable):
             ExoidError: There is no such group.
         """
         if group not in self.estimates:
-            raise ExoidError(f"no group {group!r}", remedy=f"groups are {', '.join(self.groups)}")
+            raise BadArgumentError(f"no group {group!r}", remedy=f"groups are {', '.join(self.groups)}")
         return self.estimates[group]
 
     def __iter__(self) -> Iterator[str]:
@@ -159,7 +159,7 @@ class GroupedEstimate(ParameterTable):
             self[group]
         if first == second or not self.own:
             what = f"{first} twice" if first == second else f"{first} and {second} share every parameter"
-            raise ExoidError(f"nothing to compare: {what}", remedy="name two groups with parameters of their own")
+            raise BadArgumentError(f"nothing to compare: {what}", remedy="name two groups with parameters of their own")
         one, other = ([self.layout.place(n, self.groups.index(g)) for n in self.own] for g in (first, second))
         C = self.covariance
         crossed = C[np.ix_(one, other)]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.leg.lift import Lift
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.masses import MASS_FACTOR, MassChange
@@ -103,7 +103,7 @@ def export_mjcf(
     """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`."""
     leg = estimate.model.leg
     if leg.base == "floating":
-        raise ExoidError(
+        raise NotSupportedError(
             "an MJCF of a floating base is not written",
             where=leg.description.name,
             remedy="write a URDF, and let MuJoCo's MjSpec add a free joint to its root",

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.torques import TorqueModel
 from exoid.torques.with_columns import WithColumns
 
@@ -46,7 +44,7 @@ class ModelError:
         fits = self.alternatives.shape == (joints, COUNT, rank) and self.explained.shape == (joints,)
         for array in (self.speed, self.parameters, self.alternatives, self.explained):
             if not (fits and np.isfinite(array).all()):
-                raise ExoidError("the model error does not fit the estimate's joints", remedy="identify again")
+                raise BadArgumentError("the model error does not fit the estimate's joints", remedy="identify again")
             array.flags.writeable = False
 
     def model(self, model: TorqueModel, values: FloatArray) -> WithColumns:
@@ -84,24 +82,3 @@ class ModelError:
             The variance less what alternatives explain of it, (n,).
         """
         return np.maximum(residual - self.explained, LEAST_NOISE * residual)
-
-
-def model_error_to_json(model_error: ModelError | None) -> dict[str, Any]:
-    """Turn a model error into a JSON object."""
-    if model_error is None:
-        return {}
-    names = ("speed", "parameters", "alternatives", "explained")
-    return {name: getattr(model_error, name).tolist() for name in names}
-
-
-def model_error_from_json(
-    data: Mapping[str, Any] | None, joints: Sequence[str], parameters: Sequence[str]
-) -> ModelError | None:
-    """Read what :func:`model_error_to_json` wrote."""
-    if not data:
-        return None
-    n, count = len(joints), len(parameters)
-    speed, explained = (np.array(data[name], dtype=np.float64).reshape(n) for name in ("speed", "explained"))
-    A = np.array(data["parameters"], dtype=np.float64).reshape(count, -1)
-    B = np.array(data["alternatives"], dtype=np.float64).reshape(n, COUNT, -1)
-    return ModelError(speed, A, B, explained)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.intervals import half_width
 
@@ -38,7 +38,7 @@ class NonlinearParameters:
         for name, shape in nonlinear:
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
-                raise ExoidError(f"{name} of fitted settings do not fit {count} names", remedy="identify again")
+                raise BadArgumentError(f"{name} of fitted settings do not fit {count} names", remedy="identify again")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 

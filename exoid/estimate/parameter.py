@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
 from exoid.regression.parameters import PriorKnowledge
@@ -103,7 +103,7 @@ class ParameterTable(ABC):
     def parameter(self, name: str) -> Parameter:
         """Look up one parameter by name."""
         if name not in self.names:
-            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
+            raise BadArgumentError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
         k = self.names.index(name)
         low, high = self.interval()[k]
         value, std, interval = float(self.values[k]), float(self.std[k]), (float(low), float(high))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
@@ -53,17 +53,19 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     """
     recording = for_leg(estimate.model, recording).resampled()
     if recording.tau is None:
-        raise ExoidError("there is no torque in the recording", remedy="log it, or show the motion without prediction")
+        raise UnreadableInputError(
+            "there is no torque in the recording", remedy="log it, or show the motion without prediction"
+        )
     if not recording.measured.all():
         pairs = zip(recording.joint_names, recording.measured, strict=True)
         without = ", ".join(name for name, there in pairs if not there)
-        raise ExoidError(
+        raise NotSupportedError(
             f"the torque of {without} was not measured, so that the motion under it cannot be predicted",
             remedy="show the motion without prediction, or declare joints without an actuator passive",
         )
     _refuse_ground(recording)
     if not 2.0 <= horizon * recording.sample_rate < math.inf:
-        raise ExoidError(
+        raise BadArgumentError(
             f"a horizon of {horizon:g} s at {recording.sample_rate:.4g} Hz", remedy="let it span two samples or more"
         )
     start, carried = estimate.preparation.kinematics(recording), base_during(recording, estimate.preparation)
@@ -102,7 +104,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
 def _refuse_ground(recording: Recording) -> None:
     """Refuse links on which something acts from outside, as the leg is simulated in the air."""
     if recording.loaded_links:
-        raise ExoidError(
+        raise NotSupportedError(
             f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
             where=recording.source.name if recording.source else "",
             remedy="show the motion without prediction, or cut out a swing and take them off: "

@@ -10,15 +10,16 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Preparation, Recording
+from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
-from .finding import Finding, finding_lines, findings_to_json, ordered
+from .finding import Finding, finding_lines, ordered
 from .ground_validation import Compared, compare_on_ground, stands
 from .motion_ranges import MotionRanges
 from .torque_filter import TorqueFilter
@@ -120,11 +121,11 @@ class Validation(Report):
             "cutoff_of_estimate": self.filter.chosen,
             "samples": len(self.time),
             "joint_names": list(self.joint_names),
-            "rmse": _numbers(self.rmse),
-            "nrmse": _numbers(self.nrmse),
-            "r2": _numbers(self.r2),
-            "coverage_95": _numbers(self.coverage),
-            "findings": findings_to_json(self.findings),
+            "rmse": json_value(self.rmse),
+            "nrmse": json_value(self.nrmse),
+            "r2": json_value(self.r2),
+            "coverage_95": json_value(self.coverage),
+            "findings": json_value(self.findings),
             **parts,
         }
 
@@ -176,11 +177,6 @@ def _mean(x: FloatArray) -> FloatArray:
     return np.asarray(np.divide(total, count, out=np.full(x.shape[1], np.nan), where=count > 0))
 
 
-def _numbers(array: FloatArray) -> list[float | None]:
-    """List numbers; JSON knows no NaN, so that becomes null."""
-    return [value if np.isfinite(value) else None for value in array.tolist()]
-
-
 def validate(
     estimate: EstimateData,
     recordings: Recording | Iterable[Recording],
@@ -223,9 +219,11 @@ def validate(
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if cutoff is not None and preparation is not None:
-        raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+        raise BadArgumentError(
+            "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
+        )
     if actuators is not None:
         estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
     chosen = TorqueFilter.of(estimate, cutoff, preparation)

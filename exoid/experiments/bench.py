@@ -8,12 +8,6 @@ import numpy as np
 
 from exoid.rig import Actuator, Controller, Plant, ProportionalDerivative, Rates, Sensors
 
-STIFF = 100.0
-"""Bandwidth of a stiff servo [rad/s]."""
-
-POSES = 50
-"""Number of poses over which the inertia at a joint is minimised."""
-
 
 @dataclass(frozen=True)
 class Bench:
@@ -37,7 +31,7 @@ def stiff_servo(plant: Plant) -> ProportionalDerivative:
     # I is the inertia at a joint while the others move freely, 1/(M⁻¹)_ii, at its minimum over poses within the limits.
     leg = plant.leg.with_parameters(plant.parameters[:, 0])
     lower, upper = (np.clip(limit, -np.pi, np.pi) for limit in (leg.limits.lower, leg.limits.upper))
-    poses = np.random.default_rng(0).uniform(lower, upper, (POSES, plant.n))
+    poses = np.random.default_rng(0).uniform(lower, upper, (50, plant.n))
     M = leg.mass_matrix(poses) + np.diag(plant.armature[:, 0])
     inertia = 1.0 / np.diagonal(np.linalg.inv(M), axis1=1, axis2=2).max(axis=0)
-    return ProportionalDerivative(STIFF**2 * inertia, 2.0 * STIFF * inertia)
+    return ProportionalDerivative(100.0**2 * inertia, 2.0 * 100.0 * inertia)

@@ -97,8 +97,9 @@ def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
     """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
     instants = Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * time)
-    q, v, _ = instants.at(0.0)  # every instant is one rig
-    return q.T, v.T, instants.acceleration(0.0).T
+    q, v, a = instants.at(0.0)  # every instant is one rig
+    assert a is not None
+    return q.T, v.T, a.T
 
 
 def _condition(model: TorqueModel, motion: Harmonics) -> float:

@@ -7,22 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid.errors import ExoidError
-from exoid.rig import Target
+from exoid.errors import BadArgumentError
+from exoid.rig import Reference, Target
 from exoid.signals import Recording, choose_cutoff
 
 DEGREE = 5
 """Degree of the polynomials, whose accelerations are smooth."""
 
-KNOTS_A_PERIOD = 6.0
-"""Knots in a period of the highest frequency that is kept."""
-
-SAMPLES_A_KNOT = 2.5
-"""Least number of samples between two knots."""
-
 
 @dataclass(frozen=True, repr=False)
-class FollowedLog:
+class FollowedLog(Reference):
     """Motion of a log, of one rig; it rests at its ends outside the log.
 
     Attributes:
@@ -43,14 +37,7 @@ class FollowedLog:
         return DEGREE * float(self.curve.t[DEGREE + 1] - self.curve.t[DEGREE])
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time since the first sample [s].
-
-        Returns:
-            Angles, velocities and accelerations.
-        """
+        """Evaluate the motion."""
         t = min(max(time, 0.0), self.duration)
         q, v, a = (self.curve(t, order)[:, np.newaxis] for order in range(3))
         return Target(q, v, a) if t == time else Target(q, np.zeros_like(q), np.zeros_like(q))
@@ -78,10 +65,11 @@ def follow_log(recording: Recording) -> FollowedLog:
         np.True_
     """
     even = recording.resampled()
-    spacing = max(1.0 / (KNOTS_A_PERIOD * choose_cutoff([even])), SAMPLES_A_KNOT / even.sample_rate)
+    # six knots in a period of the highest frequency that is kept, and 2.5 samples between two knots at least
+    spacing = max(1.0 / (6.0 * choose_cutoff([even])), 2.5 / even.sample_rate)
     count = int(even.duration / spacing)
     if count < 1 or len(even) < count + DEGREE + 1:
-        raise ExoidError(
+        raise BadArgumentError(
             f"a log of {len(even)} samples is too short to follow",
             where=even.source.name if even.source else "",
             remedy="give one of several seconds",

@@ -15,9 +15,6 @@ from exoid.signals.datasets.gait_norms import JOINTS
 from .fourier import fit_harmonics, from_coefficients
 from .references import Harmonics
 
-NORM_HARMONICS = 6
-"""Number of harmonics of a norm: the residual is 0.1° rms at hip and knee, 0.5° at the ankle."""
-
 MEAN_DEG = np.array([7.4377, 22.5942])
 """Mean a0 of hip and knee flexion [deg]."""
 
@@ -71,7 +68,8 @@ def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> 
     """
     norm = gait_norm(speed)
     whole = slice(0, -1)  # the last sample is the first of the next stride
-    motion = fit_harmonics(period * norm.phase[whole], np.deg2rad(norm.mean_deg[whole]), period, NORM_HARMONICS)
+    # six harmonics: the residual is 0.1° rms at hip and knee, 0.5° at the ankle
+    motion = fit_harmonics(period * norm.phase[whole], np.deg2rad(norm.mean_deg[whole]), period, 6)
     return replace(motion, amplitude=scale * motion.amplitude)
 
 

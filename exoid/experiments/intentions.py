@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Reference, Target
-
-HIGHEST_TREMOR = 30.0
-"""Largest frequency of a tremor [Hz]; a larger one is in rad/s."""
 
 
 @dataclass(frozen=True)
-class Tremor:
+class Tremor(Reference):
     """Another motion with a tremor: θ + A sin(2π f t). Physiological tremor has 8 to 12 Hz, that of Parkinson's 4 to 6.
 
     Attributes:
@@ -35,18 +32,11 @@ class Tremor:
         """Check the numbers."""
         for name in ("amplitude", "frequency"):
             object.__setattr__(self, name, _column(getattr(self, name), f"{name} of a tremor"))
-        if np.max(self.frequency) > HIGHEST_TREMOR:
-            raise ExoidError(f"a tremor of {np.max(self.frequency):g} Hz", remedy="give the frequency in Hz")
+        if np.max(self.frequency) > 30.0:  # it is in rad/s
+            raise BadArgumentError(f"a tremor of {np.max(self.frequency):g} Hz", remedy="give the frequency in Hz")
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            Angles, velocities and, if the other motion has them, accelerations.
-        """
+        """Evaluate the motion."""
         q, v, a = self.motion.at(time)
         amplitude, rate = np.asarray(self.amplitude), 2.0 * np.pi * np.asarray(self.frequency)
         sine, cosine = amplitude * np.sin(rate * time), amplitude * np.cos(rate * time)
@@ -54,7 +44,7 @@ class Tremor:
 
 
 @dataclass(frozen=True)
-class Stumble:
+class Stumble(Reference):
     """Another motion with a sudden detour: θ + A p(s), p = 64 s³ (1 − s)³, s = (t − t0) / T from 0 to 1.
 
     The detour is largest in its middle; its acceleration is continuous and at most 24 A / T².
@@ -78,19 +68,12 @@ class Stumble:
         """Check the numbers."""
         object.__setattr__(self, "detour", _column(self.detour, "detour of a stumble", signed=True))
         if not (np.isfinite(self.begin) and 0.0 < self.duration < np.inf):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a stumble at {self.begin:g} s for {self.duration:g} s", remedy="give finite times, positive duration"
             )
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            Angles, velocities and, if the other motion has them, accelerations.
-        """
+        """Evaluate the motion."""
         q, v, a = self.motion.at(time)
         s = min(max((time - self.begin) / self.duration, 0.0), 1.0)
         w, detour = s * (1.0 - s), np.asarray(self.detour)
@@ -104,5 +87,5 @@ def _column(value: ArrayLike, name: str, *, signed: bool = False) -> FloatArray:
     """Check a number or (n,), which becomes (n, 1)."""
     array = np.asarray(value, dtype=np.float64)
     if array.ndim > 1 or not np.isfinite(array).all() or (not signed and (array < 0.0).any()):
-        raise ExoidError(f"{name}: {value!r}", remedy="give finite SI numbers, one or one for each joint")
+        raise BadArgumentError(f"{name}: {value!r}", remedy="give finite SI numbers, one or one for each joint")
     return array[:, None] if array.ndim else array

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.rig import Target
+from exoid.rig import Reference, Target
 
 
 @dataclass(frozen=True, repr=False)
-class Hold:
+class Hold(Reference):
     """Constant pose.
 
     Attributes:
@@ -26,20 +26,13 @@ class Hold:
         return f"Hold({_size(self.pose)})"
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            The pose, with zero velocity and acceleration.
-        """
+        """Evaluate the motion: the pose, at rest."""
         still = np.zeros_like(self.pose)
         return Target(self.pose, still, still)
 
 
 @dataclass(frozen=True, repr=False)
-class Approach:
+class Approach(Reference):
     """Smooth motion from pose a to pose b, then rest: θ = a + (b − a)(10 s³ − 15 s⁴ + 6 s⁵), s = min(t/T, 1).
 
     Attributes:
@@ -57,14 +50,7 @@ class Approach:
         return f"Approach({_size(self.pose)} in {self.duration:g} s)"
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            Angles, velocities and accelerations.
-        """
+        """Evaluate the motion."""
         s = min(max(time / self.duration, 0.0), 1.0)
         way = self.pose - self.start
         share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -74,7 +60,7 @@ class Approach:
 
 
 @dataclass(frozen=True, repr=False)
-class Harmonics:
+class Harmonics(Reference):
     """Sum of sinusoids, θ = centre + Σ_k amplitude_k sin(ω_k t + phase_k).
 
     Attributes:
@@ -111,12 +97,11 @@ class Harmonics:
             full = np.broadcast_to(x, motion.amplitude.shape)
             return np.concatenate([full, np.zeros((most - len(full), *full.shape[1:]))])
 
-        return Harmonics(
-            np.concatenate([motion.centre for motion in motions], axis=-1),
-            np.concatenate([wide(motion.amplitude, motion) for motion in motions], axis=-1),
-            np.concatenate([wide(motion.frequency, motion) for motion in motions], axis=-1),
-            np.concatenate([wide(motion.phase, motion) for motion in motions], axis=-1),
+        parts = (
+            [wide(getattr(motion, name), motion) for motion in motions] for name in ("amplitude", "frequency", "phase")
         )
+        centre = np.concatenate([motion.centre for motion in motions], axis=-1)
+        return Harmonics(centre, *(np.concatenate(part, axis=-1) for part in parts))
 
     def tile(self, count: int) -> Harmonics:
         """Repeat the whole sequence of rigs.
@@ -136,14 +121,7 @@ class Harmonics:
         )
 
     def at(self, time: float) -> Target:
-        """Evaluate the motion.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            Angles, velocities and accelerations.
-        """
+        """Evaluate the motion."""
         argument = self.frequency * time + self.phase
         sine = self.amplitude * np.sin(argument)
         return Target(
@@ -151,18 +129,6 @@ class Harmonics:
             (self.amplitude * self.frequency * np.cos(argument)).sum(axis=0),
             -(self.frequency**2 * sine).sum(axis=0),
         )
-
-    def acceleration(self, time: float) -> FloatArray:
-        """Evaluate the accelerations.
-
-        Args:
-            time: Time [s].
-
-        Returns:
-            Accelerations [rad/s²], (n, B).
-        """
-        argument = self.frequency * time + self.phase
-        return np.asarray(-(self.amplitude * self.frequency**2 * np.sin(argument)).sum(axis=0))
 
 
 def _size(angles: FloatArray) -> str:

@@ -17,12 +17,6 @@ from .bench import Bench
 from .limits import refuse_poses_beyond_limits
 from .references import Approach
 
-TOP_SPEED = 1.875
-"""Largest speed of an :class:`Approach` over its mean speed."""
-
-REST = 1e-4
-"""Largest motion of a joint at rest during the readings [rad]."""
-
 
 @dataclass(frozen=True)
 class StaticProtocol:
@@ -105,7 +99,8 @@ def run_static(
 
 def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
     """Refuse an approach that is too fast, and readings that begin during the travel."""
-    fastest = TOP_SPEED * protocol.distance / protocol.travel
+    # the largest speed of an `Approach` is 15/8 of its mean speed
+    fastest = 1.875 * protocol.distance / protocol.travel
     slow = plant.leg.limits.velocity < fastest
     if slow.any():
         joint = int(slow.argmax())
@@ -123,7 +118,7 @@ def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) 
 
 def _refuse_unsettled(run: Run, readings: int) -> None:
     moved = np.ptp(run.q[-readings:], axis=0).max(axis=0)
-    unsettled = np.flatnonzero(moved > REST)
+    unsettled = np.flatnonzero(moved > 1e-4)  # rad
     if len(unsettled):
         worst = int(moved.argmax())
         raise ExoidError(

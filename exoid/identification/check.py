@@ -9,10 +9,12 @@ from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term
 
-from .drives import DrivenGroups, Drives
+from .drives import Drives
+from .estimators import find_estimator
 from .findings.checkup import signal_findings
+from .gather import begin
 from .group_rows import Group
 from .identify import identify
 
@@ -60,12 +62,10 @@ def check(
             leg, group.data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators
         )
     except ExoidError as error:
-        used, names = DEFAULT_TERMS if terms is None else tuple(terms), tuple(known or ())
-        if actuators is not None:  # what is wrong with the drives is no finding of the log
-            driven = DrivenGroups.of((group,), actuators)
-            used, (group,) = driven.default_terms() if terms is None else used, driven.groups
-            names = tuple(driven.known_rotors(used, PriorKnowledge.of(known, None, nonnegative=False)))
-        model = TorqueModel.at_start(leg, used, names)
+        # what is wrong with the drives is no finding of the log, and raises here
+        knowledge = PriorKnowledge.of(known, None, nonnegative=False)
+        task = begin(leg, group.data, terms, find_estimator("wls"), knowledge, actuators=actuators)
+        (model,), (group,) = task.models, task.groups
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
         return ordered((*signal_findings(model, group.data), refused))
     return found.findings

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -47,15 +46,7 @@ def model_error(
     return friction_form_error(leg, speed, residual_rms, share, rows)
 
 
-class WithoutDelays(NamedTuple):
-    """Recordings with shifted torques."""
-
-    task: Task  # torque model and data
-    delays: tuple[FloatArray, ...]  # delays that were taken out of the torques of each group [s], (n,) each
-    findings: tuple[tuple[Finding, ...], ...]  # what was shifted in each group
-
-
-def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
+def without_delays(task: Task, fitted: Fitted) -> Task:
     """Estimate by how much torques are late, and shift them."""
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
@@ -65,7 +56,7 @@ def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
         found.append(late.values)
         each = zip(group.leg.joint_names, late.values, late.half, strict=True)
         shifts.append(tuple(_shift_finding(joint, delay, half) for joint, delay, half in each if delay))
-    return WithoutDelays(task._replace(groups=tuple(groups)), tuple(found), tuple(shifts))
+    return task._replace(groups=tuple(groups), delays=tuple(found)).with_findings(shifts)
 
 
 def _shifted(group: Group, delays: FloatArray) -> Group:

@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.actuators.constants import DriveConstant, recompute, unknown_constants, with_constants
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
 from exoid.regression.fit import Fit
@@ -122,7 +122,7 @@ def refuse_unknown_scale(
     unused = [each for each in constants if not any(of_one.computed[each.joint] for of_one in torques)]
     if unused:
         joints = ", ".join(dict.fromkeys(actuators.joint_names[each.joint] for each in unused))
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"{', '.join(each.name for each in unused)}: no torque of {joints} is computed from its drive, as it was "
             "measured in all recordings, or the drive in none",
             remedy="give the drive its constants, leave it out, or read some recordings without that torque "
@@ -133,7 +133,7 @@ def refuse_unknown_scale(
     weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)
     values = [*knowledge.known.values(), *(value for value, _ in knowledge.prior.values.values())]
     if not (measured or weighed or any(values)):
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg twice "
             "as heavy with motors twice as strong has the same currents",
             remedy=ADVICE,
@@ -210,14 +210,14 @@ def _fit(task: Task, problem: Problem, names: Sequence[str]) -> Fit:
     try:
         return fit_by(task.estimator, problem)
     except ExoidError as error:
-        if not any(name in error.what for name in names):
-            raise
-        raise ExoidError(error.what, where=error.where, remedy=ADVICE, command=COMMAND) from error
+        if any(name in error.what for name in names):
+            error.remedy, error.command = ADVICE, COMMAND
+        raise
 
 
 def _wrong_sign(names: Sequence[str]) -> ExoidError:
     """Make the error about constants that would be negative."""
-    return ExoidError(
+    return NotIdentifiableError(
         f"{', '.join(names)} would be negative: current and torque have opposite signs, or a payload was not there",
         remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
         command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
@@ -228,7 +228,7 @@ def _refuse_undetermined(step: _Step) -> None:
     """Refuse constants that the recordings hardly determine."""
     for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
         if std > UNDETERMINED * value:
-            raise ExoidError(
+            raise NotIdentifiableError(
                 f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
                 remedy=f"use a heavier payload or longer recordings: {ADVICE}",
                 command=f"use a heavier payload or longer recordings: {COMMAND}",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from exoid.actuators import Actuators, Coupling, Drive, Motor, motor_terms
 from exoid.actuators.constants import at_start, unknown_constants
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 from exoid.torques import DEFAULT_TERMS, Armature, Term
@@ -57,14 +57,14 @@ class DrivenGroups(NamedTuple):
         }
         for what, is_so in wrong.items():
             if is_so:
-                raise ExoidError(
+                raise NotSupportedError(
                     f"{which}: constants of drives are not found where {what}",
                     remedy="identify them first, by wls and linear terms from recordings of one leg, and give the "
                     "motors these numbers",
                 )
         told = [name for name in constants if name in names]
         if told:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{', '.join(told)} is a constant of a drive, not a parameter of the leg",
                 remedy="give the number to the drive: Motor(torque_constant=...)",
             )

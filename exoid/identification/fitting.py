@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
+from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
@@ -15,10 +16,11 @@ from exoid.torques import Term, TorqueModel
 from .estimators import Estimator
 from .group_rows import Group, Keep
 from .problem import Problem
+from .recording_summary import RecordingSummary
 
 
 class Task(NamedTuple):
-    """Torque model, data and estimator of a fit."""
+    """What is fitted to what and how, and what was mended in the logs before."""
 
     groups: tuple[Group, ...]  # groups of recordings; one is the usual case
     models: tuple[TorqueModel, ...]  # torque model of each group, nonlinear parameters at their start values
@@ -29,6 +31,22 @@ class Task(NamedTuple):
     keep: Keep | None = None  # function that selects rows; None for all
     # drives with unknown constants, which are found beside the parameters; None for none
     unknown: Actuators | None = None
+    actuators: tuple[Actuators, ...] = ()  # drives of each group; empty where torques were measured
+    summaries: tuple[Sequence[RecordingSummary], ...] = ()  # summaries of the recordings of each group
+    findings: tuple[tuple[Finding, ...], ...] = ()  # what was mended in each group; empty for nothing
+    # delays that were taken out of the torques of each group [s], (n,) each; empty for none
+    delays: tuple[FloatArray, ...] = ()
+    cutoff_source: str = ""  # how the cut-off was chosen
+
+    def with_findings(self, findings: Sequence[Sequence[Finding]]) -> Task:
+        """Add findings of each group."""
+        before = self.findings or ((),) * len(findings)
+        return self._replace(findings=tuple((*old, *new) for old, new in zip(before, findings, strict=True)))
+
+    def findings_with(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
+        """Add what was mended in a group to other findings."""
+        own = self.findings[group] if self.findings else ()
+        return ordered((*own, *others)) if own else others
 
 
 class Fitted(NamedTuple):

@@ -15,7 +15,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.leg.leg import Leg
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
@@ -106,7 +106,7 @@ def check_recordings(given: Measured) -> Data:
     wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if any(isinstance(item, Recordings) for item in several):
         items = (item.items if isinstance(item, Recordings) else (item,) for item in several)
         return Recordings(tuple(each for of_item in items for each in of_item))

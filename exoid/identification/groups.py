@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
@@ -26,16 +26,20 @@ def make_groups(
 ) -> tuple[Group, ...]:
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):
-        raise ExoidError("legs have names, recordings have none", remedy='name both: {"left": leg}, {"left": log}')
+        raise BadArgumentError(
+            "legs have names, recordings have none", remedy='name both: {"left": leg}, {"left": log}'
+        )
     named = recordings if isinstance(recordings, Mapping) else _by_source(check_recordings(recordings))
     if not named:
-        raise ExoidError("no recordings", remedy='pass groups such as {"left": [...], "right": [...]}')
+        raise BadArgumentError("no recordings", remedy='pass groups such as {"left": [...], "right": [...]}')
     if isinstance(legs, Mapping) and set(legs) != set(named):
-        raise ExoidError(
+        raise BadArgumentError(
             f"legs are of {', '.join(legs)}, recordings of {', '.join(named)}", remedy="use the same names for both"
         )
     if len({str(name) for name in named}) < len(named):
-        raise ExoidError(f"two groups have the same name: {', '.join(map(str, named))}", remedy="name them otherwise")
+        raise BadArgumentError(
+            f"two groups have the same name: {', '.join(map(str, named))}", remedy="name them otherwise"
+        )
     groups = []
     for name, data in named.items():
         with within(name):
@@ -50,7 +54,7 @@ def _by_source(recordings: Data) -> dict[str, Sequence[Recording | Poses]]:
     for index in range(len(recordings)):
         name = _file_name(recordings, index) or str(index + 1)
         if name in named:
-            raise ExoidError(f"two recordings are called {name}", remedy='name them: {"monday": a, "tuesday": b}')
+            raise BadArgumentError(f"two recordings are called {name}", remedy='name them: {"monday": a, "tuesday": b}')
         named[name] = recordings[index : index + 1]
     return named
 
@@ -81,10 +85,10 @@ def own_parameters(models: Mapping[str, TorqueModel], own: str | Sequence[str] |
     for name in asked:
         if name not in symbols and name not in model.every_name:
             known = ", ".join((*symbols, *model.every_name))
-            raise ExoidError(f"no parameter {name!r} to be each group's own", remedy=f"name some of {known}")
+            raise BadArgumentError(f"no parameter {name!r} to be each group's own", remedy=f"name some of {known}")
     for regrouped in model.regrouped:
         if regrouped.name in asked:
-            raise ExoidError(f"{regrouped}", remedy=f"name {' and '.join(regrouped.into)} as own instead")
+            raise BadArgumentError(f"{regrouped}", remedy=f"name {' and '.join(regrouped.into)} as own instead")
     wanted = {name for given in asked for name in symbols.get(given, {given})}
     if not set(rigid) <= wanted:
         _refuse_other_designs({group: of_group.leg for group, of_group in models.items()})
@@ -96,7 +100,7 @@ def _refuse_other_names(models: Mapping[str, TorqueModel]) -> None:
     (first, model), *others = models.items()
     for group, other in others:
         if other.names != model.names or other.units != model.units:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"parameters of {first} are {', '.join(model.names)}, those of {group} {', '.join(other.names)}",
                 remedy="identify legs of one design, with the same joints, together",
             )
@@ -108,7 +112,7 @@ def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> No
     free = [setting.name for setting in nonlinear_settings(terms, leg.joint_names, leg.joint_labels)]
     loaded = [type(term).__name__ for term in terms if term.loaded]
     if free or loaded:
-        raise ExoidError(
+        raise NotSupportedError(
             f"{', '.join((*free, *loaded))}: several groups are fitted together only where torque is linear in all "
             "parameters",
             remedy="give settings numbers, such as those that exoid.identify finds, and leave LoadFriction out",
@@ -123,7 +127,7 @@ def _refuse_other_designs(legs: Mapping[str, Leg]) -> None:
     for other, of_other in others:
         found = of_other.regressor(*motion)
         if np.abs(found - expected).max() > SAME * np.abs(expected).max():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"legs of {first} and {other} are not of one design: lengths or axes differ, so that their "
                 "rigid-body parameters do not mean the same",
                 remedy="identify them one by one",

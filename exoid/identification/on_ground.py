@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
@@ -48,21 +48,11 @@ MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-class OnGround(NamedTuple):
-    """A task whose groups are sets of resting links."""
-
-    task: Task  # the task; its groups share all parameters
-    model: TorqueModel  # torque model of the leg with all its rows
-    findings: tuple[Finding, ...]  # what was left out of the recordings
-
-
 class FittedOnGround(NamedTuple):
     """A fit to recordings with contacts."""
 
     task: Task  # the task without the samples that do not fit
     fitted: Fitted  # the fit to it
-    model: TorqueModel  # torque model of the leg with all its rows
-    findings: tuple[Finding, ...]  # what was left out of the recordings
     # compliance of the soles that carry a base whose motion was not measured; None where it was
     soles: SoleCompliance | None
 
@@ -73,14 +63,14 @@ def channel_findings(task: Task) -> tuple[Finding, ...]:
     return tuple(signal_findings(model, group.data))
 
 
-def on_ground(task: Task, *, by_noise: bool) -> OnGround:
+def on_ground(task: Task, *, by_noise: bool) -> Task:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench."""
     (group,), (model,) = _alone(task)
     found: dict[tuple[str, ...], list[Recording]] = {}
     findings: list[Finding] = []
     for one in group.data:
         if isinstance(one, Poses):
-            raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
+            raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
         findings += [
             *_left_out(parts, one),
@@ -89,23 +79,27 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
         ]
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
-    return OnGround(_task_of(task, group, model, found, by_noise=by_noise), model, tuple(findings))
+    return _task_of(task, group, model, found, by_noise=by_noise).with_findings([findings])
 
 
 def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
     """Check what recordings with contacts can be identified with."""
     if len(task.groups) > 1 or task.own:
-        raise ExoidError("recordings with contacts are for one leg alone", remedy="identify the groups one by one")
+        raise NotSupportedError(
+            "recordings with contacts are for one leg alone", remedy="identify the groups one by one"
+        )
     if task.unknown is not None:
-        raise ExoidError("constants of drives are identified without contacts", remedy="give the constants")
+        raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
     if getattr(task.estimator, "fits_samples", False):
-        raise ExoidError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
+        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
     if any(term.nonlinear or term.loaded for term in task.terms):
-        raise ExoidError("terms beside a ground are linear in their parameters", remedy="give settings as numbers")
+        raise NotSupportedError(
+            "terms beside a ground are linear in their parameters", remedy="give settings as numbers"
+        )
     (group,), (model,) = task.groups, task.models
     rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
     if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
-        raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
+        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     return (group,), (model,)
 
 
@@ -241,7 +235,7 @@ def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
     ]
 
 
-def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, ...]]:
+def without_outliers(task: Task, fitted: Fitted) -> Task:
     """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
     groups, findings = [], []
     wrong = [_wrong_samples(fitted, k, group) for k, group in enumerate(task.groups)]
@@ -249,7 +243,7 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
     total = sum(np.count_nonzero(mask) for mask in every)
     lost = sum(np.count_nonzero(mask) for of_group in wrong for mask in of_group)
     if not lost:
-        return task, ()
+        return task
     too_many = bool(lost > MOST_WRONG * total)
     for group, model, of_group in zip(task.groups, task.models, wrong, strict=True):
         kept = []
@@ -263,7 +257,7 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
         if kept:
             groups.append((group._replace(data=tuple(kept)), model))
     new_groups, models = zip(*groups, strict=True)
-    return task._replace(groups=new_groups, models=models), tuple(findings)
+    return task._replace(groups=new_groups, models=models).with_findings([findings])
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:

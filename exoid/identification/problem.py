@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
@@ -65,7 +65,7 @@ class Problem:
     def refuse_several_groups(self) -> None:
         """Refuse several groups of recordings."""
         if len(self.groups) > 1:
-            raise ExoidError(
+            raise NotSupportedError(
                 "this estimator is for one leg alone, and there are several groups",
                 remedy="use one of gls, huber, ols, wls",
             )
@@ -74,7 +74,7 @@ class Problem:
         """Refuse recordings whose base moves, for estimators that simulate the leg."""
         moving = next((data for data in self.local_data if isinstance(data, Recording) and data.base), None)
         if moving is not None:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"{estimator} simulates the leg on a base at rest, and the base moves in a recording",
                 where=moving.source.name if moving.source else "",
                 remedy="use wls",
@@ -84,7 +84,7 @@ class Problem:
         """Refuse recordings with payloads, for estimators that do not fit the rows."""
         loaded = next((data for data in self.local_data if data.payloads), None)
         if loaded is not None:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"{estimator} fits the leg without payloads, and a recording has {loaded.payloads[0]}",
                 where=loaded.source.name if loaded.source else "",
                 remedy="use wls, huber, gls or ols",
@@ -94,7 +94,7 @@ class Problem:
         """Refuse recordings with wrenches or contacts, for estimators that do not fit the rows."""
         loaded = next((data for data in self.local_data if isinstance(data, Recording) and data.loaded_links), None)
         if loaded is not None:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"{estimator} fits the leg in the air, and something acts on {', '.join(loaded.loaded_links)}",
                 where=loaded.source.name if loaded.source else "",
                 remedy="use wls, huber, gls or ols",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate.data import Input
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
@@ -76,7 +76,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     mask = chosen.mask if isinstance(chosen, Recording) else None
     counted = slice(None) if mask is None else mask
     if mask is not None and not mask.any():
-        raise ExoidError(
+        raise NotIdentifiableError(
             "no sample counts: the mask is 0 everywhere", where=source_of(data), remedy="leave the recording out"
         )
     q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
@@ -129,10 +129,11 @@ def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary
         own = model.own_parameters(joint)
         if span < SMALLEST_MOTION and not (own and set(own) <= set(known)):
             others = tuple(other for other in names if other != name)
-            raise ExoidError(
+            raise NotIdentifiableError(
                 f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
                 where=_sources(summaries),
                 remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
+                joints=(name,),
             )
 
 
@@ -145,7 +146,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     every = [torques for _, torques in measured]
     driven = np.array([torques.measured & ~torques.passive for torques in every])
     if not driven.any():
-        raise ExoidError(
+        raise NotIdentifiableError(
             "no joint has a measured torque: without one, only ratios of parameters could be found",
             where=_sources(summaries),
             remedy="record the torque of a joint that is not passive",
@@ -161,7 +162,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         found = "; ".join(
             f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample" for joint, value in dead.items()
         )
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
             where=_sources(summaries),
             remedy=f"connect {'the' if len(dead) > 1 else 'its'} torque channel{'s' if len(dead) > 1 else ''}, or map "
@@ -170,16 +171,18 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
             command=f"connect it, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}; give "
             f"--passive {','.join(dead)} for joints without an actuator, --unmeasured {','.join(dead)} for those "
             "without a sensor",
+            joints=tuple(dead),
         )
     for index, joint in enumerate(model.leg.joint_names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
             if MOST < share < 1.0 and not torques.passive[index]:
-                raise ExoidError(
+                raise NotIdentifiableError(
                     f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
                     "the joint moves: these say nothing, or something wrong",
                     where=one.source,
                     remedy="use the part of the recording in which torque was measured, see Recording.between",
+                    joints=(joint,),
                 )
 
 
@@ -250,7 +253,7 @@ def _refuse_same_recordings(summaries: Mapping[str, Sequence[RecordingSummary]])
         for a, b in product(first, second):
             if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
                 name = f"recording {a.source}" if a.source else "the same recording"
-                raise ExoidError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
+                raise BadArgumentError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
 
 
 def prepare_groups(

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators
 from exoid.estimate.data import Input
 from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
-from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.estimate.support import Support
@@ -38,70 +35,30 @@ from exoid.torques.contacts.support_model import LOOP
 
 from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
-from .estimators import Estimator, name_of
+from .estimators import name_of
 from .findings.checkup import Checkup
 from .findings.factors import never_negative
-from .fitting import Fitted
-from .recording_summary import RecordingSummary, angles
+from .fitting import Fitted, Task
+from .recording_summary import angles
 from .sole_compliance import SoleCompliance
 
 BELOW_ZERO = 0.005
 """Probability with which a parameter that is zero would be said to be negative."""
 
 
-class Preliminaries(NamedTuple):
-    """What was mended and chosen before the fit."""
-
-    findings: tuple[tuple[Finding, ...], ...] = ()  # what was mended in each group; empty for nothing
-    # delays that were taken out of the torques of each group [s], (n,) each; empty for none
-    delays: tuple[FloatArray, ...] = ()
-    cutoff_source: str = ""  # how the cut-off was chosen
-    actuators: tuple[Actuators, ...] = ()  # drives of each group; empty where torques were measured
-
-    def beside_others(self, findings: Sequence[tuple[Finding, ...]]) -> Preliminaries:
-        """Add findings of each group."""
-        before = self.findings or ((),) * len(findings)
-        return self._replace(findings=tuple((*old, *new) for old, new in zip(before, findings, strict=True)))
-
-    def shifted(self, delays: Sequence[FloatArray], findings: Sequence[Sequence[Finding]]) -> Preliminaries:
-        """Add delays that were taken out."""
-        return self.beside_others([tuple(of_group) for of_group in findings])._replace(delays=tuple(delays))
-
-    def beside(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
-        """Add what was mended in a group to other findings."""
-        own = self.findings[group] if self.findings else ()
-        return ordered((*own, *others)) if own else others
-
-
-NO_PRELIMINARIES = Preliminaries()
-"""Stands for logs that were fitted as they are."""
-
-
 @dataclass(frozen=True, eq=False)
 class Result:
     """A fit with what its residuals say."""
 
+    task: Task  # what was fitted, and what was mended before
     fitted: Fitted  # the fit
-    summaries: Sequence[Sequence[RecordingSummary]]  # summaries of the recordings of each group
-    estimator: Estimator  # the estimator
     uncertainty: Uncertainty  # covariance of all parameters, and the noise that it is for
-    check: bool = False  # whether to check logs and fit for faults
-    before: Preliminaries = NO_PRELIMINARIES  # what was mended and chosen before the fit
+    check: bool  # whether to check logs and fit for faults
 
     @classmethod
-    def of(
-        cls,
-        fitted: Fitted,
-        summaries: Sequence[Sequence[RecordingSummary]],
-        estimator: Estimator,
-        *,
-        white: bool,
-        check: bool = False,
-        before: Preliminaries = NO_PRELIMINARIES,
-    ) -> Result:
+    def of(cls, task: Task, fitted: Fitted, *, white: bool, check: bool) -> Result:
         """Find noise and covariance of a fit."""
-        uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
-        return cls(fitted, summaries, estimator, uncertainty, check, before)
+        return cls(task, fitted, uncertainty_of(fitted.problem, fitted.fit, white=white), check)
 
     def estimate(self) -> Estimate:
         """Make the estimate of the only group."""
@@ -149,7 +106,7 @@ class Result:
             dof=float(self._samples_left.groups.sum()),
             dof_each=self._degrees_of_freedom,
             residual_rms=np.array([_of_joint(supports, joint) for joint in model.joint_names]),
-            estimator=fit.name or name_of(self.estimator),
+            estimator=fit.name or name_of(self.task.estimator),
             preparation=problem.groups[0].preparation,
             inputs=tuple(dict.fromkeys(self._inputs)),
             parameter_scale=parameter_scale(problem.r_factors),
@@ -158,9 +115,9 @@ class Result:
             warnings=(*self._common_warnings, *negative(model, values, np.sqrt(np.diag(covariance)))),
             prior_knowledge=problem.prior_knowledge,
             bounded=bounded,
-            findings=self.before.beside(0, ()),
-            cutoff_source=self.before.cutoff_source,
-            actuators=self.before.actuators[0] if self.before.actuators else None,
+            findings=self.task.findings_with(0, ()),
+            cutoff_source=self.task.cutoff_source,
+            actuators=self.task.actuators[0] if self.task.actuators else None,
             supports=supports,
         )
 
@@ -189,7 +146,7 @@ class Result:
         trends, names = self._trends_of(group), layout.names_of(group)
         bounded = [problem.names[k] for k in solution.bounded]
         alone = len(problem.groups) == 1
-        actuators = self.before.actuators[group] if self.before.actuators else None
+        actuators = self.task.actuators[group] if self.task.actuators else None
         checkup = check_group(self.fitted, group, covariance, actuators) if self.check else Checkup()
         residual_rms = np.array(
             [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
@@ -203,7 +160,7 @@ class Result:
             dof=float(self._samples_left.groups[group]),
             dof_each=self._degrees_of_freedom[places],
             residual_rms=residual_rms,
-            estimator=fit.name or name_of(self.estimator),
+            estimator=fit.name or name_of(self.task.estimator),
             preparation=rows.preparation,
             inputs=self._inputs,
             noise=noise,
@@ -217,11 +174,11 @@ class Result:
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self._influence is None else self._influence.at(places),
             trends=trends,
-            findings=self.before.beside(group, checkup.findings),
+            findings=self.task.findings_with(group, checkup.findings),
             ranges=checkup.ranges,
             model_error=model_error(self.fitted, group, checkup, residual_rms, noise) if self.check else None,
-            cutoff_source=self.before.cutoff_source,
-            torque_delays=self.before.delays[group] if self.before.delays else np.zeros(0),
+            cutoff_source=self.task.cutoff_source,
+            torque_delays=self.task.delays[group] if self.task.delays else np.zeros(0),
             actuators=actuators,
             torque_spread=np.zeros(0) if checkup.torque_spread is None else checkup.torque_spread,
         )
@@ -251,7 +208,7 @@ class Result:
     @cached_property
     def _inputs(self) -> tuple[Input, ...]:
         """Evidence of all recordings: the errors of every group come from all of them."""
-        return tuple(summary.evidence for of_group in self.summaries for summary in of_group)
+        return tuple(summary.evidence for of_group in self.task.summaries for summary in of_group)
 
     @cached_property
     def _noise(self) -> tuple[JointNoise, ...]:
@@ -287,7 +244,7 @@ class Result:
         return [
             reference_scale(model.loaded_by(self.fitted.values[of_group[:count]]), *angles(summaries), rows.r_factors)
             for model, of_group, summaries, rows in zip(
-                self.fitted.models, places, self.summaries, self.fitted.problem.groups, strict=True
+                self.fitted.models, places, self.task.summaries, self.fitted.problem.groups, strict=True
             )
         ]
 
@@ -335,7 +292,7 @@ class Result:
     @cached_property
     def _agreement(self) -> Agreement:
         """Whether the groups, each identified alone, agree on what they share."""
-        return shared_agreement(self.fitted.problem, self.estimator, self._samples, white=self.uncertainty.white)
+        return shared_agreement(self.fitted.problem, self.task.estimator, self._samples, white=self.uncertainty.white)
 
     def _prior_gains(self, group: int) -> FloatArray:
         """How far the parameters of one group follow its priors, (P, K)."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
+from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.regression.row_data import Rows
 from exoid.signals import Recording
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
@@ -85,12 +86,14 @@ def sole_compliance(task: Task, fitted: Fitted) -> SoleCompliance | None:
     prior = np.diag(np.append(np.zeros(count), np.full(len(links), SOFTEST**-2)))
     scale = 1.0 / np.sqrt(np.maximum(np.diag(information + prior), TINY))
     scaled = ((information + prior) * np.outer(scale, scale))[np.ix_(free, free)]
-    inverse = np.linalg.pinv(scaled, hermitian=True) * np.outer(scale[free], scale[free])
+    inverse = np.linalg.pinv(scaled, rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(scale[free], scale[free])
     found = (inverse @ right[free])[-len(links) :]
     values = np.maximum(found, 0.0)
     doubt = (VARIES * values) ** 2 + (found - values) ** 2
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, len(links)))
-    bare = np.linalg.pinv(scaled[: len(own), : len(own)], hermitian=True) * np.outer(scale[own], scale[own])
+    bare = np.linalg.pinv(scaled[: len(own), : len(own)], rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(
+        scale[own], scale[own]
+    )
     slopes_of[own] = -bare @ information[own, count:]
     covariance = inverse[-len(links) :, -len(links) :] + np.diag(doubt)
     return SoleCompliance(links, values, covariance, slopes_of)

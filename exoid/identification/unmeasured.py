@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
@@ -36,10 +36,11 @@ def terms_where_measured(
         wrong = [joint for joint in without if joint in named]
         if wrong:
             names = [f"{symbol}_{joint}" for joint in wrong for symbol in term.symbols]
-            raise ExoidError(
+            raise NotIdentifiableError(
                 f"{', '.join(names)} left no trace: the torque of {', '.join(wrong)} was not measured",
                 remedy=f"leave {', '.join(wrong)} out of the joints of {type(term).__name__}, or say what is known of "
                 "these parameters (known=)",
+                parameters=tuple(names),
             )
         kept.append(term)
     return tuple(kept)
@@ -51,9 +52,10 @@ def _coupled_where_measured(term: CoupledTerm, leg: Leg, unmeasured: Sequence[st
     labels = [leg.joint_labels[place] for place in places]
     names = [f"{symbol}_{'_'.join(labels)}" for symbol in term.symbols]
     if set(labels) <= set(unmeasured) and not set(names) <= set(known):
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"{', '.join(names)} left no trace: the torque of {', '.join(labels)} was not measured",
             remedy=f"leave {type(term).__name__} out, or say what is known of these parameters (known=)",
+            parameters=tuple(names),
         )
     return term
 
@@ -67,7 +69,7 @@ def only_measured(
 ) -> tuple[tuple[Term, ...], tuple[tuple[Finding, ...], ...]]:
     """Let terms act where torque was measured in some recording of some group, and say where it was not."""
     if getattr(estimator, "fits_samples", False):
-        raise ExoidError(
+        raise NotSupportedError(
             f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
             remedy="use wls, huber, gls or ols",
         )

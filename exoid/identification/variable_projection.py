@@ -8,10 +8,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
-from exoid.regression.least_squares import factorize, stack
+from exoid.regression.least_squares import factorize, scaled_lstsq, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import linearise
 from exoid.torques.nonlinear import NonlinearSetting, nonlinear_settings, with_settings
@@ -183,7 +183,8 @@ class _Search:
         table = np.column_stack([R[:, :count][:, self.free], R[:, count:-1], rest])
         R, free = factorize(table, 0, 0.0).R, int(self.free.sum())
         before, self.values = self.values, self.values.copy()
-        self.values[self.free] = _least_squares(R[:free, :free], R[:free, -1])
+        # shortest where a column says nothing: friction under a load that is not yet known
+        self.values[self.free] = scaled_lstsq(R[:free, :free], R[:free, -1])
         self.corner = R[free:, free:]
         left = max(float(np.linalg.norm(self.corner[:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
         moved = R[:free, :free] @ (self.values - before)[self.free]
@@ -206,9 +207,10 @@ class _Search:
         loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
         unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
         if unloaded:
-            raise ExoidError(
+            raise NotIdentifiableError(
                 f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
                 remedy="leave out LoadFriction at these joints",
+                parameters=tuple(unloaded),
             )
 
     def _problem(self, held: Sequence[str] = ()) -> Problem:
@@ -274,11 +276,3 @@ def _change(problem: Problem, fit: Fit, moved: FloatArray) -> float:
     values = np.append(fit.solution.values, -1.0)
     left = max(float(np.linalg.norm(table @ values)), TINY * float(np.linalg.norm(table[:, -1])))
     return float(np.linalg.norm(table[:, :-1] @ moved)) / left if left > 0.0 else 0.0
-
-
-def _least_squares(A: FloatArray, b: FloatArray) -> FloatArray:
-    """Least squares with unit columns, shortest where a column says nothing (friction under a load not yet known)."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    solution, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
-    return np.asarray(solution / scale)

@@ -12,6 +12,7 @@ from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques.payloads import payload_parameters
 
 from .changes import SPANNED
@@ -68,7 +69,7 @@ def load_change(
     scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     lower = scipy.linalg.cholesky(covariance / np.outer(scale, scale) + 1e-12 * np.eye(count), lower=True)
     W, y = (scipy.linalg.solve_triangular(lower, (x.T / scale).T, lower=True) for x in (columns, change))
-    found, *_ = np.linalg.lstsq(W, y, rcond=None)
+    found = scaled_lstsq(W, y)
     return LoadChange(joint, float(found[0]), float(np.sqrt(np.linalg.inv(W.T @ W)[0, 0])))
 
 

@@ -14,7 +14,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 
 from .least_squares import RFactor, Solution, stack
 from .noise import AutoregressiveNoise
@@ -152,7 +152,7 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
     if fit.correlated is not None:
         return Uncertainty(textbook if white else fit.correlated, fit.noises, white)
     if white:
-        raise ExoidError(
+        raise NotSupportedError(
             "this estimator weighs rows by a model of correlated noise, so that noise='white' does not apply",
             remedy="leave noise out, or use wls",
         )

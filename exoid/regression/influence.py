@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .least_squares import stack
-from .problem import RecordingProblem
+from .problem import RowProblem
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""
@@ -82,7 +82,7 @@ class Influence(NamedTuple):
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
 
 
-def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
+def influence(problem: RowProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
     """Leave out one recording after the other, with the weights of the whole."""
     # With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter
     # i is the part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has

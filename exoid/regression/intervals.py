@@ -6,13 +6,13 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 
 def half_width(level: float, dof: FloatArray | float) -> FloatArray:
     """Half width of an interval in standard deviations, for each number of degrees of freedom."""
     if not 0.0 < level < 1.0:
-        raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
+        raise BadArgumentError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
     return np.asarray(scipy.stats.t.ppf(0.5 + level / 2.0, dof))
 
 

@@ -11,13 +11,16 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, NotIdentifiableError
 
 from .parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from .row_data import Rows
 
-UNDETERMINED = 1e-7
-"""Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+RANK = 1e-7
+"""Singular values of unit columns below this part of the largest count as zero (docs/decisions/rank-rule.md)."""
+
+RANK_OF_SQUARES = 1e-12
+"""The same for normal equations and covariances, whose singular values are squares: rounding hides smaller ones."""
 
 INVOLVED = 0.05
 """A parameter with less than this part in a direction that the rows do not see is not blamed for it."""
@@ -169,13 +172,22 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
     return stacked._replace(taken=_triangle(np.vstack(taken)) if taken else None, all_rows=all_rows)
 
 
+def scaled_lstsq(A: FloatArray, b: FloatArray, rank: float = RANK) -> FloatArray:
+    """Minimise ‖A x − b‖ with columns of unit length; x is zero in directions that count as unseen."""
+    scale = np.linalg.norm(A, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    x, *_ = np.linalg.lstsq(A / scale, b, rcond=rank)
+    return np.asarray((x.T / scale).T)
+
+
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
     """Refuse a fit in which the terms' dead bands left no sample of a joint."""
     empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
     if empty:
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
             remedy="move faster, or choose a smaller dead_band",
+            joints=tuple(empty),
         )
 
 
@@ -235,12 +247,12 @@ def solve(
     # row of the recordings is worth, so that redundant rows do not outvote it.
     free = prior_knowledge.free(names)
     if not free.any():
-        raise ExoidError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
+        raise BadArgumentError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
     reduced = _without_known(r_factor, prior_knowledge.fixed_values(names), free)
     count = len(reduced.R) - 1
     dof = r_factor.samples - count
     if dof <= 0.0:
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"too few samples: {r_factor.samples:.0f} independent ones for {count} parameters",
             remedy="record longer, or raise the cut-off",
         )
@@ -252,7 +264,7 @@ def solve(
     scale = np.where(scale > 0.0, scale, 1.0)
     unit, z = R[:count, :count] / scale, R[:count, count]
     U, sigma, Vt = np.linalg.svd(unit)
-    seen = sigma > UNDETERMINED * sigma[0]
+    seen = sigma > RANK * sigma[0]
     believed = np.linalg.norm(size * priors[:, :-1] / scale @ Vt.T, axis=0) > 0.5 * sigma
     unseen = Vt[~seen & ~(believed & (sigma > TINY))]
     if len(unseen):
@@ -285,10 +297,8 @@ def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]
 def _row_noise(r_factor: RFactor, dof: float) -> float:
     """Size s of the noise of a row, counted as independent, whether or not the rows determine all parameters."""
     W, tau = r_factor.R[:, :-1], r_factor.R[:, -1]
-    scale = np.linalg.norm(W, axis=0)
-    W = W / np.where(scale > 0.0, scale, 1.0)
-    fit, *_ = np.linalg.lstsq(W, tau, rcond=UNDETERMINED)
-    residual = max(float(np.linalg.norm(tau - W @ fit)), ROUNDING * float(np.linalg.norm(tau)), TINY)
+    left = float(np.linalg.norm(tau - W @ scaled_lstsq(W, tau)))
+    residual = max(left, ROUNDING * float(np.linalg.norm(tau)), TINY)
     return residual / math.sqrt(dof)
 
 
@@ -312,8 +322,9 @@ def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
         what.append(f"{', '.join(alone)} left no trace in the torque")
     if together:
         what.append(f"{', '.join(together)} cannot be told apart in this motion")
-    return ExoidError(
+    return NotIdentifiableError(
         f"the recordings do not determine every parameter: {'; '.join(what)}",
         remedy="move all joints at once, through different angles and speeds, leave out terms that cannot act, "
         "or say what is known of them (known=, prior=)",
+        parameters=(*alone, *together),
     )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .model import RegressorModel, Regrouping
 
@@ -56,13 +56,13 @@ class Prior:
         try:
             pairs = {str(name): (float(value), float(std)) for name, (value, std) in self.values.items()}
         except (TypeError, ValueError, AttributeError) as error:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a prior needs a value and a standard deviation ({error})", remedy='write {"J3": (0.05, 0.01)}'
             ) from error
         wrong = [name for name, (value, std) in pairs.items() if not (np.isfinite(value) and 0.0 < std < np.inf)]
         if wrong:
             what = f"the prior of {', '.join(wrong)} is not a finite value with a positive standard deviation"
-            raise ExoidError(what, remedy="pass what is exact as known=")
+            raise BadArgumentError(what, remedy="pass what is exact as known=")
         object.__setattr__(self, "values", MappingProxyType(pairs))
 
     @classmethod
@@ -87,7 +87,7 @@ class Prior:
             pairs[name] = (float(value), relative_std * size)
         missing = [name for name in wanted if name not in pairs]
         if missing:
-            raise ExoidError(f"the leg has no {', '.join(missing)}", remedy=f"names are {', '.join(pairs)}")
+            raise BadArgumentError(f"the leg has no {', '.join(missing)}", remedy=f"names are {', '.join(pairs)}")
         return cls({name: pairs[name] for name in wanted})
 
 
@@ -104,13 +104,15 @@ class PriorKnowledge:
         try:
             known = {str(name): float(value) for name, value in self.known.items()}
         except (TypeError, ValueError, AttributeError) as error:
-            raise ExoidError(f"a known parameter needs a number ({error})", remedy='write {"X1": 4.25}') from error
+            raise BadArgumentError(
+                f"a known parameter needs a number ({error})", remedy='write {"X1": 4.25}'
+            ) from error
         wrong = [name for name, value in known.items() if not np.isfinite(value)]
         if wrong:
-            raise ExoidError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
+            raise BadArgumentError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
         both = [name for name in known if name in self.prior.values]
         if both:
-            raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
+            raise BadArgumentError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
         object.__setattr__(self, "known", MappingProxyType(known))
 
     @classmethod
@@ -139,14 +141,14 @@ class PriorKnowledge:
         self.check_regrouped(model.regrouped)
         for name in self.names:
             if name not in model.names:
-                raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
+                raise BadArgumentError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
 
     def check_regrouped(self, parameters: Sequence[Regrouping]) -> None:
         """Check that no name is that of a parameter that is part of others."""
         for regrouped in parameters:
             if regrouped.name in self.names:
                 into = " and ".join(regrouped.into)
-                raise ExoidError(f"{regrouped}", remedy=f"say what is known of {into} instead")
+                raise BadArgumentError(f"{regrouped}", remedy=f"say what is known of {into} instead")
 
     def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Which of the parameters are not known, (P,)."""
@@ -210,7 +212,7 @@ class ParameterLayout(NamedTuple):
         names = [name for name, _ in (*known, *prior)]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            raise ExoidError(f"{', '.join(twice)} is known or has a prior twice", remedy="say it once")
+            raise BadArgumentError(f"{', '.join(twice)} is known or has a prior twice", remedy="say it once")
         return PriorKnowledge(dict(known), Prior(dict(prior)), knowledge.nonnegative)
 
     def known_by(self, group: int, spread: PriorKnowledge) -> PriorKnowledge:
@@ -231,7 +233,7 @@ class ParameterLayout(NamedTuple):
             return [own_name(given, group) for group in self.groups]
         if given in self.names:
             return [given]
-        raise ExoidError(f"no parameter {given!r}", remedy=f"names are {', '.join((*self.names, *self.own))}")
+        raise BadArgumentError(f"no parameter {given!r}", remedy=f"names are {', '.join((*self.names, *self.own))}")
 
 
 def own_name(name: str, group: str) -> str:

@@ -75,10 +75,6 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
         """
         ...
 
-
-class RecordingProblem(RowProblem, Protocol):
-    """A problem of several recordings, each of which can be left out."""
-
     def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
         """R factor of the weighted rows of each recording."""
         ...

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, NotIdentifiableError, UnreadableInputError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
@@ -136,7 +136,7 @@ def _without_torque(recording: Recording) -> ExoidError:
     ):
         if getattr(recording, quantity) is not None:
             scaled = f"or say N·m per {unit} where it is read"
-            return ExoidError(
+            return UnreadableInputError(
                 f"the recording has {name} and no torque",
                 where=where,
                 remedy=f"describe the drive of each joint (actuators=, exoid.actuators), {scaled}: "
@@ -145,7 +145,9 @@ def _without_torque(recording: Recording) -> ExoidError:
                 f"tau_{joint}={prefix}_{joint}:0.118",
             )
     columns = ", ".join(f"tau_{name}" for name in recording.joint_names)
-    return ExoidError("there is no torque in the recording", where=where, remedy=f"record tau, in columns {columns}")
+    return UnreadableInputError(
+        "there is no torque in the recording", where=where, remedy=f"record tau, in columns {columns}"
+    )
 
 
 def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
@@ -153,7 +155,7 @@ def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
     inside = np.zeros(len(recording), dtype=np.bool_)
     inside[valid] = True if recording.mask is None else recording.mask[valid]
     if not inside.any():
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
             "the ends of the recording affect the acceleration",
             where=source_of(recording),
@@ -338,11 +340,12 @@ def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     if set(labels) <= set(recording.joint_names):
         return recording.select(labels)
     missing = [name for name in names if name not in recording.joint_names]
-    raise ExoidError(
+    raise UnreadableInputError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
         where=source_of(recording),
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
         command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER --column tau_{missing[0]}=HEADER",
+        joints=tuple(missing),
     )
 
 

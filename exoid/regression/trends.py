@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -102,38 +102,6 @@ def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
         f"{trend.p_value:.1g}, {trend.share:.1%} of its torque): {_HINT[trend.against]}"
         for trend in trends
         if trend.matters
-    )
-
-
-def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
-    """Turn trends into what JSON can hold."""
-    return [
-        {
-            "joint": t.joint,
-            "against": t.against,
-            "edges": t.edges.tolist(),
-            "mean": t.mean.tolist(),
-            "std": t.std.tolist(),
-            "p_value": t.p_value,
-            "share": t.share,
-        }
-        for t in trends
-    ]
-
-
-def trends_from_json(data: Sequence[dict[str, Any]]) -> tuple[Trend, ...]:
-    """Read what :func:`trends_to_json` wrote."""
-    return tuple(
-        Trend(
-            joint=str(one["joint"]),
-            against=one["against"],
-            edges=np.array(one["edges"], dtype=np.float64),
-            mean=np.array(one["mean"], dtype=np.float64),
-            std=np.array(one["std"], dtype=np.float64),
-            p_value=float(one["p_value"]),
-            share=float(one["share"]),
-        )
-        for one in data
     )
 
 

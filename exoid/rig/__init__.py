@@ -9,8 +9,9 @@ from .coupled_stepper import CoupledMotors, CoupledStepper
 from .payload import leg_with_payloads, plant_with_payloads, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
+from .run import Energy, Run
 from .sensors import Sensors
-from .simulate import Energy, Rates, Run, simulate
+from .simulate import Rates, simulate
 from .smooth_stepper import SmoothStepper
 from .stepper import PlanarStepper, Step, Stepper
 from .wearer import Wearer

@@ -19,21 +19,6 @@ Each entry holds the segment length over height, the parts, and the radius of gy
 (mass over body mass, centre of mass over segment length). The foot is a point mass at the end of the shank.
 """
 
-FOOT_SHARE = 0.0145
-"""Mass of the foot over body mass."""
-
-FOOT_LENGTH = 0.11
-"""Distance from the ankle to the second metatarsal head over height; an assumption for Winter's foot of 0.152."""
-
-FOOT_CENTRE, FOOT_GYRATION = 0.50, 0.475
-"""Centre of mass and radius of gyration of the foot over that distance."""
-
-FOOT_HEIGHT = 0.039
-"""Height of the ankle over the sole over body height; the centre of mass is assumed at half of it."""
-
-TALLEST, HEAVIEST = 2.6, 350.0
-"""Largest height [m] and mass [kg] of a person; larger numbers are in other units."""
-
 
 def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
     """Make the limb of a wearer: the joints of the leg with thigh, shank and foot of a person.
@@ -58,7 +43,7 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
         array([2.824, 0.   , 1.017, 0.941, 0.   , 0.312])
     """
     refuse_stature(height, mass)
-    if not (height < TALLEST and mass < HEAVIEST):
+    if not (height < 2.6 and mass < 350.0):  # other units
         raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg")
     chain, labels = leg.chain, leg.joint_labels
     if chain is None or any(label not in (*WINTER, "ankle") for label in labels):
@@ -84,7 +69,10 @@ def refuse_stature(height: float, mass: float) -> None:
 def _bodies(joint: str, with_ankle: bool) -> list[tuple[float, float, float, float]]:
     """Bodies of a segment: mass over body mass; distances ahead and below, and radius of gyration, over height."""
     if joint == "ankle":
-        return [(FOOT_SHARE, FOOT_CENTRE * FOOT_LENGTH, 0.5 * FOOT_HEIGHT, FOOT_GYRATION * FOOT_LENGTH)]
+        # distance from the ankle to the second metatarsal head over height: an assumption for Winter's foot of 0.152;
+        # the centre of mass is assumed at half of the height of the ankle, 0.039
+        length = 0.11
+        return [(0.0145, 0.50 * length, 0.5 * 0.039, 0.475 * length)]
     length, parts, gyration = WINTER[joint]
     segment, *foot = [(weight, 0.0, centre * length, 0.0) for weight, centre in parts]
     return [(*segment[:3], gyration * length), *([] if with_ankle else foot)]

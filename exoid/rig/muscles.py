@@ -26,13 +26,13 @@ def muscle_torques(wearer: Wearer, limb: Plant, dt: float, count: int) -> Iterat
         q, v, a = intended(wearer.intention, [(k + 0.5) * dt for k in steps], shape, wearer.feedforward)
         torque = np.asarray(wearer.muscle_stiffness) * q + np.asarray(wearer.muscle_damping) * v
         if wearer.feedforward:
-            rows = (x.transpose(0, 2, 1).reshape(-1, limb.n) for x in (q, v, a))
+            q, v, a = (x.transpose(0, 2, 1).reshape(-1, limb.n) for x in (q, v, a))
             if limb.leg.chain is None:  # of one rig
-                alone = inverse_dynamics(PinocchioBodies(limb).model, *rows)
+                alone = inverse_dynamics(PinocchioBodies(limb).model, q, v, a)
             else:
-                W = limb.leg.regressor(*rows, TorsoMotion(pitch=np.tile(limb.pitch, len(q))))
+                W = limb.leg.regressor(q, v, a, TorsoMotion(pitch=np.tile(limb.pitch, len(steps))))
                 alone = W @ limb.leg.parameters
-            torque = torque + alone.reshape(len(q), limb.count, limb.n).transpose(0, 2, 1)
+            torque = torque + alone.reshape(len(steps), limb.count, limb.n).transpose(0, 2, 1)
         yield from torque
         first = steps.stop
     while True:

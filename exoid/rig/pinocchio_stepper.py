@@ -94,7 +94,7 @@ class PinocchioStepper(Stepper):
         self._kinetic = [dt * joint.kinetic for joint in self._joints]
 
     @property
-    def q(self) -> FloatArray:  # type: ignore[override] - the state is in plain floats
+    def q(self) -> FloatArray:  # type: ignore[override]  # the state is in plain floats
         """Angles [rad], (n, 1)."""
         return np.array([self._q]).T
 

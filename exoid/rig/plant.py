@@ -24,12 +24,6 @@ SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
 SYMBOLS_OF_TERMS = {"armature": ("Ia",), "coulomb": ("c0",), "stiffness": ("b2", "b1", "b0"), "viscous": ("d",)}
 """Terms that a rig has, by their names, with the symbols of their parameters."""
 
-POSES = 200
-"""Number of poses at which the mass matrix of a new plant is checked."""
-
-HEADERS = ("joint", "c0", "cs", "d", "Ia", "b2", "b1", "b0", "from [deg]", "to [deg]")
-"""Headers of a printed plant."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plant:
@@ -212,7 +206,8 @@ class Plant:
             (name, *(value_range(column[joint]) for column in columns))
             for joint, name in enumerate(self.leg.joint_names)
         ]
-        return to_text(DataTable(f"Plant: {self.description}; SI units", HEADERS, rows))
+        headers = ("joint", "c0", "cs", "d", "Ia", "b2", "b1", "b0", "from [deg]", "to [deg]")
+        return to_text(DataTable(f"Plant: {self.description}; SI units", headers, rows))
 
     @property
     def description(self) -> str:
@@ -288,7 +283,7 @@ def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
 
 def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:
     """Refuse parameters for which the mass matrix is not positive definite at poses all over the workspace."""
-    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSES, len(armature)))
+    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (200, len(armature)))
     M = leg.with_parameters(parameters).mass_matrix(poses) + np.diag(armature)
     if not np.linalg.eigvalsh(M)[:, 0].min() > 0.0:
         raise ExoidError(

@@ -61,82 +61,43 @@ class Sensors:
                 f"{self.noise_blocks} blocks of rigs with the same noise", remedy="give an integer ≥ 1"
             )
 
-    def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read angles.
 
-        Args:
-            q: True angles [rad], (n, B).
-            rng: Generator of the noise.
+def read_angle(sensors: Sensors, q: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Read angles of B rigs."""
+    read = q + _noise(sensors, sensors.angle_noise, q, rng) if np.any(sensors.angle_noise) else q
+    if np.isinf(sensors.encoder_counts):
+        return read
+    count = 2.0 * np.pi / sensors.encoder_counts
+    return np.asarray(np.rint(read / count) * count)
 
-        Returns:
-            Readings [rad], (n, B).
 
-        Raises:
-            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
-        """
-        noisy = q + self._noise(self.angle_noise, q, rng) if np.any(self.angle_noise) else q
-        if np.isinf(self.encoder_counts):
-            return noisy
-        count = 2.0 * np.pi / self.encoder_counts
-        return np.asarray(np.rint(noisy / count) * count)
+def read_velocity(sensors: Sensors, v: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Read velocities of B rigs."""
+    return v + _noise(sensors, sensors.velocity_noise, v, rng) if np.any(sensors.velocity_noise) else v
 
-    def velocity(self, v: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read velocities.
 
-        Args:
-            v: True velocities [rad/s], (n, B).
-            rng: Generator of the noise.
+def read_torque(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Read torques of B rigs."""
+    read = tau + _column(sensors.torque_offset) + _noise(sensors, sensors.torque_noise, tau, rng)
+    step = _column(sensors.torque_resolution)
+    return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
 
-        Returns:
-            Readings [rad/s], (n, B).
 
-        Raises:
-            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
-        """
-        return v + self._noise(self.velocity_noise, v, rng) if np.any(self.velocity_noise) else v
+def read_interaction(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Read torques of the wearers of B rigs."""
+    noise = _noise(sensors, sensors.interaction_noise, tau, rng) if np.any(sensors.interaction_noise) else 0.0
+    return np.asarray(tau + _column(sensors.interaction_offset) + noise)
 
-    def torque(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read torques.
 
-        Args:
-            tau: True torques [N·m], (n, B).
-            rng: Generator of the noise.
-
-        Returns:
-            Readings [N·m], (n, B).
-
-        Raises:
-            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
-        """
-        read = tau + _column(self.torque_offset) + self._noise(self.torque_noise, tau, rng)
-        step = _column(self.torque_resolution)
-        return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
-
-    def interaction(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read torques of wearers.
-
-        Args:
-            tau: True torques of the wearers on the legs [N·m], (n, B).
-            rng: Generator of the noise.
-
-        Returns:
-            Readings [N·m], (n, B).
-
-        Raises:
-            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
-        """
-        noise = self._noise(self.interaction_noise, tau, rng) if np.any(self.interaction_noise) else 0.0
-        return np.asarray(tau + _column(self.interaction_offset) + noise)
-
-    def _noise(self, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
-        joints, rigs = like.shape
-        if rigs % self.noise_blocks:
-            raise BadArgumentError(
-                f"{rigs} rigs in {self.noise_blocks} blocks with the same noise",
-                remedy="give the same number of rigs to each block",
-            )
-        drawn = rng.standard_normal((joints, rigs // self.noise_blocks))
-        return np.asarray(_column(std) * np.tile(drawn, self.noise_blocks))
+def _noise(sensors: Sensors, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
+    joints, rigs = like.shape
+    if rigs % sensors.noise_blocks:
+        raise BadArgumentError(
+            f"{rigs} rigs in {sensors.noise_blocks} blocks with the same noise",
+            remedy="give the same number of rigs to each block",
+        )
+    drawn = rng.standard_normal((joints, rigs // sensors.noise_blocks))
+    return np.asarray(_column(std) * np.tile(drawn, sensors.noise_blocks))
 
 
 def _column(value: ArrayLike) -> FloatArray:

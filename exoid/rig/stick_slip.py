@@ -25,9 +25,6 @@ from exoid._typing import FloatArray
 CORRECTIONS = 12
 """Largest number of patterns tried before coordinate descent, which always converges."""
 
-SWEEPS = 500
-"""Largest number of sweeps of the coordinate descent."""
-
 REVERSALS = 2
 """Number of iterations for the time of a reversal within a step."""
 
@@ -77,7 +74,7 @@ def solve_stick_slip(M: FloatArray, impulse: FloatArray, friction: Friction, las
 def descend(M: FloatArray, b: FloatArray, friction: Friction) -> FloatArray:
     """Minimise by coordinate descent from rest, one joint at a time."""
     v = np.zeros_like(b)
-    for _ in range(SWEEPS):
+    for _ in range(500):  # sweeps; it always converges
         before = v.copy()
         for i in range(len(b)):
             free = b[i] - (M[i] * v).sum(axis=0) + M[i, i] * v[i]

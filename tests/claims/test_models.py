@@ -169,7 +169,7 @@ def held_ankle_j3(stiction):
     rig = bleex.swing_index(1, 2)
     time = np.arange(500) / 50.0
     q, v = (np.array([motion.at(t)[k][:, rig] for t in time]) for k in (0, 1))
-    a = np.array([motion.acceleration(t)[:, rig] for t in time])
+    a = np.array([motion.at(t).a[:, rig] for t in time])
     W, index = leg.regressor(q, v, a)[:, 2], leg.parameter_names.index("J3")
     tau = W @ leg.parameters + stiction(v[:, 1], a[:, 1])
     rest = tau - np.delete(W, index, axis=1) @ np.delete(leg.parameters, index)
@@ -250,7 +250,7 @@ def document_validation():
     motion = cuhk.validation_motion()
     time = np.linspace(0.0, 5.0, 101)
     q, v = (np.array([motion.at(t)[k][:, 0] for t in time]) for k in (0, 1))
-    return q, v, np.array([motion.acceleration(t)[:, 0] for t in time])
+    return q, v, np.array([motion.at(t).a[:, 0] for t in time])
 
 
 def test_the_validation_motion_of_document_2_cannot_see_j2():

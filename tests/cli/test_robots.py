@@ -68,7 +68,7 @@ def test_a_robot_is_drawn_with_its_meshes(exoid_, tmp_path):
 
 def test_the_package_is_imported_only_for_a_robots_name():
     script = (
-        "import sys; from exoid.cli.options import LegOptions; LegOptions('left').find('cuhk', None); "
+        "import sys; from exoid.cli import legs, options; legs.find_leg('cuhk', options.LegOptions('left'), None); "
         "print(any(m.startswith('example_robot_data') for m in sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

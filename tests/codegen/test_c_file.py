@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +12,11 @@ from compiled import COMPILER, EVERY_TERM, CompiledLeg, compile_c, made_up, need
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
-from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
+from exoid import Coulomb, Leg, Offset, Stiffness, Viscous
 from exoid.codegen import c_source, write_c
 from exoid.estimate import Input
 from exoid.leg.description import describe
-from exoid.torques import LoadFriction, Stribeck, TorqueModel
+from exoid.torques import TorqueModel
 
 CUHK = exoid.load_leg("cuhk")
 ESTIMATE = made_up(CUHK)
@@ -185,73 +185,6 @@ def test_constants_are_written_to_the_last_bit():
         assert f"    {float(value)!r}, /* " in text or f" {float(value)!r}" in text
     single = source_of(ESTIMATE, precision="float").text
     assert f"{np.float32(ESTIMATE.value('J1'))!s}f, /* 0: J1 */" in single
-
-
-def tilted() -> Leg:
-    """A hip that flexes and abducts: not planar."""
-    return Leg.from_description(
-        describe(
-            CUHK.description.text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />'),
-            name="tilted.urdf",
-        ),
-        ("left_hip", "left_knee"),
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sticky(Coulomb):
-    """A user's own friction, which the C of its parent would get wrong."""
-
-
-class TestRefusals:
-    def test_a_leg_that_is_not_planar(self, tmp_path):
-        leg = tilted()
-        assert leg.chain is None
-        with pytest.raises(ExoidError, match=r"tilted.urdf: only a planar chain.*choose joints"):
-            made_up(leg, ()).to_c(tmp_path / "leg.c")
-        assert not list(tmp_path.iterdir())
-
-    @pytest.mark.parametrize("term", [Coulomb(presliding=1e-3), LoadFriction(), Stribeck(presliding=1e-3)])
-    def test_friction_that_remembers_or_depends_on_more_than_velocity(self, term, tmp_path):
-        with pytest.raises(ExoidError, match="no form in C"):
-            made_up(exoid.load_leg("cuhk"), (term,)).to_c(tmp_path / "leg.c")
-        assert not list(tmp_path.iterdir())
-
-    def test_a_term_that_has_no_form_in_c(self, tmp_path):
-        with pytest.raises(ExoidError, match=r"Sticky \(c0\) has no form in C.*Armature, Coulomb"):
-            made_up(CUHK, (Sticky(),)).to_c(tmp_path / "leg.c")
-        assert not list(tmp_path.iterdir())
-
-    def test_an_unknown_precision(self):
-        with pytest.raises(ExoidError, match=r"no precision 'half'.*double or float"):
-            source_of(ESTIMATE, precision="half")
-
-    def test_a_number_that_no_float_can_hold(self):
-        estimate = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1e39, ESTIMATE.values))
-        with pytest.raises(ExoidError, match=r"1e\+39 is too large for a float.*double"):
-            source_of(estimate, precision="float")
-        assert "1e+39" in source_of(estimate).text
-
-    @pytest.mark.parametrize("values", [[], CUHK.parameters[:-1], np.full(len(CUHK.parameters), np.nan)])
-    def test_values_that_are_not_one_finite_number_for_each_parameter(self, values):
-        with pytest.raises(ExoidError, match=r"must be 6 finite numbers.*X1, Y1, J1"):
-            c_source(TorqueModel(CUHK, ()), values)
-
-    @pytest.mark.parametrize("name", ["", ".c", "___", "腿.c"])
-    def test_a_name_that_c_cannot_have(self, name):
-        with pytest.raises(ExoidError, match="is no name for C"):
-            source_of(ESTIMATE, name)
-
-    def test_a_folder_that_does_not_exist(self, tmp_path):
-        with pytest.raises(ExoidError, match=r"nowhere/leg.c: cannot be written"):
-            ESTIMATE.to_c(tmp_path / "nowhere" / "leg.c")
-
-    def test_a_refusal_leaves_an_existing_file_alone(self, tmp_path):
-        (tmp_path / "leg.c").write_text("mine")
-        with pytest.raises(ExoidError, match="no precision 'half'"):
-            ESTIMATE.to_c(tmp_path / "leg.c", precision="half")
-        assert [path.name for path in tmp_path.iterdir()] == ["leg.c"]
-        assert (tmp_path / "leg.c").read_text() == "mine"
 
 
 def test_what_was_written_prints_itself(tmp_path):

@@ -11,7 +11,6 @@ from compiled_laws import CompiledLaw, build, records, write_all
 from laws_of_bleex import model, random_values
 
 import exoid
-from exoid import ExoidError
 from exoid.codegen import Safety, c_source
 from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise
 
@@ -124,9 +123,3 @@ def test_the_kalman_observer_is_finite_whatever_it_reads(library, field, wrong):
     assert status.tolist() == [0] * 5 + [1] + [0] * 6
     assert np.isfinite(tau).all()
     assert not tau[5].any()
-
-
-@needs_compiler
-def test_channels_that_lag_are_refused():
-    with pytest.raises(ExoidError, match="lag behind each other"):
-        c_source(MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.004))

@@ -7,18 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import pytest
-from compiled import COMPILER, made_up, needs_compiler
+from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from laws_of_bleex import KD, KP, laws, random_values, target_of
 
-import exoid
-from exoid import ExoidError, Leg
 from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source, write_c
-from exoid.control import Limited, State, gravity_friction_pd, pd
-from exoid.errors import NotSupportedError
-from exoid.leg.description import describe
-from exoid.torques import LoadFriction
+from exoid.control import State, pd
 
 
 class Filtered(NamedTuple):
@@ -97,63 +91,6 @@ def test_no_text_ends_the_comment():
     for text in (source.header, source.text):
         assert "*/ int x" not in text
         assert "*/ #include" not in text
-
-
-class TestRefusals:
-    def test_a_law_without_a_form_is_named_with_the_remedy(self):
-        with pytest.raises(NotSupportedError, match=r"Unknown has no form in C.*in_c\(self, dialect\)"):
-            c_source(type("Unknown", (), {})())
-
-    def test_a_subclass_that_computes_something_else_does_not_inherit_the_form(self):
-        kind = type("Other", (FilteredPID,), {"step": lambda self, memory, state, target: (state.q, memory)})
-        with pytest.raises(NotSupportedError, match="Other has no form in C"):
-            c_source(kind())
-
-    def test_a_leg_that_is_no_planar_chain(self):
-        text = exoid.load_leg("cuhk").description.text
-        tilted = text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />')
-        leg = Leg.from_description(describe(tilted, name="tilted.urdf"), ("left_hip", "left_knee"))
-        with pytest.raises(ExoidError, match=r"tilted.urdf: only a planar chain.*choose joints"):
-            c_source(gravity_friction_pd(leg, 10.0, 1.0))
-
-    def test_a_term_without_a_form(self):
-        model = made_up(exoid.load_leg("cuhk"), (LoadFriction(),))
-        with pytest.raises(ExoidError, match=r"LoadFriction.*depends on the load"):
-            c_source(gravity_friction_pd(model, 10.0, 1.0))
-
-    def test_gains_of_an_unknown_number_of_joints(self):
-        with pytest.raises(ExoidError, match="unknown number of joints"):
-            c_source(pd(10.0, 1.0))
-
-    def test_gains_of_several_legs(self):
-        with pytest.raises(ExoidError, match=r"kp of shape \(3, 2\)"):
-            c_source(gravity_friction_pd(laws()["gravity_only"].model, np.ones((3, 2)), 1.0))
-
-    def test_limits_of_another_number_of_joints(self):
-        with pytest.raises(ExoidError, match=r"limit of shape \(2,\) for 3 joints"):
-            c_source(Limited(laws()["pd"].law, (10.0, 10.0)))
-
-    def test_gravity_as_safe_torque_of_a_law_without_a_model(self):
-        with pytest.raises(ExoidError, match="knows no gravity"):
-            c_source(pd(KP, KD), safety=Safety("gravity"))
-
-    @pytest.mark.parametrize(
-        ("settings", "why"),
-        [
-            ({"safe": "limp"}, "no safe torque 'limp'"),
-            ({"patience": 0.0}, "patience of 0.0 s"),
-            ({"patience": np.nan}, "patience of nan s"),
-            ({"damping": -1.0}, "damping = -1.0"),
-            ({"damping": np.inf}, "damping = inf"),
-        ],
-    )
-    def test_settings_of_the_safety(self, settings, why):
-        with pytest.raises(ExoidError, match=why):
-            Safety(**settings)
-
-    def test_a_file_that_is_no_c(self, tmp_path):
-        with pytest.raises(ExoidError, match=r"name the source: LAW\.c"):
-            write_c(tmp_path / "law.h", pd(KP, KD))
 
 
 def test_the_damping_of_the_safe_torque_may_be_chosen():

@@ -162,14 +162,6 @@ def test_one_state_alone_has_a_band(leg, estimates):
     assert (std < 5.0 * estimates["presliding"].residual_rms).all()
 
 
-def test_a_file_without_a_model_error_can_be_read(estimates):
-    data = estimates["stribeck"].to_json()
-    del data["model_error"], data["cutoff_source"]
-    loaded = Estimate.from_json(data)
-    assert loaded.model_error is None
-    assert loaded.cutoff_source == ""
-
-
 def test_a_model_error_of_another_leg_is_refused(estimates):
     data = estimates["stribeck"].to_json()
     data["model_error"]["speed"] = data["model_error"]["speed"][:1]

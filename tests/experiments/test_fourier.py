@@ -8,7 +8,7 @@ import pytest
 import exoid
 from exoid import datasets
 from exoid.errors import ExoidError
-from exoid.experiments import Approach, Harmonics, Hold, fit_harmonics, gait_for_leg, healthy_gait, norm_gait
+from exoid.experiments import Approach, Hold, fit_harmonics, gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
 from exoid.experiments.limits import refuse_motion_beyond_limits
 
@@ -40,8 +40,6 @@ def test_velocity_and_acceleration_are_derivatives(motion):
         before, here, after = (motion.at(t + s * h) for s in (-1, 0, 1))
         np.testing.assert_allclose(here.v, (after.q - before.q) / (2 * h), atol=1e-7)
         np.testing.assert_allclose(here.a, (after.v - before.v) / (2 * h), atol=1e-7)
-        if isinstance(motion, Harmonics):
-            np.testing.assert_allclose(here.a, motion.acceleration(t))
 
 
 def test_a_fit_finds_the_series_that_made_the_samples():

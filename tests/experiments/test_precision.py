@@ -28,7 +28,7 @@ FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 def log(motion, seconds=60.0, rate=100.0, noise=None, **options):
     """What a log of a motion followed perfectly looks like."""
     time = np.arange(round(seconds * rate) + 1) / rate
-    states = [(*motion.at(t)[:2], motion.acceleration(t)) for t in time]
+    states = [motion.at(t) for t in time]
     q, v, a = (np.array([state[k][:, 0] for state in states]) for k in range(3))
     tau = MODEL.regressor(q, v, a) @ TRUTH
     if noise is not None:

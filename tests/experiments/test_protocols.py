@@ -127,7 +127,7 @@ def test_velocity_is_the_derivative_of_every_reference():
             np.testing.assert_allclose(motion.at(t).v, slope, atol=1e-6)
     np.testing.assert_allclose(motions[0].at(9.0).q, goal)
     slope = (healthy_gait().at(1.0 + 1e-6).v - healthy_gait().at(1.0 - 1e-6).v) / 2e-6
-    np.testing.assert_allclose(healthy_gait().acceleration(1.0), slope, atol=1e-5)
+    np.testing.assert_allclose(healthy_gait().at(1.0).a, slope, atol=1e-5)
 
 
 def test_concatenated_motions_are_unchanged():

@@ -8,7 +8,7 @@ from exoid.errors import ExoidError
 from exoid.experiments import Bench, StaticProtocol, cuhk, run_static
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.dynamic import run_motion
-from exoid.experiments.protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
+from exoid.experiments.excitation.plan_files import write_static_protocol
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 
 LEG = exoid.load_leg("cuhk")
@@ -104,56 +104,6 @@ def test_a_motion_is_followed_and_logged(plant):
 # ------------------------------------------------------------------------------------------------ files
 
 
-def test_a_static_log_reads_back_into_the_same_approaches(measured, tmp_path):
-    both = measured[1]
-    write_static_log(tmp_path / "log.csv", both)
-    read = read_static_log(tmp_path / "log.csv", LEG.joint_names)
-    for side in ("below", "above"):
-        np.testing.assert_array_equal(getattr(read, side).q, getattr(both, side).q)
-        np.testing.assert_array_equal(getattr(read, side).tau, getattr(both, side).tau)
-    assert read.below.source.name == "log.csv"
-    assert len(read.below.source.sha256) == 64
-
-
-def test_the_torso_of_a_static_log_is_given_by_the_caller(measured, tmp_path):
-    write_static_log(tmp_path / "log.csv", measured[1])
-    torso = exoid.TorsoMotion(pitch=0.2)
-    assert read_static_log(tmp_path / "log.csv", LEG.joint_names, torso).averaged.torso is torso
-
-
-def test_several_readings_of_a_pose_are_averaged_in_any_order(tmp_path):
-    rows = ["1,-1,5,50", "0,1,1,10", "0,1,3,30", "0,-1,4,40", "1,1,6,60", ""]
-    (tmp_path / "log.csv").write_text("pose,approach,q_hip,tau_hip\n" + "\n".join(rows))
-    read = read_static_log(tmp_path / "log.csv", ("hip",))
-    np.testing.assert_array_equal(read.below.q[:, 0], [2.0, 6.0])
-    np.testing.assert_array_equal(read.above.tau[:, 0], [40.0, 50.0])
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "not one column pose"),
-        ("pose,approach,q_hip,tau_hip\n", "no readings"),
-        ("pose,approach,q_hip\n0,1,1\n", "not one column tau_hip"),
-        ("pose,approach,q_hip,q_hip,tau_hip\n0,1,1,1,1\n", "not one column q_hip"),
-        ("pose,approach,q_hip,tau_hip\n0,1,x,1\n", "'x' is not a finite number"),
-        ("pose,approach,q_hip,tau_hip\n0,1,1\n", "line 2, column 4"),
-        ("pose,approach,q_hip,tau_hip\n0,1,1,nan\n", "not a finite number"),
-        ("pose,approach,q_hip,tau_hip\n0,1,1,1\n", "approach -1"),
-        ("pose,approach,q_hip,tau_hip\n0,up,1,1\n", "'up'"),
-        ("pose,approach,q_hip,tau_hip\n0,2,1,1\n", "approach 2 of pose 0"),
-        ("pose,approach,q_hip,tau_hip\n0,1,\xff,1\n", "."),
-    ],
-)
-def test_bad_static_logs_are_refused(text, words, tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(text.encode("latin-1"))
-    with pytest.raises(ExoidError, match=words):
-        read_static_log(path, ("hip",))
-    with pytest.raises(ExoidError, match="cannot be read"):
-        read_static_log(tmp_path / "absent.csv", ("hip",))
-
-
 def test_a_written_static_protocol_goes_to_each_pose_from_both_sides(tmp_path):
     poses = np.array([[0.5, 0.5], [1.0, 0.2]])
     write_static_protocol(tmp_path / "plan.csv", LEG, poses, 0.1)
@@ -165,25 +115,12 @@ def test_a_written_static_protocol_goes_to_each_pose_from_both_sides(tmp_path):
     np.testing.assert_allclose(table[:, 4:] - table[:, 2:4], 0.1 * table[:, 1:2] * np.ones((1, 2)))
 
 
-def test_a_written_motion_reads_back_as_a_recording(tmp_path):
-    write_motion(tmp_path / "motion.csv", LEG, cuhk.swing(0), 100.0, 2.0)
-    read = exoid.Recording.from_csv(tmp_path / "motion.csv", joint_names=LEG.joint_names)
-    expected = [cuhk.swing(0).at(t) for t in read.time]
-    np.testing.assert_array_equal(read.q, [target.q[:, 0] for target in expected])
-    np.testing.assert_array_equal(read.v, [target.v[:, 0] for target in expected])
-    assert len(read) == 201
-
-
 def test_protocols_beyond_the_limits_are_not_written(tmp_path):
     path = tmp_path / "plan.csv"
     with pytest.raises(ExoidError, match=r"pose 0 asks left_hip for 171\.9°"):
         write_static_protocol(path, LEG, np.array([[3.0, 0.0]]), 0.1)
     with pytest.raises(ExoidError, match=r"a distance of -0\.1 rad"):
         write_static_protocol(path, LEG, np.array([[0.5, 0.5]]), -0.1)
-    with pytest.raises(ExoidError, match="a rate of 0 Hz"):
-        write_motion(path, LEG, cuhk.swing(0), 0.0, 2.0)
-    with pytest.raises(ExoidError, match="a motion of -2 s"):
-        write_motion(path, LEG, cuhk.swing(0), 100.0, -2.0)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -14,15 +14,15 @@ from exoid.experiments.excitation import (
     TorqueNoise,
     plan_excitation,
     plan_stance,
+    predict,
     run_stance,
     search,
 )
 from exoid.experiments.excitation.fourier import Basis, States
 from exoid.experiments.excitation.objective import Stage
+from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
-from exoid.experiments.excitation.stance.files import write_stance_plan
 from exoid.experiments.excitation.stance.objective import StanceObjective
-from exoid.experiments.excitation.stance.precision import predict_stance
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
 from exoid.rig.ground import Sole
 from exoid.rig.ground.sole import BLEEX_SOLES
@@ -202,7 +202,7 @@ def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     scales = plan.precision.scales._replace(
         expected=EXPECTED[: len(model.names)], parameter_scale=np.ones(len(model.names))
     )
-    precision = predict_stance(model, logs, TorqueNoise(STD), scales)
+    precision = predict(model, logs, TorqueNoise(STD), scales)
     assert_scatter_is_predicted(scatter(logs, model), precision)
 
 
@@ -218,7 +218,7 @@ def test_planned_motions_beat_the_scenarios_of_the_rig():
     runs = [squats_and_shifts(plant, 20.0, seed=1)]
     runs += [single_support(plant, 20.0, seed=2 + leg, standing=leg) for leg in (0, 1)]
     logs = [run.recording(GroundSensors.exact(), wrenches={*run.wrenches} - {*BLEEX_SOLES}) for run in runs]
-    before = predict_stance(best.model, logs, best.noise, best.precision.scales)
+    before = predict(best.model, logs, best.noise, best.precision.scales)
     assert before.worst > 1.6 * best.precision.worst
 
 
@@ -265,7 +265,7 @@ def test_the_same_seed_gives_the_same_plan(plan):
 
 
 def test_files_have_contacts_and_are_identified(plan, tmp_path):
-    files = write_stance_plan(tmp_path / "squat.csv", plan)
+    files = write_plan(tmp_path / "squat.csv", plan)
     assert [file.name for file in files] == ["squat_left.csv", "squat_right.csv"]
     logs = [exoid.signals.Recording.from_csv(file) for file in files]
     assert logs[0].contacts["left_foot"].all()

@@ -21,6 +21,7 @@ from exoid.rig import (
     Sensors,
     simulate,
 )
+from exoid.rig.sensors import read_angle, read_torque, read_velocity
 
 SERVO = HydraulicServo(5000.0, 0.01, 10.0)
 PLANT = Plant.build(BLEEX, EVERYTHING)
@@ -37,7 +38,7 @@ def run(plant=PLANT, duration=1.0, **options):
 
 def test_an_encoder_counts():
     q = np.random.default_rng(0).normal(size=(3, 500))
-    read = Sensors(encoder_counts=2.0**10).angle(q, np.random.default_rng(0))
+    read = read_angle(Sensors(encoder_counts=2.0**10), q, np.random.default_rng(0))
     count = 2 * np.pi / 2**10
     np.testing.assert_allclose(read / count, np.rint(read / count), atol=1e-9)
     assert 0.4 * count < np.abs(read - q).max() <= 0.5 * count * (1 + 1e-9)
@@ -48,16 +49,16 @@ def test_noise_has_the_standard_deviation_asked_for():
     sensors = Sensors(
         np.inf, angle_noise=(0.1, 0.2, 0.3), velocity_noise=0.5, torque_noise=(1.0, 0.0, 2.0), torque_offset=3.0
     )
-    np.testing.assert_allclose(sensors.angle(true, rng).std(axis=1), [0.1, 0.2, 0.3], rtol=0.02)
-    np.testing.assert_allclose(sensors.velocity(true, rng).std(axis=1), 0.5, rtol=0.02)
-    torque = sensors.torque(true, rng)
+    np.testing.assert_allclose(read_angle(sensors, true, rng).std(axis=1), [0.1, 0.2, 0.3], rtol=0.02)
+    np.testing.assert_allclose(read_velocity(sensors, true, rng).std(axis=1), 0.5, rtol=0.02)
+    torque = read_torque(sensors, true, rng)
     np.testing.assert_allclose(torque.std(axis=1), [1.0, 0.0, 2.0], rtol=0.02)
     np.testing.assert_allclose(torque.mean(axis=1), 3.0, atol=0.05)
 
 
 def test_torque_converters_have_steps():
     tau = np.array([[0.24], [0.26], [-1.3]])
-    read = Sensors(torque_resolution=(0.5, 0.5, 0.0)).torque(tau, np.random.default_rng(0))
+    read = read_torque(Sensors(torque_resolution=(0.5, 0.5, 0.0)), tau, np.random.default_rng(0))
     np.testing.assert_allclose(read, [[0.0], [0.5], [-1.3]])
 
 
@@ -66,12 +67,12 @@ def test_blocks_of_rigs_have_the_same_noise():
         encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), noise_blocks=3
     )
     rng, zero = np.random.default_rng(0), np.zeros((2, 6))
-    for read in (sensors.angle(zero, rng), sensors.velocity(zero, rng), sensors.torque(zero, rng)):
+    for read in (read_angle(sensors, zero, rng), read_velocity(sensors, zero, rng), read_torque(sensors, zero, rng)):
         np.testing.assert_array_equal(read[:, :2], read[:, 2:4])
         np.testing.assert_array_equal(read[:, :2], read[:, 4:])
         assert (read[:, 0] != read[:, 1]).all()
     with pytest.raises(ExoidError, match="4 rigs in 3 blocks"):
-        sensors.angle(np.zeros((2, 4)), rng)
+        read_angle(sensors, np.zeros((2, 4)), rng)
     for wrong in (0, 1.5):
         with pytest.raises(ExoidError, match="blocks of rigs with the same noise"):
             Sensors(noise_blocks=wrong)

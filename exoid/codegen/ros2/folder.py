@@ -21,6 +21,7 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
     target = Path(os.path.realpath(folder))
     refuse_foreign(target)
     mark = secrets.token_hex(8)
+    # beside the target, so that renaming stays within one file system
     part, before = (target.with_name(f".{target.name[:40]}.{mark}.{ending}") for ending in ("part", "before"))
     try:
         manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
@@ -31,7 +32,7 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
             target.rename(before)
         try:
             part.rename(target)
-        except BaseException:
+        except BaseException:  # also when interrupted: the earlier export comes back
             if before.exists():
                 before.rename(target)
             raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -40,10 +41,18 @@ class JointFilters:
 
     def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Filter consecutive samples (N, ..., n); also the memory after them."""
+        if self._uniform:  # one call of SciPy for all joints: a step of one sample is mostly such calls
+            y, after = scipy.signal.lfilter(self.b[:, 0], self.a[:, 0], x, axis=0, zi=memory)
+            return y, after
         y, after = np.empty_like(x), np.empty_like(memory)
         for j, (b, a) in enumerate(zip(self.b.T, self.a.T, strict=True)):
             y[..., j], after[..., j] = scipy.signal.lfilter(b, a, x[..., j], axis=0, zi=memory[..., j])
         return y, after
+
+    @cached_property
+    def _uniform(self) -> bool:
+        """Whether all joints have the same filter."""
+        return bool((self.b == self.b[:, :1]).all() and (self.a == self.a[:, :1]).all())
 
     def response(self, frequency: float, rate: float) -> FloatArray:
         """Frequency response of each joint, (n,), complex."""

@@ -68,7 +68,8 @@ class MomentumModel:
         values, model = self.model.leg.parameters, self.model
         mass, turned, gravity = self._of_bodies(q, v)
         M = np.tensordot(values, mass, axes=1).transpose(2, 0, 1) + self._rotors
-        torque = values @ turned.transpose(2, 0, 1) - model.statics(q.T).T - model.friction(q.T, v.T, self.width).T
+        torque = values @ (turned - gravity).transpose(2, 0, 1)
+        torque = torque - model.springs(q.T).T - model.friction(q.T, v.T, self.width).T
         momentum, torques = np.einsum("nij,nj->ni", M, v)[:, None], torque[:, None]
         if self.estimate is not None:
             still, rigid = np.zeros_like(q), len(values)

@@ -99,7 +99,7 @@ class TorqueObserver(ABC):
     def gain(self) -> FloatArray:
         """Gain of the observer."""
 
-    @property
+    @cached_property
     def delay(self) -> FloatArray:
         """Delay of slow torques from the leg to the reading, with that of the channels' low-pass [s], (n,)."""
         b, a = self.filters.b, self.filters.a
@@ -127,7 +127,7 @@ class TorqueObserver(ABC):
         """Threshold of detection in standard deviations, (n,)."""
         return self.band.level
 
-    @property
+    @cached_property
     def settling(self) -> int:
         """Samples at the beginning without detection: six delays, after which the beginning is forgotten."""
         return int(np.ceil(6.0 * self.delay.max() * self.rate))

@@ -13,7 +13,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
-from exoid.estimate.finding import Finding, finding_lines, findings_to_json, ordered
+from exoid.estimate.finding import Finding, finding_lines, ordered
 from exoid.estimate.validation_checks import (
     as_trained,
     effective_share,
@@ -158,7 +158,7 @@ class Interaction(Report):
             }
             begins = {"period": self.period, "begins": self.phase_source, "phase": found.phase.tolist()}
             data["gait"] = begins | {"joints": torques}
-        data["findings"] = findings_to_json(self.findings)
+        data["findings"] = json_value(self.findings)
         return data | ({"recordings": [part.to_json() for part in self.parts]} if self.parts else {})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:

@@ -32,9 +32,6 @@ TILT = np.deg2rad(25.0)
 NEARLY_BEST = 1.5
 """Largest ratio to the best standard deviation at which a simpler experiment is preferred."""
 
-UNKNOWN = 10.0
-"""Relative standard deviation from which a parameter counts as unknown."""
-
 
 class Advice(NamedTuple):
     """Experiment that improves the precision of some parameters.
@@ -124,6 +121,6 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
 
 
 def _percent(x: float) -> str:
-    if x < UNKNOWN:
+    if x < 10.0:
         return f"{100.0 * x:.2g} %" if x < 0.995 else f"{100.0 * x:.0f} %"
     return "not identifiable" if np.isinf(x) else "unknown"

@@ -12,7 +12,6 @@ from exoid.errors import ExoidError
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
-from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .advice import Advice, advise
@@ -20,7 +19,7 @@ from .limits import MotionLimits
 from .noise import TorqueNoise
 from .precision import Precision, StaticRows, information_of
 from .scales import Scales
-from .text import identifiability_lines, precision_table
+from .text import prediction_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,10 +44,10 @@ class Assessment:
         """Print the predicted precision, the parameters that are not determined, and experiments to add."""
         p = self.precision
         head = f"{p.duration:.4g} s of motion, torque noise {self.noise}"
-        closing = [f"condition number {p.condition_number:.0f}", *identifiability_lines(p), *map(str, self.advice)]
+        more = list(map(str, self.advice))
         if not set(p.identifiability) <= {"well"}:
-            closing.append("exoid plan without --assess finds the best motion within your limits.")
-        return to_text(head, precision_table(p)) + "\n\n" + "\n".join(closing)
+            more.append("exoid plan without --assess finds the best motion within your limits.")
+        return prediction_text(head, p, more)
 
 
 def assess(

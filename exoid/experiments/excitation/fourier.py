@@ -9,10 +9,8 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
 from exoid.experiments.references import Harmonics
-
-AT_REST = 3
-"""Number of conditions at t = 0 on each joint: zero velocity, acceleration and jerk."""
 
 
 class States(NamedTuple):
@@ -151,3 +149,30 @@ class Basis:
         both = self.coefficients @ x[1:]
         half = len(both) // 2
         return FourierMotion(x[0].copy(), both[:half], both[half:], self.period, duration, pitch)
+
+
+def series(duration: float, rate: float, highest: float, samples: int) -> tuple[float, Basis]:
+    """Choose seconds and harmonics of a motion whose period is about 10 s."""
+    if not (0.0 < duration < np.inf and 0.0 < rate < np.inf and 0.0 < highest < np.inf):
+        raise BadArgumentError(
+            f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"
+        )
+    if duration * rate > 10**7:
+        raise BadArgumentError(
+            f"{duration:g} s at {rate:g} Hz are more than {10**7:.0e} samples",
+            remedy="plan a shorter motion, or a lower rate: the motion itself needs few samples",
+        )
+    if rate < samples * highest:
+        raise BadArgumentError(
+            f"a motion of up to {highest:g} Hz at {rate:g} Hz",
+            remedy=f"sample it at {samples * highest:g} Hz at least, or lower the highest frequency",
+        )
+    seconds = round(duration * rate) / rate
+    period = seconds / max(1, round(seconds / 10.0))
+    harmonics = min(int(highest * period + 1e-9), 20)
+    if harmonics < 3:
+        raise BadArgumentError(
+            f"{duration:g} s are too short for 3 harmonics up to {highest:g} Hz",
+            remedy=f"plan at least {3 / highest:g} s at each torso tilt, or allow higher frequencies",
+        )
+    return seconds, Basis.make(period, harmonics, samples * harmonics)

@@ -9,9 +9,6 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 
-SHARE = 0.02
-"""Default standard deviation over the typical torque of a joint."""
-
 
 @dataclass(frozen=True)
 class TorqueNoise:
@@ -55,7 +52,7 @@ class TorqueNoise:
             ExoidError: The number of standard deviations is neither one nor n, or a value is not positive.
         """
         if std is None:
-            return cls(tuple((SHARE * typical).tolist()), bandwidth, assumed=True)
+            return cls(tuple((0.02 * typical).tolist()), bandwidth, assumed=True)
         try:
             each = np.broadcast_to(np.asarray(std, dtype=np.float64), typical.shape)
         except ValueError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -22,20 +23,16 @@ Criterion = Literal["worst", "a", "d"]
 STEPS = (1e-5, 1e-5, 1e-3)
 """Steps of the central differences of the regressor by q, v and a."""
 
-RIDGE = 1e-12
-"""Smallest eigenvalue of the information over the largest, so that the criterion is always finite."""
-
-EXCESSES = ("angle", "velocity", "acceleration", "torque", "clearance")
-"""Names of the limits."""
-
 NEAR = 0.1
 """Unit of clearance in the penalty [m]."""
 
-MARGIN = 0.004
-"""Fraction of each limit that the search reserves for values between its samples."""
 
-GAP = 0.003
-"""Additional clearance of the foot in the search [m]."""
+class Demand(NamedTuple):
+    """What a motion demands, at N samples."""
+
+    columns: FloatArray  # rows of scaled parameters that count, zero in dead bands, (P, k, N)
+    # relative margin to each limit of the ground, negative where it is exceeded, (C, N)
+    margins: FloatArray
 
 
 class Stage(NamedTuple):
@@ -47,8 +44,74 @@ class Stage(NamedTuple):
     penalty: float  # weight of the penalty
 
 
+class MotionObjective(ABC):
+    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses, for one motion or several.
+
+    The search needs this of a leg whose torso is held at some tilts, and of a machine on some supports.
+    """
+
+    # x are the coefficients of one motion for each torso tilt, or for each support.
+
+    basis: Basis  # basis functions of the motions
+    seconds: float  # duration of each motion [s]
+    rate: float  # rate of the log [Hz]
+    prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
+    pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
+    limit_names: tuple[str, ...]  # names of the limits, (L,)
+    machine: str  # name of the leg
+
+    def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
+        """Value and gradient at flattened coefficients."""
+        motions = [self.basis.states(each) for each in self.coefficients(x)]
+        demands = [self.demand(k, states) for k, states in enumerate(motions)]
+        weights = [self.weight(k) for k in range(len(motions))]
+        information = self.prior_information + sum(
+            np.einsum("pjt,qjt->pq", W if weight is None else W * weight, W, optimize=True)
+            for (W, _), weight in zip(demands, weights, strict=True)
+        )
+        value, by_information = criterion_value(information, stage.power)
+        gradient = []
+        for k, (states, one, weight) in enumerate(zip(motions, demands, weights, strict=True)):
+            adjoint = 2.0 * np.tensordot(by_information, one.columns, axes=1)
+            adjoint = adjoint if weight is None else adjoint * weight
+            excess, slopes = self.slopes(k, states, one, adjoint, stage.penalty)
+            value += stage.penalty * excess
+            gradient.append(self.basis.coefficient_gradient(slopes).ravel())
+        return value, np.concatenate(gradient)
+
+    @abstractmethod
+    def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
+        """Split flattened coefficients into those of each motion, as views."""
+
+    @abstractmethod
+    def demand(self, number: int, states: States) -> Demand:
+        """Compute what a motion demands."""
+
+    def weight(self, number: int) -> FloatArray | None:
+        """Information of one sample of the basis about each row, (k, 1); None for rows that are over their noise."""
+        return None
+
+    @abstractmethod
+    def slopes(
+        self, number: int, states: States, demand: Demand, adjoint: FloatArray, penalty: float
+    ) -> tuple[float, States]:
+        """Mean squared excess, and the gradient by samples, given that of the criterion by columns."""
+
+    @abstractmethod
+    def excesses_of(self, number: int, states: States) -> FloatArray:
+        """Compute the mean squared excess over each limit."""
+
+    @abstractmethod
+    def draw(self, rng: np.random.Generator) -> FloatArray:
+        """Draw coefficients from which a search begins."""
+
+    @abstractmethod
+    def narrowed(self) -> MotionObjective:
+        """Narrow the limits by what the search reserves for values between its samples."""
+
+
 @dataclass(frozen=True, eq=False)
-class Objective:
+class Objective(MotionObjective):
     """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses."""
 
     # With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one
@@ -63,40 +126,36 @@ class Objective:
     seconds: float  # duration of each motion [s]
     rate: float  # rate of the log [Hz]
     prior_information: FloatArray  # information of other data (poses) about scaled parameters, (P, P)
+    limit_names = ("angle", "velocity", "acceleration", "torque", "clearance")
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Shape of x, (T, m, n)."""
         return len(self.pitches), self.basis.count, len(self.limits.lower)
 
-    def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
-        """Value and gradient at flattened coefficients."""
-        motions = [self.basis.states(each) for each in self.coefficients(x)]
-        columns = [self._columns(states, pitch) for states, pitch in zip(motions, self.pitches, strict=True)]
-        weight = self._row_weight()
-        information = self.prior_information + sum(
-            np.einsum("pjt,qjt->pq", W * weight[:, None], W, optimize=True) for W in columns
-        )
-        value, by_information = criterion_value(information, stage.power)
-        gradient = np.empty(self.shape)
-        for k, (states, W, pitch) in enumerate(zip(motions, columns, self.pitches, strict=True)):
-            adjoint = 2.0 * weight[:, None] * np.einsum("pq,qjt->pjt", by_information, W, optimize=True)
-            excess, by_states, by_columns = self._penalty(states, W, float(pitch))
-            value += stage.penalty * excess
-            slopes = self._through_regressor(states, adjoint + stage.penalty * by_columns, float(pitch))
-            whole = States(*(s + stage.penalty * e for s, e in zip(slopes, by_states, strict=True)))
-            gradient[k] = self.basis.coefficient_gradient(whole)
-        return value, gradient.ravel()
-
-    def _row_weight(self) -> FloatArray:
-        """Information of one sample of the basis about each joint, (n,)."""
-        return self.rate * self.seconds / len(self.basis.position) / self.noise.per_sample(self.rate) ** 2
-
-    def _columns(self, states: States, pitch: float) -> FloatArray:
-        """Regressor of scaled parameters, (P, n, N); rows in a dead band are zero."""
-        W = self._regressor(states, pitch)
+    def demand(self, number: int, states: States) -> Demand:
+        """Compute the regressor of scaled parameters; rows in a dead band are zero."""
+        W = self._regressor(states, float(self.pitches[number]))
         W *= self.scales.scale[:, None, None]
-        return np.asarray(W * self.model.usable(states.v).T)
+        return Demand(np.asarray(W * self.model.usable(states.v).T), np.empty((0, len(states.q))))
+
+    def weight(self, number: int) -> FloatArray:
+        """Information of one sample of the basis about each joint, (n, 1)."""
+        share = self.rate * self.seconds / len(self.basis.position)  # samples of the log per sample of the basis
+        return np.asarray(share / self.noise.per_sample(self.rate) ** 2)[:, None]
+
+    def slopes(
+        self, number: int, states: States, demand: Demand, adjoint: FloatArray, penalty: float
+    ) -> tuple[float, States]:
+        """Mean squared excess, and the gradient by samples, through the columns of the regressor."""
+        pitch = float(self.pitches[number])
+        parts = self._parts(states, np.einsum("pjt,p->tj", demand.columns, self._beta), pitch)
+        angle, speed, acceleration, torque, clearance = parts
+        by_states = States(angle.slope + clearance.slope, speed.slope, acceleration.slope)
+        by_columns = self._beta[:, None, None] * torque.slope.T
+        inner = self._through_regressor(states, adjoint + penalty * by_columns, pitch)
+        slopes = States(*(s + penalty * e for s, e in zip(inner, by_states, strict=True)))
+        return sum(part.mean for part in parts), slopes
 
     def _regressor(self, states: States, pitch: float) -> FloatArray:
         return self.model.regressor(*states, TorsoMotion(pitch=pitch) if pitch else None).transpose(2, 1, 0)
@@ -114,32 +173,19 @@ class Objective:
         slopes = np.einsum("pjxist,pjt->xsti", W.reshape(*W.shape[:2], *shape[:4]), raw, optimize=True)
         return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
 
-    def excesses(self, states: States, pitch: float) -> FloatArray:
-        """Compute the mean squared excess over each of the limits :data:`EXCESSES`."""
-        tau = np.einsum("pjt,p->tj", self._columns(states, pitch), self._beta)
-        return np.array([part.mean for part in self._parts(states, tau, pitch)])
-
-    def excess(self, states: States, pitch: float) -> float:
-        """Compute the mean squared excess over all limits."""
-        return float(self.excesses(states, pitch).sum())
-
     @property
-    def machine(self) -> str:
+    def machine(self) -> str:  # type: ignore[override]
         """Name of the leg."""
         return self.model.leg.description.name
 
-    @property
-    def limit_names(self) -> tuple[str, ...]:
-        """Names of the limits."""
-        return EXCESSES
-
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
-        """Split coefficients."""
+        """Split coefficients, a motion for each tilt."""
         return tuple(x.reshape(self.shape))
 
     def excesses_of(self, number: int, states: States) -> FloatArray:
         """Compute the mean squared excess over each limit."""
-        return self.excesses(states, float(self.pitches[number]))
+        tau = np.einsum("pjt,p->tj", self.demand(number, states).columns, self._beta)
+        return np.array([part.mean for part in self._parts(states, tau, float(self.pitches[number]))])
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
         """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
@@ -170,23 +216,9 @@ class Objective:
         """Expected parameters over their scales."""
         return self.scales.expected / self.scales.scale
 
-    def _penalty(self, states: States, W: FloatArray, pitch: float) -> tuple[float, States, FloatArray]:
-        """Mean squared excess, and its gradient by samples and by columns of the regressor."""
-        parts = self._parts(states, np.einsum("pjt,p->tj", W, self._beta), pitch)
-        angle, speed, acceleration, torque, clearance = parts
-        by_states = States(angle.slope + clearance.slope, speed.slope, acceleration.slope)
-        return sum(part.mean for part in parts), by_states, self._beta[:, None, None] * torque.slope.T
-
     def _parts(self, states: States, tau: FloatArray, pitch: float) -> tuple[Excess, ...]:
-        limits, (q, v, a) = self.limits, states
-        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
-        return (
-            beyond(q - middle, half),
-            beyond(v, limits.velocity),
-            beyond(a, limits.acceleration),
-            beyond(tau, limits.torque),
-            self._too_near(q, pitch),
-        )
+        boxes = box_excesses(self.limits, states)
+        return *boxes, beyond(tau, self.limits.torque), self._too_near(states.q, pitch)
 
     def _too_near(self, q: FloatArray, pitch: float) -> Excess:
         """Missing clearance of the points of the foot, in units of :data:`NEAR`."""
@@ -202,7 +234,8 @@ class Objective:
 
 def narrowed_limits(limits: MotionLimits) -> MotionLimits:
     """Narrow limits by what the search reserves for values between its samples."""
-    gap, less = MARGIN * limits.span, 1.0 - MARGIN
+    margin = 0.004  # fraction of each limit
+    gap, less = margin * limits.span, 1.0 - margin
     return replace(
         limits,
         lower=limits.lower + gap,
@@ -210,7 +243,7 @@ def narrowed_limits(limits: MotionLimits) -> MotionLimits:
         velocity=less * limits.velocity,
         acceleration=less * limits.acceleration,
         torque=less * limits.torque,
-        clearance=limits.clearance and replace(limits.clearance, distance=limits.clearance.distance + GAP),
+        clearance=limits.clearance and replace(limits.clearance, distance=limits.clearance.distance + 0.003),
     )
 
 
@@ -227,11 +260,17 @@ def beyond(x: FloatArray, limit: FloatArray) -> Excess:
     return Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
 
 
+def box_excesses(limits: MotionLimits, states: States) -> tuple[Excess, Excess, Excess]:
+    """Compute the excesses of angles, velocities and accelerations."""
+    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
+    return beyond(states.q - middle, half), beyond(states.v, limits.velocity), beyond(states.a, limits.acceleration)
+
+
 def criterion_value(information: FloatArray, power: float) -> tuple[float, FloatArray]:
     """Compute the criterion of an information matrix, see :class:`Stage`."""
     count = len(information)
     eigenvalues, vectors = np.linalg.eigh(information)
-    eigenvalues = np.maximum(eigenvalues, RIDGE * eigenvalues[-1])
+    eigenvalues = np.maximum(eigenvalues, 1e-12 * eigenvalues[-1])  # so that the criterion is always finite
     covariance = (vectors / eigenvalues) @ vectors.T
     if power == 0.0:
         return float(-0.5 * np.log(eigenvalues).sum() / count), -0.5 * covariance / count

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, get_args
@@ -9,15 +10,14 @@ from typing import NamedTuple, get_args
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Preparation, Recording
-from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .fourier import FourierMotion
+from .fourier import FourierMotion, series
 from .limits import MotionLimits
 from .noise import TorqueNoise
 from .objective import Criterion, Objective
@@ -25,11 +25,7 @@ from .poses import choose_poses
 from .precision import Precision, StaticRows, information_of
 from .scales import Scales
 from .search import search
-from .series import series
-from .text import identifiability_lines, precision_table
-
-SAMPLES = 24
-"""Samples of the search in each period of the highest harmonic."""
+from .text import prediction_text
 
 
 class Peaks(NamedTuple):
@@ -42,39 +38,68 @@ class Peaks(NamedTuple):
     torque: FloatArray  # largest expected torque [N·m]; friction of unknown size is not included
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Plan:
-    """Planned experiment; prints itself as a table.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class PlannedMotions(ABC):
+    """Planned motions and the precision that they will give.
 
     Attributes:
         model: Leg and terms.
-        motions: Motion at each torso tilt, from rest to rest.
-        poses: Static poses at each torso tilt, to be approached from both sides; may be empty.
+        motions: Motions from rest to rest.
         precision: Predicted precision of each parameter.
-        limits: Motion limits.
         noise: Torque noise of the prediction.
         rate: Rate of command and log [Hz].
         criterion: Criterion that was minimised.
         seed: Seed of the search.
         costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
             "worst".
+        poses: Static poses, to be approached from both sides.
     """
 
     model: TorqueModel
     motions: tuple[FourierMotion, ...]
-    poses: tuple[Poses, ...]
     precision: Precision
-    limits: MotionLimits
     noise: TorqueNoise
     rate: float
     criterion: Criterion
     seed: int
     costs: tuple[float, ...]
+    poses: tuple[Poses, ...] = ()
 
     @property
     def duration(self) -> float:
         """Total duration of the motions [s]."""
         return sum(motion.duration for motion in self.motions)
+
+    @property
+    def machine(self) -> str:
+        """Name of the leg or machine."""
+        return self.model.leg.description.name
+
+    @property
+    @abstractmethod
+    def labels(self) -> tuple[str, ...]:
+        """Name of each motion, for files."""
+
+    @property
+    @abstractmethod
+    def recordings(self) -> tuple[Recording, ...]:
+        """Motions as logs of a rig that follows exactly, with the expected torques."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Plan(PlannedMotions):
+    """Planned experiment; prints itself as a table. Motions and poses are those at each torso tilt.
+
+    Attributes:
+        limits: Motion limits.
+    """
+
+    limits: MotionLimits
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Name of each motion, for files."""
+        return tuple(f"tilt{np.rad2deg(motion.pitch):+g}" for motion in self.motions)
 
     @property
     def recordings(self) -> tuple[Recording, ...]:
@@ -92,7 +117,7 @@ class Plan:
     def __repr__(self) -> str:
         """Name the leg, and write duration and precision."""
         poses = f" and {sum(map(len, self.poses))} poses" if self.poses else ""
-        return f"Plan({self.model.leg.description.name}: {self.duration:g} s of motion{poses}; {self.precision!r})"
+        return f"Plan({self.machine}: {self.duration:g} s of motion{poses}; {self.precision!r})"
 
     def __str__(self) -> str:
         """Print the motion, its demands on each joint, and the predicted precision."""
@@ -110,9 +135,7 @@ class Plan:
                 f"{name}: {np.rad2deg(p.lowest[k]):.0f}° to {np.rad2deg(p.highest[k]):.0f}°, "
                 f"up to {p.velocity[k]:.1f} rad/s, {p.acceleration[k]:.0f} rad/s², {p.torque[k]:.0f} N·m"
             )
-        text = to_text("\n".join(parts), precision_table(self.precision))
-        closing = [f"condition number {self.precision.condition_number:.0f}", *identifiability_lines(self.precision)]
-        return text + "\n\n" + "\n".join(closing)
+        return prediction_text("\n".join(parts), self.precision)
 
 
 def plan_excitation(
@@ -167,16 +190,16 @@ def plan_excitation(
     """
     refuse_floating_base(leg, "a planned excitation")
     if criterion not in get_args(Criterion):
-        raise ExoidError(f"no criterion {criterion!r}", remedy=f"use one of {', '.join(get_args(Criterion))}")
+        raise BadArgumentError(f"no criterion {criterion!r}", remedy=f"use one of {', '.join(get_args(Criterion))}")
     if starts < 1 or poses < 0 or not tilts_deg:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{starts} starts, {poses} poses, {len(tilts_deg)} tilts",
             remedy="at least one start and one tilt, and no negative number of poses",
         )
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
-    seconds, basis = series(duration / len(tilts_deg), rate, highest, SAMPLES)
+    seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)
     tilts, rng = np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)), np.random.default_rng(seed)
     static = choose_poses(model, limits, torque_noise, scales, tilts, poses, rng) if poses else ()
     of_poses = information_of(model, map(StaticRows, static), torque_noise)
@@ -185,9 +208,18 @@ def plan_excitation(
     found = search(objective, criterion, starts, rng, progress)
     recordings = [planned_recording(model, scales, motion, rate) for motion in found.motions]
     of_motions = information_of(model, recordings, torque_noise, preparation)
-    precision = of_poses.plus(of_motions).precision(model, scales)
-    costs = tuple(float(np.exp(cost)) for cost in found.costs)
-    return Plan(model, found.motions, static, precision, limits, torque_noise, rate, criterion, seed, costs)
+    return Plan(
+        model=model,
+        motions=found.motions,
+        precision=of_poses.plus(of_motions).precision(model, scales),
+        noise=torque_noise,
+        rate=rate,
+        criterion=criterion,
+        seed=seed,
+        costs=tuple(float(np.exp(cost)) for cost in found.costs),
+        poses=static,
+        limits=limits,
+    )
 
 
 def planned_recording(model: TorqueModel, scales: Scales, motion: FourierMotion, rate: float) -> Recording:

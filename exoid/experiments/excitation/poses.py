@@ -15,12 +15,6 @@ from .noise import TorqueNoise
 from .precision import READINGS
 from .scales import Scales
 
-CANDIDATES = 400
-"""Number of poses drawn for each torso tilt."""
-
-PRIOR_STD = 1.0
-"""Relative standard deviation of every parameter before the poses."""
-
 
 def choose_poses(
     model: TorqueModel,
@@ -32,13 +26,13 @@ def choose_poses(
     rng: np.random.Generator,
 ) -> tuple[Poses, ...]:
     """Choose poses greedily: each maximises ln det of the information so far (D-optimality)."""
-    information = np.eye(len(model.names)) / PRIOR_STD**2
+    information = np.eye(len(model.names))  # before the poses every parameter is known to its own scale
     chosen = []
     for tilt in tilts:
         q, columns = _candidates(model, limits, scales, float(tilt), rng)
         if len(q) < count:
             raise ExoidError(
-                f"only {len(q)} of {CANDIDATES} poses are within the limits, {count} are requested",
+                f"only {len(q)} of 400 poses are within the limits, {count} are requested",
                 where=model.leg.description.name,
                 remedy="widen the limits of angle and torque, or request fewer poses",
             )
@@ -61,7 +55,7 @@ def _candidates(
     model: TorqueModel, limits: MotionLimits, scales: Scales, tilt: float, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
     """Draw poses within the limits; return them and the regressor of scaled parameters, (K, n, P)."""
-    q = rng.uniform(limits.lower, limits.upper, (CANDIDATES, len(limits.lower)))
+    q = rng.uniform(limits.lower, limits.upper, (400, len(limits.lower)))
     still = np.zeros_like(q)
     W = model.regressor(q, still, still, TorsoMotion(pitch=tilt) if tilt else None)
     fit = (np.abs(W @ scales.expected) <= limits.torque).all(axis=1)

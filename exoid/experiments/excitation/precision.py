@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -11,13 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.diagnostics import identifiability_class
-from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
+from exoid.torques.contacts import split
+from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 
 from .noise import TorqueNoise
@@ -25,9 +28,6 @@ from .scales import Scales
 
 BLOCK = 2**15
 """Number of samples in a block of a long log."""
-
-ROUNDING = 1e6
-"""Relative standard deviation from which a parameter counts as not identifiable: its information is rounding."""
 
 READINGS = 50
 """Default number of independent readings of a pose, both directions of approach together."""
@@ -114,7 +114,7 @@ class Information(NamedTuple):
         """Compute the covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters."""
         inverse, condition, not_determined = _inverse(self.r_factor)
         covariance = inverse @ self.score_covariance @ inverse
-        rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > ROUNDING * scales.scale
+        rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > 1e6 * scales.scale  # information is rounding
         not_determined = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), not_determined))
         covariance[not_determined] = covariance[:, not_determined] = 0.0
         covariance[not_determined, not_determined] = np.inf
@@ -129,6 +129,8 @@ def information_of(
 ) -> Information:
     """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation."""
     items, count = list(data), len(model.names)
+    if model.leg.base == "floating" and not isinstance(model, SupportModel):
+        return _information_on_ground(model, items, noise, preparation)
     if preparation is None:
         preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in items if isinstance(one, Recording)]))
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
@@ -141,6 +143,39 @@ def information_of(
     return Information(R, score_covariance, duration)
 
 
+def _information_on_ground(
+    model: TorqueModel,
+    recordings: Sequence[Recording | StaticRows],
+    noise: TorqueNoise,
+    preparation: Preparation | None,
+) -> Information:
+    """Information of recordings whose links rest by unknown wrenches."""
+    # Rows are those of `exoid.identify`: of each set of resting links those on which their wrenches do no work.
+    # The noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base
+    # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
+    # intervals up to twice as wide.
+    found: dict[tuple[str, ...], list[Recording]] = {}
+    for recording in recordings:
+        if isinstance(recording, StaticRows):
+            raise NotSupportedError("static poses of a floating base", remedy="predict the precision of motions")
+        for links, part, *_ in split(model.leg, for_leg(model, recording)).stretches:
+            found.setdefault(links, []).append(part)
+    total: Information | None = None
+    for links, parts in found.items():
+        if not links:
+            raise NotSupportedError(
+                "the precision of measured wrenches is not predicted",
+                remedy="leave the wrenches of the feet out: their noise is not known",
+            )
+        q = np.vstack([one.q[one.mask] for one in parts])
+        support = SupportModel.of(model, links, reference_axes(model.leg, links, q[:: 1 + len(q) // 2000]))
+        information = information_of(support, parts, noise, preparation)
+        total = information if total is None else total.plus(information)
+    if total is None:
+        raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
+    return total
+
+
 def predict(
     model: TorqueModel,
     data: Iterable[Recording | StaticRows],
@@ -149,6 +184,8 @@ def predict(
     preparation: Preparation | None = None,
 ) -> Precision:
     """Predict the covariance of weighted least squares.
+
+    On a floating base, links that rest are in the ``contacts`` of the recordings, and their wrenches are not known.
 
     Args:
         model: Leg and terms.
@@ -161,7 +198,7 @@ def predict(
         Predicted precision.
 
     Raises:
-        ExoidError: A joint is missing, or a motion is too short for the filter.
+        ExoidError: A joint is missing, a motion is too short for the filter, or nothing rests under a floating base.
     """
     return information_of(model, data, noise, preparation).precision(model, scales)
 
@@ -222,7 +259,7 @@ def _inverse(R: FloatArray) -> tuple[FloatArray, float, NDArray[np.intp]]:
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, sigma, Vt = np.linalg.svd(np.vstack([R / scale, np.zeros((R.shape[1], R.shape[1]))]), full_matrices=False)
-    determined = sigma > UNDETERMINED * sigma[0]
+    determined = sigma > RANK * sigma[0]
     V = (Vt[determined].T / sigma[determined]) / scale[:, None]
     part = np.linalg.norm(Vt[~determined], axis=0) if not determined.all() else np.zeros(len(sigma))
     condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf

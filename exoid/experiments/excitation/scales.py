@@ -8,18 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import SIZE, parameter_scale
 from exoid.regression.least_squares import factorize
 from exoid.torques import TorqueModel
 
+from .fourier import States
 from .limits import MotionLimits
 
 STATES = 4000
 """Number of reference states."""
-
-SPEED, ACCELERATION = 1.0, 2.0 * np.pi
-"""Largest velocity [rad/s] and acceleration [rad/s²] of the reference states: those of a swing of ±9° at 1 Hz."""
 
 
 class Scales(NamedTuple):
@@ -65,17 +63,41 @@ class Scales(NamedTuple):
         Raises:
             ExoidError: A name is unknown.
         """
-        unknown = sorted(set(values or {}) - set(model.names))
-        if unknown:
-            raise ExoidError(
-                f"no parameter {', '.join(unknown)} in the model", remedy=f"names are {', '.join(model.names)}"
-            )
-        expected = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True)) | dict(values or {})
-        beta = np.array([expected.get(name, 0.0) for name in model.names])
-        rng = np.random.default_rng(0)
-        even = rng.uniform(-1.0, 1.0, (3, STATES, len(limits.lower)))
-        q = 0.5 * (limits.lower + limits.upper) + 0.5 * limits.span * even[0]
-        W = model.regressor(q, SPEED * even[1], ACCELERATION * even[2])
-        tau = W @ beta
-        r_factors = [factorize(np.column_stack([W[:, j], tau[:, j]]), STATES, STATES) for j in range(tau.shape[1])]
-        return cls(beta, parameter_scale(r_factors), np.sqrt((tau**2).mean(axis=0)))
+        expected = expected_parameters(model, values)
+        states = reference_states(limits, STATES, np.random.default_rng(0))
+        return cls.over(expected, model.regressor(*states))
+
+    @classmethod
+    def over(cls, expected: FloatArray, W: FloatArray) -> Scales:
+        """Compute the scales over rows of reference states.
+
+        Args:
+            expected: Expected parameters, (P,).
+            W: Regressor at the states, (S, n, P).
+
+        Returns:
+            Scales of all parameters.
+        """
+        tau = W @ expected
+        r_factors = [factorize(np.column_stack([W[:, j], tau[:, j]]), len(W), len(W)) for j in range(tau.shape[1])]
+        return cls(expected, parameter_scale(r_factors), np.sqrt((tau**2).mean(axis=0)))
+
+
+def expected_parameters(model: TorqueModel, values: Mapping[str, float] | None) -> FloatArray:
+    """Take expected parameters by name, else those of the leg; zero for terms."""
+    unknown = sorted(set(values or {}) - set(model.names))
+    if unknown:
+        raise BadArgumentError(
+            f"no parameter {', '.join(unknown)} in the model",
+            parameters=tuple(unknown),
+            remedy=f"names are {', '.join(model.names)}",
+        )
+    expected = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True)) | dict(values or {})
+    return np.array([expected.get(name, 0.0) for name in model.names])
+
+
+def reference_states(limits: MotionLimits, count: int, rng: np.random.Generator) -> States:
+    """Draw states at all angles within the limits; velocities and accelerations are those of a swing of ±9° at 1 Hz."""
+    even = rng.uniform(-1.0, 1.0, (3, count, len(limits.lower)))
+    q = 0.5 * (limits.lower + limits.upper) + 0.5 * limits.span * even[0]
+    return States(q, even[1], 2.0 * np.pi * even[2])

@@ -12,18 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .fourier import FourierMotion, States
-from .objective import Stage
-from .searched import Searched
-
-FINER = 10
-"""Refinement of the time grid of the search for the check of the limits."""
-
-SHRINK = 0.998
-"""Factor by which a motion is scaled about its centre, again and again, until it is within the limits."""
-
-SMALLEST = 0.5
-"""Smallest total factor; a motion that needs a smaller one is rejected."""
-
+from .objective import MotionObjective, Stage
 
 FIRST = {"worst": Stage(1.0, 30.0), "a": Stage(1.0, 30.0), "d": Stage(0.0, 30.0)}
 """First stage of each criterion, with a low penalty; all starts pass through it."""
@@ -58,7 +47,7 @@ class SearchResult(NamedTuple):
 
 
 def search(
-    objective: Searched,
+    objective: MotionObjective,
     criterion: str,
     starts: int,
     seed: int | np.random.Generator,
@@ -97,7 +86,7 @@ def search(
     )
 
 
-def _minimise(objective: Searched, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
+def _minimise(objective: MotionObjective, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
     """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
         objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": iterations, "maxcor": 20}
@@ -105,25 +94,25 @@ def _minimise(objective: Searched, x: FloatArray, stage: Stage, iterations: int)
     return Iterate(float(result.fun), np.asarray(result.x))
 
 
-def _within_limits(objective: Searched, x: FloatArray) -> FloatArray | None:
+def _within_limits(objective: MotionObjective, x: FloatArray) -> FloatArray | None:
     """Scale motions until they are within the limits on a fine grid; None if the factor is too small."""
     scaled = x.copy()
     for number, each in enumerate(objective.coefficients(scaled)):
         factor = 1.0
         while objective.excesses_of(number, _fine(objective, each)).any():
-            factor *= SHRINK
-            each[1:] *= SHRINK
-            if factor < SMALLEST:
+            factor *= 0.998
+            each[1:] *= 0.998
+            if factor < 0.5:
                 return None
     return scaled
 
 
-def _fine(objective: Searched, x: FloatArray) -> States:
-    samples = FINER * len(objective.basis.position)
+def _fine(objective: MotionObjective, x: FloatArray) -> States:
+    samples = 10 * len(objective.basis.position)  # a grid so much finer than that of the search
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
 
 
-def _no_motion(objective: Searched, x: FloatArray) -> ExoidError:
+def _no_motion(objective: MotionObjective, x: FloatArray) -> ExoidError:
     """Error that names the limit which the motion exceeds most."""
     each = [objective.excesses_of(k, _fine(objective, one)) for k, one in enumerate(objective.coefficients(x))]
     worst = objective.limit_names[int(np.argmax(np.sum(each, axis=0)))]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
-from exoid.tools.tables import DataTable, make_table
+from exoid.tools.tables import DataTable, make_table, to_text
 
 from .precision import Precision
 
@@ -29,6 +30,12 @@ def precision_table(precision: Precision) -> DataTable:
             for name, value, std, relative, grade, unit in rows
         ],
     )
+
+
+def prediction_text(head: str, precision: Precision, more: Iterable[str] = ()) -> str:
+    """Print the table with its head, and below it what is not determined."""
+    closing = [f"condition number {precision.condition_number:.0f}", *identifiability_lines(precision), *more]
+    return to_text(head, precision_table(precision)) + "\n\n" + "\n".join(closing)
 
 
 def identifiability_lines(precision: Precision) -> list[str]:

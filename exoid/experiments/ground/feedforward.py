@@ -14,12 +14,6 @@ from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundPlant
 
-ARM = 0.1
-"""Length by which forces and moments are compared [m]."""
-
-HELD = 1e-6
-"""Share of forward force and moment that the feet bear while something else holds the torso."""
-
 
 @dataclass(frozen=True, eq=False)
 class Bearing:
@@ -75,7 +69,8 @@ def _bearing(
     rows = [np.einsum("ni,nij->nj", forward, J[:, :3]), np.einsum("ni,nij->nj", up, J[:, :3])]
     lateral = np.einsum("nij,i->nj", turn, -plane.lateral)
     rows.append(np.einsum("ni,nij->nj", lateral, J[:, 3:]))
-    scale = np.array([HELD, 1.0, HELD * ARM**2] if held else [1.0, 1.0, ARM**2])
+    # forces and moments are compared by an arm of 0.1 m; feet bear no forward force or moment if something else does
+    scale = np.array([1e-6, 1.0, 1e-6 * 0.1**2] if held else [1.0, 1.0, 0.1**2])
     return np.stack(rows, axis=1), bearing.share[:, None] * scale
 
 

@@ -13,9 +13,6 @@ from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar_machine import Limb
 from exoid.rig.ground import GroundPlant
 
-JOINTS = 3
-"""Number of joints of a leg: hip, knee and ankle."""
-
 
 @dataclass(frozen=True, eq=False)
 class PlanarLeg:
@@ -75,7 +72,7 @@ def planar_legs(plant: GroundPlant) -> tuple[PlanarLeg, ...]:
 def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
     leg, joints = plant.leg, range(limb.joints.start, limb.joints.stop)
     feet = [link for link in plant.soles if link_frame(leg.model, leg.description, link).body in joints]
-    if len(joints) != JOINTS or len(feet) != 1:
+    if len(joints) != 3 or len(feet) != 1:
         raise ExoidError(
             f"the leg with {', '.join(leg.joint_names[limb.joints])} has {len(feet)} soles",
             where=leg.description.name,

@@ -24,15 +24,6 @@ GAINS = JointGains(stiffness=(2000.0, 2000.0, 1500.0), damping=(60.0, 60.0, 40.0
 HAND_RAIL = Spring(point=(0.1, 0.0, 0.35), stiffness=(3000.0, 0.0, 1000.0), damping=(200.0, 0.0, 100.0))
 """Hand on a bar in front of the chest, an assumption."""
 
-BENT = (1.2, 1.65, 0.4)
-"""Mean flexion of hip, knee and ankle of a leg that does not stand [rad]."""
-
-CLEARANCE = 0.01
-"""Smallest height of a foot that does not stand [m]."""
-
-CORRECTIONS = 6
-"""Corrections of the place of the torso over its feet."""
-
 
 @dataclass(frozen=True)
 class Stance:
@@ -156,7 +147,7 @@ def single_support(
     for leg in swings:
         sizes = ((1.0, 1.6), (1.2, 1.8), (1.0, 2.0))  # of amplitude and frequency
         waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
-        q[:, leg.joints] = leg.flexion(*BENT) + np.column_stack(waves)
+        q[:, leg.joints] = leg.flexion(1.2, 1.65, 0.4) + np.column_stack(waves)
     _balance(plant, q, stands, base, target)
     _refuse_touching(swings, base, q)
     motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
@@ -181,7 +172,7 @@ def _balance(
     plant: GroundPlant, q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, target: FloatArray
 ) -> None:
     """Move the torso until the centre of mass is over its target, counted from the middle of the soles."""
-    for _ in range(CORRECTIONS):
+    for _ in range(6):
         _stand(q, legs, base, 0.0)
         base[:, 0] += target - centre_of_mass(plant, base, q)
     _stand(q, legs, base, 0.0)
@@ -194,7 +185,7 @@ def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -
 def _refuse_touching(swings: Sequence[PlanarLeg], base: FloatArray, q: FloatArray) -> None:
     for leg in swings:
         height = float(leg.points(base, q).imag.min())
-        if height < CLEARANCE:
+        if height < 0.01:  # m
             raise ExoidError(
                 f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
                 remedy="raise the torso, or swing less",

@@ -30,15 +30,6 @@ TILT_DEG = np.array(
 )
 """Phase of the stride and angle of the sole to the ground [deg], an assumption: heel strike, flat, toe-off, swing."""
 
-KNEE_DEG = 5.0
-"""Flexion that is added to the knee of the published stride, whose knee is straight at heel contact [deg]."""
-
-PELVIS = 0.19
-"""Forward tilt of the pelvis from which the norms count the flexion of the hip [rad]."""
-
-HARMONICS = 8
-"""Number of harmonics of a stride."""
-
 
 def stride(speed: str | None, scale: float, period: float) -> Harmonics:
     """Make the flexion of hip, knee and ankle."""
@@ -46,10 +37,10 @@ def stride(speed: str | None, scale: float, period: float) -> Harmonics:
         return norm_gait(speed, scale, period)
     published, phase = healthy_gait(scale, period), np.linspace(0.0, 1.0, 400, endpoint=False)
     hip, knee = np.array([published.at(p * period).q[:, 0] for p in phase]).T
-    knee = knee + np.deg2rad(KNEE_DEG)
+    knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
     tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG.T)(phase)
     ankle = np.deg2rad(scale * tilt) - hip + knee
-    return fit_harmonics(period * phase, np.column_stack([hip, knee, ankle]), period, HARMONICS)
+    return fit_harmonics(period * phase, np.column_stack([hip, knee, ankle]), period, 8)
 
 
 def walking_angles(

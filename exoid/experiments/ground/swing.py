@@ -25,15 +25,6 @@ CLAMP = Spring(
 )
 """Stand that holds the torso, an assumption: an elastic frame."""
 
-HEIGHT = 1.4
-"""Height of the root link's origin above the ground [m]."""
-
-AMPLITUDE = (0.35, 0.45, 0.3)
-"""Amplitudes of hip, knee and ankle [rad]."""
-
-CENTRE = (0.3, 0.8, 0.0)
-"""Mean flexion of hip, knee and ankle [rad]; the ankle's is upward."""
-
 
 def swing(
     plant: GroundPlant,
@@ -65,8 +56,8 @@ def swing(
     rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
     q = np.zeros((len(time), len(plant.leg.joint_names)))
     for leg in legs:
-        centre = leg.flexion(*CENTRE)
-        for k, amplitude in enumerate(AMPLITUDE):
+        centre = leg.flexion(0.3, 0.8, 0.0)  # the ankle's is upward
+        for k, amplitude in enumerate((0.35, 0.45, 0.3)):
             q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * frequency, rng)
-    base = np.tile([0.0, HEIGHT, 0.0], (len(time), 1))
+    base = np.tile([0.0, 1.4, 0.0], (len(time), 1))
     return follow(plant, planned_motion(plant, time, q, base, {}), GAINS, rates, spring=clamp)

@@ -16,7 +16,7 @@ from exoid.rig.ground.simulate import RATES
 from .feedforward import Bearing, planned_motion
 from .follow import follow
 from .posture import PlanarLeg, planar_legs, total_mass
-from .strides import PELVIS, stride, walking_angles
+from .strides import stride, walking_angles
 from .waves import KNOTS, knots
 
 GAINS = JointGains(stiffness=(1000.0, 800.0, 250.0), damping=(40.0, 30.0, 10.0))
@@ -31,14 +31,8 @@ HARNESS = Spring(
 )
 """Harness between torso and carriage, an assumption."""
 
-SMOOTHING = 0.03
-"""Standard deviation of the window that smooths speed and height of the torso, over the stride time."""
-
 NEAR = 0.01
 """Height over which load passes from one point of a sole to another [m]."""
-
-LIFT = 0.015
-"""Largest height by which a foot swings above the norm [m]: soles are longer than feet, and legs yield."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +85,10 @@ def walking(
     gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
     q = walking_angles(plant.leg, legs, time, stride(gait.speed, gait.scale, gait.period), gait.period)
     base = np.zeros((len(time), 3))
-    base[:, 2] = gait.lean - (0.0 if gait.speed is None else PELVIS)
+    # norms count the flexion of the hip from a pelvis that is tilted forward by 0.19 rad
+    base[:, 2] = gait.lean - (0.0 if gait.speed is None else 0.19)
     places = {leg.foot: leg.points(base, q) for leg in legs}
-    window = SMOOTHING * gait.period * KNOTS
+    window = 0.03 * gait.period * KNOTS  # smooths speed and height of the torso
     bearing = _bearings(plant, places, window)
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
     base[:, 0] = _travel(places, bearing, window)
@@ -110,7 +105,8 @@ def _cleared(leg: PlanarLeg, base: FloatArray, foot: ComplexArray) -> FloatArray
     """Angles of a leg whose foot, with points of its sole (K, P), is lifted while it swings, (K, 3)."""
     tilt = np.angle(foot[:, -1] - foot[:, 0]) - np.angle(leg.sole[-1] - leg.sole[0])
     height = np.maximum(foot.imag.min(axis=1), 0.0)
-    return leg.angles(base, foot.mean(axis=1) + 1j * LIFT * height / (height + NEAR), tilt)
+    lift = 0.015 * height / (height + NEAR)  # [m]: soles are longer than feet, and legs yield
+    return leg.angles(base, foot.mean(axis=1) + 1j * lift, tilt)
 
 
 def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float) -> dict[str, Bearing]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TypeVar, overload
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit, ols, wls
 from exoid.tools.registry import Registry
@@ -30,7 +30,7 @@ NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 def _check(estimator: Estimator) -> None:
     """Refuse what cannot be called, and a class in place of its object."""
     if not callable(estimator) or isinstance(estimator, type):
-        raise ExoidError(
+        raise BadArgumentError(
             f"{estimator!r} is no estimator", remedy="pass a function of a problem, or an object that can be called"
         )
 
@@ -75,7 +75,7 @@ def register_estimator(
         ...     return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
     """
     if name in NEED_LOOP:
-        raise ExoidError(f"the estimator {name!r} exists: it needs a ClosedLoop", remedy="choose another name")
+        raise BadArgumentError(f"the estimator {name!r} exists: it needs a ClosedLoop", remedy="choose another name")
     if estimator is None:
         return lambda estimator: register_estimator(name, estimator)
     ESTIMATORS.register(name, estimator)
@@ -135,7 +135,7 @@ def fit_by(estimator: Estimator, problem: Problem) -> Fit:
     fit = estimator(problem)
     if not isinstance(fit, Fit) or len(fit.weights) != len(problem.r_factors):
         found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__
-        raise ExoidError(
+        raise BadArgumentError(
             f"the estimator {name_of(estimator)} returned {found}",
             remedy=f"let it return a Fit with one weight for each of the {len(problem.r_factors)} R factors",
         )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.rig import (
     Actuator,
     Controller,
@@ -66,7 +66,7 @@ class ClosedLoop:
         """Check the numbers."""
         rate = 1.0 if self.control_rate is None else self.control_rate
         if not (0.0 < self.step < math.inf and 0.0 <= self.lead < math.inf and 0.0 < rate < math.inf):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a loop with step {self.step}, lead {self.lead} and control rate {self.control_rate}",
                 remedy="give step and lead in seconds, the rate in Hz",
             )
@@ -131,7 +131,9 @@ def as_plant(
             elif DISSIPATIVE.get(kind) == symbol:
                 arrays[symbol][block.joints[0]] += np.maximum(rows[name], 0.0)
             else:
-                raise ExoidError(f"no rig has the parameter {name}", remedy="use terms that can be simulated, or wls")
+                raise NotSupportedError(
+                    f"no rig has the parameter {name}", remedy="use terms that can be simulated, or wls"
+                )
     pitch = 0.0 if recording.torso is None else float(np.asarray(recording.torso.pitch).flat[0])
     plant = Plant(
         leg=leg,
@@ -147,6 +149,8 @@ def as_plant(
     )
     widths = {number(term.smoothing) for term in model.terms if isinstance(term, DryFriction)}
     if len(widths) > 1:
-        raise ExoidError("Coulomb friction of different smoothing cannot be simulated", remedy="use one for all joints")
+        raise NotSupportedError(
+            "Coulomb friction of different smoothing cannot be simulated", remedy="use one for all joints"
+        )
     width = widths.pop() if widths else 0.0
     return plant, partial(SmoothStepper, smoothing=width) if width > 0.0 else PlanarStepper

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.rows import for_leg
@@ -30,7 +30,7 @@ def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
         term.loaded or term.internal_state is not None or term.needs_temperature for term in model.terms
     )
     if not plain:
-        raise ExoidError(
+        raise NotSupportedError(
             f"{estimator} takes no friction that remembers, depends on load or temperature, or has free settings",
             remedy="use wls or huber, or give the settings numbers",
         )

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.identification.problem import Problem
 from exoid.regression.every_row import make_rows
 from exoid.regression.fit import Fit, wls
@@ -72,7 +72,9 @@ class JointML:
     def __post_init__(self) -> None:
         """Check the spacing."""
         if self.spacing is not None and not 0.0 < self.spacing < math.inf:
-            raise ExoidError(f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None")
+            raise BadArgumentError(
+                f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None"
+            )
 
     @property
     def fits_samples(self) -> bool:
@@ -121,7 +123,7 @@ class JointML:
             if spacing / LADDER >= FINEST * interval * (1.0 - 1e-9):
                 spacing /= LADDER
         elif spacing < CLOSEST * interval * (1.0 - 1e-9):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"knots every {spacing:g} s are closer than {CLOSEST:g} samples",
                 remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
             )

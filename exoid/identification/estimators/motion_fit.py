@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Covariance, correlated_covariance
-from exoid.regression.least_squares import RFactor, Solution
+from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
 from exoid.regression.residuals import Point
 from exoid.torques import TorqueModel
 
@@ -19,9 +19,6 @@ from .trajectory import Trajectory
 
 ROUNDS = 30
 """Gauss–Newton steps at most."""
-
-SINGULAR = 1e-12
-"""Largest eigenvalue of the scaled normal equations that counts as zero, over the largest one."""
 
 SETTLED = 1e-3
 """Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
@@ -103,7 +100,7 @@ def _singular_root(matrix: FloatArray, right: FloatArray) -> FloatArray:
     scale = np.sqrt(np.diag(matrix))
     scale = np.where(scale > 0.0, scale, 1.0)
     values, axes = np.linalg.eigh(matrix / np.outer(scale, scale))
-    root = np.sqrt(np.where(values > SINGULAR * values[-1], values, 0.0))
+    root = np.sqrt(np.where(values > RANK_OF_SQUARES * values[-1], values, 0.0))
     inverse = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
     rows = np.column_stack([root[:, None] * axes.T * scale, inverse * (axes.T @ (right / scale))])
     return np.asarray(np.linalg.qr(rows, mode="r"))

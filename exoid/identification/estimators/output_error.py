@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
 from exoid.identification.problem import Problem
 from exoid.regression.every_row import make_rows
 from exoid.regression.fit import Fit, correlated_covariance, wls
@@ -81,7 +81,7 @@ class OutputError:
         """
         problem.refuse_several_groups()
         if self.loop is None:
-            raise ExoidError(
+            raise BadArgumentError(
                 "output error simulates the loop, and must know its controller and reference",
                 remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
             )
@@ -191,7 +191,7 @@ class _Matching(NamedTuple):
                 continue
             recording = for_leg(model, data).resampled()
             if recording.mask is not None:
-                raise ExoidError(
+                raise NotSupportedError(
                     "output error simulates whole recordings, and this one has segments",
                     where=source_of(recording),
                     remedy="cut them out with Recording.between, or use wls",

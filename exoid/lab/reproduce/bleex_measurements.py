@@ -13,6 +13,7 @@ from exoid.experiments.dynamic import run_motion
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import bleex_parameters, bleex_resistances
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors
+from exoid.rig.sensors import read_angle
 from exoid.signals import Approaches, Poses, Recording
 
 ASSUMED_HIP: Mapping[str, Mapping[str, float]] = {
@@ -132,4 +133,4 @@ def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
 def _with_coarse_encoders(run: Run, rng: np.random.Generator) -> Run:
     """Replace the angle readings by those of coarse encoders."""
     sensors = Sensors(encoder_counts=(2.0**12))  # counts of an encoder for which raw second differences fail
-    return replace(run, q_measured=np.array([sensors.angle(sample, rng) for sample in run.q]))
+    return replace(run, q_measured=np.array([read_angle(sensors, sample, rng) for sample in run.q]))

@@ -19,9 +19,6 @@ from .sole import Sole
 SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
 """Symbols of what acts on a joint: Coulomb and viscous friction, rotor, spring and its torque at zero."""
 
-NOT_NEGATIVE = ("c0", "d", "Ia")
-"""Symbols of friction and inertia."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GroundPlant:
@@ -173,7 +170,7 @@ class GroundPlant:
 
 def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
     for symbol, values in each.items():
-        if not np.isfinite(values).all() or (symbol in NOT_NEGATIVE and (values < 0.0).any()):
+        if not np.isfinite(values).all() or (symbol in ("c0", "d", "Ia") and (values < 0.0).any()):
             raise ExoidError(f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0")
     if not 0.0 < smoothing < np.inf:
         raise ExoidError(f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s")

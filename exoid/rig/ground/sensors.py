@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -122,7 +122,8 @@ class GroundSensors:
             Sensors that read the truth.
         """
         noises = ("angle", "torque", "force", "moment", "gyro", "acceleration", "position", "turn")
-        return cls(imu_window=0.0, wrench_axes=wrench_axes, **{f"{name}_noise": 0.0 for name in noises})
+        zeros: dict[str, Any] = {f"{name}_noise": 0.0 for name in noises}
+        return cls(imu_window=0.0, wrench_axes=wrench_axes, **zeros)
 
 
 def read_imu(

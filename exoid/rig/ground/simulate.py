@@ -159,20 +159,21 @@ class _Books:
         plant, b, begin, end = self._engine.plant, self._engine.base, *self._ends
         plane, mean, forces = plant.plane, 0.5 * (rate[1:] + rate[:-1]), (ground[:-1], held[:-1])
         power = torque[:-1] * mean[:, b:]
-        impulses = (
+        ground_impulse, holder_impulse = (
             total[0] * plane.forward + total[1] * plane.up if plant.is_planar else total[:3]
             for total in (dt * force.sum(axis=0) for force in forces)
         )
         return Audit(
-            float(dt * power.sum()),
-            float(dt * np.vdot(forces[1], mean)),
-            end[0] - begin[0],
-            float(dt * np.vdot(plant.friction(rate[:-1, b:]), mean[:, b:])),
-            -float(dt * np.vdot(forces[0], mean)),
-            float(dt * np.abs(power).sum()),
-            *impulses,
-            -dt * len(mean) * self._engine.weight * plane.up,
-            end[1] - begin[1],
+            work=float(dt * power.sum()),
+            holding=float(dt * np.vdot(forces[1], mean)),
+            gain=end[0] - begin[0],
+            friction=float(dt * np.vdot(plant.friction(rate[:-1, b:]), mean[:, b:])),
+            contact=-float(dt * np.vdot(forces[0], mean)),
+            turnover=float(dt * np.abs(power).sum()),
+            ground=ground_impulse,
+            holder=holder_impulse,
+            weight=-dt * len(mean) * self._engine.weight * plane.up,
+            momentum=end[1] - begin[1],
         )
 
 

@@ -8,7 +8,8 @@ import pytest
 from logs import clean, late, of_kind, with_column
 
 import exoid
-from exoid.estimate.finding import Finding, findings_from_json, findings_to_json, ordered
+from exoid.estimate.finding import Finding, ordered
+from exoid.tools.json_values import json_value, records
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +46,6 @@ def test_findings_stand_in_the_text_and_the_file(late_estimate, tmp_path):
     assert loaded.findings == late_estimate.findings
     np.testing.assert_array_equal(loaded.ranges.speed, late_estimate.ranges.speed)
     assert loaded.identifiability == late_estimate.identifiability
-
-
-def test_files_without_findings_are_read(late_estimate, tmp_path):
-    data = late_estimate.to_json()
-    del data["findings"], data["ranges"]
-    (tmp_path / "old.json").write_text(json.dumps(data), encoding="utf-8")
-    old = exoid.Estimate.load(tmp_path / "old.json")
-    assert (old.findings, old.ranges) == ((), None)
 
 
 def test_findings_of_groups_keep_their_group():
@@ -105,7 +98,7 @@ def test_a_prediction_worse_than_a_constant_is_an_error():
 def test_findings_survive_json_and_are_ordered():
     info = Finding("far-from-urdf", "knee", 2.0, "1", "info", "m", "r")
     error = Finding("dropout", "hip", 0.1, "1", "error", "m", "r", (0.0, 0.2), ("X1",), "a.csv")
-    assert findings_from_json(json.loads(json.dumps(findings_to_json((info, error))))) == (info, error)
+    assert records(Finding, json.loads(json.dumps(json_value((info, error))))) == (info, error)
     assert ordered((info, error)) == (error, info)
     assert str(error) == "error: dropout at hip in a.csv: m; r"
 

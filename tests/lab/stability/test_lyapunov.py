@@ -11,7 +11,8 @@ import scipy
 from controlled_legs import cuhk_plant
 
 from exoid import ExoidError
-from exoid.control import FrictionCompensation, SideBySide, gravity_friction_pd, pd, simulate, simulate_many
+from exoid.control import FrictionCompensation, SideBySide, pd, simulate, simulate_many
+from exoid.control.laws import gravity_friction_pd
 from exoid.experiments import Hold
 from exoid.experiments.cuhk import validation_motion
 from exoid.lab.stability import find_limit_cycle, lyapunov, regulate

@@ -89,7 +89,7 @@ def test_a_motion_of_a_protocol_is_its_reference():
     for k in (0, 31, 200):
         np.testing.assert_allclose(states.q[k], motion.at(k / 50.0).q[:, 0], atol=1e-12)
         np.testing.assert_allclose(states.v[k], motion.at(k / 50.0).v[:, 0], atol=1e-12)
-        np.testing.assert_allclose(states.a[k], motion.acceleration(k / 50.0)[:, 0], atol=1e-12)
+        np.testing.assert_allclose(states.a[k], motion.at(k / 50.0).a[:, 0], atol=1e-12)
     with pytest.raises(ExoidError, match="no document moved"):
         document(exoid.Leg.from_description(LEG.description, ("right_hip",)), 60.0)
 

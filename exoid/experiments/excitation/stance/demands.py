@@ -4,34 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.experiments.excitation.fourier import States
+from exoid.experiments.excitation.objective import Demand
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.torques import TorqueModel
 
 from .limits import GroundLimits
 from .support import StanceSupport
 
-SURE = 2.0
-"""Standard deviations of the doubt that limits are kept by."""
-
-NEAR = 0.1
-"""Unit of heights of feet [m]."""
-
 LIMITS = ("least load", "most load", "friction", "centre of pressure", "torso", "torque", "clearance")
 """Names of the limits."""
-
-
-class Demand(NamedTuple):
-    """What a motion demands, at N samples."""
-
-    columns: FloatArray  # regressor of the torques along the coordinates, (P, k, N)
-    # relative margin to each limit, negative where it is exceeded: of each of `LIMITS` one or several, (C, N)
-    margins: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +42,7 @@ class Demands:
         return (0, 1, 2, 2, 3, 3, 4, 4, *(5,) * self.support.count, *(6,) * points)
 
     def at(self, states: States) -> Demand:
-        """Compute the demands of a motion."""
+        """Compute the demands of a motion; rows of the torques along the coordinates are not scaled."""
         support = self.support
         joints = support.joints(states)
         torso = support.torso(joints)
@@ -89,16 +75,16 @@ class Demands:
     def _sure(self, terms: FloatArray, side: float = 1.0) -> FloatArray:
         """Sum Σ_p g_p π_p of terms (P, N) less (or plus) what doubts may take, 2 doubt √(Σ_p (g_p π_p)²), (N,)."""
         spread = np.sqrt(np.einsum("pn,pn->n", terms, terms))
-        return np.asarray(terms.sum(axis=0) - side * SURE * self.limits.doubt * spread)
+        return np.asarray(terms.sum(axis=0) - side * 2.0 * self.limits.doubt * spread)
 
     def _torque(self, rows: FloatArray) -> FloatArray:
         """Margins of the torques; feet that stand share them, (k, N)."""
         terms = rows * self.expected[:, None, None]
-        spread = SURE * self.limits.doubt * np.sqrt(np.einsum("pkn,pkn->kn", terms, terms))
+        spread = 2.0 * self.limits.doubt * np.sqrt(np.einsum("pkn,pkn->kn", terms, terms))
         shared = np.linalg.norm(self.support.spread, axis=1)
         own = np.where(self.support.spread != 0.0, self.torque, np.inf).min(axis=1)
         return np.asarray(1.0 - (np.abs(terms.sum(axis=0)) + spread) / (own * shared)[:, None])
 
     def _clear(self, joints: States, pose: FloatArray) -> FloatArray:
         """Margins of the feet in the air, (K, N)."""
-        return np.asarray((self.support.heights(joints.q, pose).T - self.limits.clearance) / NEAR)
+        return np.asarray((self.support.heights(joints.q, pose).T - self.limits.clearance) / 0.1)  # in units of 0.1 m

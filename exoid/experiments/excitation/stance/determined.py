@@ -7,35 +7,28 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
-from exoid.experiments.excitation.scales import ACCELERATION, SPEED
-from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.experiments.excitation.scales import STATES, Scales, reference_states
+from exoid.regression.least_squares import INVOLVED, RANK
 
 from .demands import Demands
 
 EVERY = "all of them can be determined"
 """End of the sentence about supports that leave nothing undetermined."""
 
-STATES = 400
-"""Number of random states of each support."""
-
 
 def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale: FloatArray) -> FloatArray:
     """Find combinations of parameters that no motion with these supports determines."""
     rng, rows = np.random.default_rng(0), []
     for one, box in zip(demands, limits, strict=True):
-        even = rng.uniform(-1.0, 1.0, (3, STATES, len(box.lower)))
-        states = States(
-            0.5 * (box.lower + box.upper) + 0.5 * box.span * even[0], SPEED * even[1], ACCELERATION * even[2]
-        )
+        states = reference_states(box, 400, rng)
         columns = one.at(states).columns * scale[:, None, None]
         rows.append(columns.reshape(len(scale), -1).T)
     W = np.linalg.qr(np.vstack(rows), mode="r")
     size = np.linalg.norm(W, axis=0)
-    size = np.where(size > UNDETERMINED * size.max(), size, size.max())  # a foot at rest leaves only rounding
+    size = np.where(size > RANK * size.max(), size, size.max())  # a foot at rest leaves only rounding
     _, sigma, Vt = np.linalg.svd(W / size)
-    loose = Vt[sigma <= UNDETERMINED * sigma[0]].T / size[:, None]
+    loose = Vt[sigma <= RANK * sigma[0]].T / size[:, None]
     return np.asarray(np.linalg.qr(loose)[0])
 
 
@@ -53,3 +46,13 @@ def missing_support(names: Sequence[str], loose: Sequence[str], added: Sequence[
         return ""
     what = EVERY if len(more) == len(loose) else f"{', '.join(more)} can be determined"
     return f"with motions on {' and '.join(added)} as well: {what}"
+
+
+def stance_scales(demands: Sequence[Demands], limits: Sequence[MotionLimits]) -> Scales:
+    """Compute the scales over random states of standing on each foot, see :class:`Scales`."""
+    rng, tables = np.random.default_rng(0), []
+    for one, box in zip(demands, limits, strict=True):
+        inverse = np.linalg.inv(one.support.spread)  # of one foot: a permutation of the joints
+        columns = one.at(reference_states(box, STATES, rng)).columns
+        tables.append(np.einsum("jk,pks->sjp", inverse, columns))
+    return Scales.over(demands[0].expected, np.vstack(tables))

@@ -9,76 +9,51 @@ from typing import get_args
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
-from exoid.experiments.excitation.fourier import FourierMotion, States
+from exoid.errors import BadArgumentError
+from exoid.experiments.excitation.fourier import FourierMotion, States, series
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import Criterion
-from exoid.experiments.excitation.precision import Precision
-from exoid.experiments.excitation.scales import Scales
+from exoid.experiments.excitation.plan import PlannedMotions
+from exoid.experiments.excitation.precision import predict
+from exoid.experiments.excitation.scales import Scales, expected_parameters
 from exoid.experiments.excitation.search import search
-from exoid.experiments.excitation.series import series
-from exoid.experiments.excitation.text import identifiability_lines, precision_table
+from exoid.experiments.excitation.text import prediction_text
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import Sole
 from exoid.rig.ground.sole import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
-from exoid.tools.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .demands import LIMITS, Demands
-from .determined import EVERY, missing_support, null_space, undetermined
+from .determined import EVERY, missing_support, null_space, stance_scales, undetermined
 from .limits import GroundLimits
 from .objective import StanceObjective
-from .precision import predict_stance
-from .scales import expected_parameters, stance_scales
 from .support import BOTH, StanceSupport, supports_of
 
-SAMPLES = 12
-"""Samples of the search in each period of the highest harmonic."""
 
-KNOWN = 1e8
-"""Information about combinations of parameters that no motion determines: they count as known in the search."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class StancePlan:
-    """Planned experiment on the ground; prints itself as a table.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class StancePlan(PlannedMotions):
+    """Planned experiment on the ground; prints itself as a table. Motions are those of the coordinates of each support.
 
     Attributes:
-        model: Machine and terms.
         demands: Feet that stand in each motion, and what it demands.
-        motions: Motion of the coordinates of each support, from rest to rest; see :class:`StanceSupport`.
-        precision: Predicted precision of each parameter.
-        noise: Torque noise of the prediction.
-        rate: Rate of command and log [Hz].
-        criterion: Criterion that was minimised.
-        seed: Seed of the search.
-        costs: Criterion of the motions that the better starts led to, the best first.
         missing: What further supports would determine.
     """
 
-    model: TorqueModel
     demands: tuple[Demands, ...]
-    motions: tuple[FourierMotion, ...]
-    precision: Precision
-    noise: TorqueNoise
-    rate: float
-    criterion: Criterion
-    seed: int
-    costs: tuple[float, ...]
     missing: tuple[str, ...]
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Name of each motion, for files."""
+        return tuple(one.support.name for one in self.demands)
 
     @property
     def supports(self) -> tuple[StanceSupport, ...]:
         """Feet that stand in each motion."""
         return tuple(one.support for one in self.demands)
-
-    @property
-    def duration(self) -> float:
-        """Total duration of the motions [s]."""
-        return sum(motion.duration for motion in self.motions)
 
     @property
     def recordings(self) -> tuple[Recording, ...]:
@@ -100,7 +75,7 @@ class StancePlan:
 
     def __repr__(self) -> str:
         """Name the machine, and write duration and precision."""
-        names = ", ".join(support.name for support in self.supports)
+        names = ", ".join(self.labels)
         return f"StancePlan({self.machine}: {self.duration:g} s on {names}; {self.precision!r})"
 
     def __str__(self) -> str:
@@ -111,14 +86,7 @@ class StancePlan:
         ]
         for demands, motion, recording in zip(self.demands, self.motions, self.recordings, strict=True):
             head.append(_describe(demands, motion, recording))
-        p = self.precision
-        closing = [f"condition number {p.condition_number:.0f}", *identifiability_lines(p), *self.missing]
-        return to_text("\n".join(head), precision_table(p)) + "\n\n" + "\n".join(closing)
-
-    @property
-    def machine(self) -> str:
-        """Name of the machine."""
-        return self.model.leg.description.name
+        return prediction_text("\n".join(head), self.precision, self.missing)
 
 
 def plan_stance(
@@ -177,7 +145,7 @@ def plan_stance(
         >>> plan_stance(exo, feet=("both", "left", "right"), noise=(0.5, 0.4, 0.2) * 2)  # doctest: +SKIP
     """
     if criterion not in get_args(Criterion) or starts < 1:
-        raise ExoidError(
+        raise BadArgumentError(
             f"criterion {criterion!r}, {starts} starts",
             remedy=f"use one of {', '.join(get_args(Criterion))}, and at least one start",
         )
@@ -185,18 +153,27 @@ def plan_stance(
     model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
     machine = _Machine(model, expected_parameters(model, values), limits or MotionLimits.of(leg), ground)
     single = [StanceSupport.of(supports[0].plant, foot) for foot in supports[0].plant.soles]
-    scales = stance_scales(model, machine.demands(single), machine.boxes(single))
+    scales = stance_scales(machine.demands(single), machine.boxes(single))
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
-    seconds, basis = series(duration / len(supports), rate, highest, SAMPLES)
+    seconds, basis = series(duration / len(supports), rate, highest, 12)
     demands, boxes = machine.demands(supports), machine.boxes(supports)
     null = null_space(demands, boxes, scales.scale)
-    objective = StanceObjective(demands, basis, boxes, torque_noise, scales.scale, seconds, rate, KNOWN * null @ null.T)
+    known = 1e8 * null @ null.T  # combinations that no motion determines count as known in the search
+    objective = StanceObjective(demands, basis, boxes, torque_noise, scales.scale, seconds, rate, known)
     found = search(objective, criterion, starts, np.random.default_rng(seed), progress)
     recordings = [stance_recording(one, motion, rate) for one, motion in zip(demands, found.motions, strict=True)]
-    precision = predict_stance(model, recordings, torque_noise, scales, preparation)
-    costs = tuple(float(np.exp(cost)) for cost in found.costs)
-    missing = _missing(machine, supports, scales, undetermined(model.names, null))
-    return StancePlan(model, demands, found.motions, precision, torque_noise, rate, criterion, seed, costs, missing)
+    return StancePlan(
+        model=model,
+        motions=found.motions,
+        precision=predict(model, recordings, torque_noise, scales, preparation),
+        noise=torque_noise,
+        rate=rate,
+        criterion=criterion,
+        seed=seed,
+        costs=tuple(float(np.exp(cost)) for cost in found.costs),
+        demands=demands,
+        missing=_missing(machine, supports, scales, undetermined(model.names, null)),
+    )
 
 
 def stance_recording(demands: Demands, motion: FourierMotion, rate: float) -> Recording:

@@ -22,12 +22,6 @@ from exoid.rig.ground import GroundPlant, Sole
 BOTH = "both"
 """Name of the support by all feet."""
 
-PLANAR = 3
-"""Base rows of a planar machine."""
-
-CONGRUENT = 1e-6
-"""Largest difference of legs that can stand side by side in the same posture [m]."""
-
 
 class TorsoStates(NamedTuple):
     """Motion of the torso over a foot that stands."""
@@ -169,7 +163,7 @@ class StanceSupport:
         rigid = rows[:count]
         force = turn[:, 2] * (rigid[:, 0] + 1j * rigid[:, 1])
         moment = rigid[:, 2] + (reference.conj() * force).imag
-        torque = rows[:, PLANAR:].copy()
+        torque = rows[:, 3:].copy()
         for k, place in enumerate((hip, knee, 0.0)):
             torque[:count, leg.joints.start + k] -= leg.signs[k] * (moment - (np.conj(place) * force).imag)
         return GroundRows(np.stack([force.real, force.imag, moment], axis=1), torque)
@@ -201,4 +195,4 @@ def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tu
 
 def _congruent(one: PlanarLeg, other: PlanarLeg) -> bool:
     sizes = [np.array([leg.hip, leg.thigh, leg.shank, *leg.sole]) for leg in (one, other)]
-    return sizes[0].shape == sizes[1].shape and bool(np.abs(sizes[0] - sizes[1]).max() < CONGRUENT)
+    return sizes[0].shape == sizes[1].shape and bool(np.abs(sizes[0] - sizes[1]).max() < 1e-6)  # [m]

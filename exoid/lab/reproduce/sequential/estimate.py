@@ -17,6 +17,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.regression.least_squares import RANK
 from exoid.tools.tables import DataTable, to_text, with_error
 
 from .rows import JointRows
@@ -114,8 +115,7 @@ def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
     scale = np.linalg.norm(W, axis=0)
     scale[scale == 0.0] = 1.0
     U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
-    # Fraction of the largest singular value below which a singular value counts as zero.
-    if sigma[-1] <= 1e-9 * sigma[0]:
+    if sigma[-1] <= RANK * sigma[0]:
         raise NotIdentifiableError(
             f"the measurements do not determine {', '.join(names)} one by one",
             parameters=tuple(names),

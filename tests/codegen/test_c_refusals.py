@@ -1,0 +1,125 @@
+"""What has no form in C is refused by kind, before anything is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from compiled import made_up, source_of
+from laws_of_bleex import KD, KP, laws, model
+
+import exoid
+from exoid import Coulomb, Leg
+from exoid.codegen import Dialect, LawInC, Safety, c_source, register_c_form, write_c, write_ros2
+from exoid.control import Limited, MomentumObserver, gravity_friction_pd, pd
+from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
+from exoid.leg.description import describe
+from exoid.torques import LoadFriction, Stribeck, TorqueModel
+
+CUHK = exoid.load_leg("cuhk")
+ESTIMATE = made_up(CUHK)
+
+
+def tilted() -> Leg:
+    """A hip that flexes and abducts: not planar."""
+    text = CUHK.description.text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />')
+    return Leg.from_description(describe(text, name="tilted.urdf"), ("left_hip", "left_knee"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sticky(Coulomb):
+    """A user's own friction, which the C of its parent would get wrong."""
+
+
+class Described:
+    """A law with a form in C."""
+
+    rate = 100.0
+
+    def torque(self, state, target):
+        return 0.0 * state.q
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        return LawInC(("hip",), "tau = 0", "    tau[0] = {{number(0)}};\n", self.rate, np.zeros(1))
+
+
+class Overridden(Described):
+    """Computes something else than its parent."""
+
+    def torque(self, state, target):
+        return 1.0 + 0.0 * state.q
+
+
+def leg_of(term):
+    return lambda: made_up(CUHK, (term,)).to_c("leg.c")
+
+
+HUGE = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1e39, ESTIMATE.values))
+LATE = MomentumObserver(model(), 8.0, 100.0, torque_delay=0.004)
+
+UNSUPPORTED = {
+    "leg that is not planar": lambda: made_up(tilted(), ()).to_c("leg.c"),
+    "law of such a leg": lambda: c_source(gravity_friction_pd(tilted(), 10.0, 1.0)),
+    "friction that remembers": leg_of(Coulomb(presliding=1e-3)),
+    "Stribeck friction that remembers": leg_of(Stribeck(presliding=1e-3)),
+    "friction that depends on the load": leg_of(LoadFriction()),
+    "term of another package": leg_of(Sticky()),
+    "law with friction that depends on the load": lambda: c_source(
+        gravity_friction_pd(made_up(CUHK, (LoadFriction(),)), 10.0, 1.0)
+    ),
+    "law without a description": lambda: c_source(object()),
+    "law that computes something else than its parent": lambda: c_source(Overridden()),
+    "limits around such a law": lambda: c_source(Limited(Overridden())),
+    "channels that lag": lambda: c_source(LATE),
+    "observer for ROS 2": lambda: write_ros2("leg", MomentumObserver(model(), 8.0, 100.0, torque_delay=0.0)),
+    "input that ROS 2 does not have": lambda: write_ros2("leg", laws()["admittance"]),
+}
+
+BAD = {
+    "precision": lambda: source_of(ESTIMATE, precision="half"),
+    "number that no float can hold": lambda: source_of(HUGE, precision="float"),
+    "too few values": lambda: c_source(TorqueModel(CUHK, ()), CUHK.parameters[:-1]),
+    "no values": lambda: c_source(TorqueModel(CUHK, ())),
+    "values that are not finite": lambda: c_source(TorqueModel(CUHK, ()), np.full(len(CUHK.parameters), np.nan)),
+    **{f"name {name!r}": lambda name=name: source_of(ESTIMATE, name) for name in ("", ".c", "___", "腿.c")},
+    "place of a term": lambda: register_c_form(Sticky, "spring"),
+    "gains of an unknown number of joints": lambda: c_source(pd(10.0, 1.0)),
+    "gains of several legs": lambda: c_source(gravity_friction_pd(model(), np.ones((3, 2)), 1.0)),
+    "limits of another number of joints": lambda: c_source(Limited(pd(KP, KD), (10.0, 10.0))),
+    "gravity without a model": lambda: c_source(pd(KP, KD), safety=Safety("gravity")),
+    "kind of safe torque": lambda: Safety("limp"),
+    "patience": lambda: Safety(patience=np.nan),
+    "damping": lambda: Safety(damping=-1.0),
+    "law in a file that is no C": lambda: write_c("law.h", pd(KP, KD)),
+    "rate for ROS 2": lambda: write_ros2("leg", pd((1.0, 2.0), (0.1, 0.2), rate=99.5)),
+    "name of a joint for ROS 2": lambda: write_ros2("leg", pd((1.0, 2.0), (0.1, 0.2))),
+}
+
+CASES = [
+    *(pytest.param(call, NotSupportedError, id=name) for name, call in UNSUPPORTED.items()),
+    *(pytest.param(call, BadArgumentError, id=name) for name, call in BAD.items()),
+]
+
+
+@pytest.mark.parametrize(("call", "kind"), CASES)
+def test_it_is_refused_and_nothing_is_written(call, kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(kind):
+        call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_description_and_large_numbers_in_double_are_fine():
+    assert "tau[0] = 0.0;" in c_source(Described()).text
+    assert "1e+39" in source_of(HUGE).text
+
+
+def test_a_refusal_leaves_an_existing_file_alone(tmp_path):
+    (tmp_path / "leg.c").write_text("mine")
+    with pytest.raises(ExoidError):
+        ESTIMATE.to_c(tmp_path / "leg.c", precision="half")
+    assert [path.name for path in tmp_path.iterdir()] == ["leg.c"]
+    assert (tmp_path / "leg.c").read_text() == "mine"
+    with pytest.raises(ExoidError, match=r"nowhere/leg.c: cannot be written"):
+        ESTIMATE.to_c(tmp_path / "nowhere" / "leg.c")
