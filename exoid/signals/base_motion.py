@@ -53,7 +53,6 @@ class BaseMotion(Sampled):
     pose: BasePose | None = None
 
     def __post_init__(self) -> None:
-        """Copy and check."""
         for name in ("angular_velocity", "specific_force", "position"):
             object.__setattr__(self, name, checks.as_numbers(getattr(self, name), f"{name} of the base"))
         samples = len(np.atleast_1d(self.angular_velocity))

@@ -44,7 +44,6 @@ class BasePose(Sampled):
     quaternion: FloatArray
 
     def __post_init__(self) -> None:
-        """Copy and check."""
         for name in ("position", "quaternion"):
             object.__setattr__(self, name, checks.as_numbers(getattr(self, name), f"{name} of the base"))
         samples = len(np.atleast_1d(self.position))

@@ -54,7 +54,6 @@ class Kinematics(NamedTuple):
     valid: slice
 
     def __repr__(self) -> str:
-        """Write the size in one line."""
         samples, joints = self.q.shape
         return f"Kinematics({samples} samples, {joints} joints, valid: {self.valid.start} to {self.valid.stop})"
 

@@ -42,7 +42,6 @@ class Poses:
     payloads: tuple[Payload, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check and freeze."""
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
         object.__setattr__(self, "payloads", as_payloads(self.payloads))
         for name in ("q", "tau"):

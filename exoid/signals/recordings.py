@@ -142,7 +142,6 @@ class Recordings(Sequence[Recording | Poses]):
     def __getitem__(self, index: slice) -> Recordings: ...
 
     def __getitem__(self, index: int | slice) -> Recording | Poses | Recordings:
-        """Read one item, or select several."""
         if isinstance(index, slice):
             return replace(self, items=self.items[index])
         item = self.items[index]
@@ -154,7 +153,6 @@ class Recordings(Sequence[Recording | Poses]):
         return recording
 
     def __iter__(self) -> Iterator[Recording | Poses]:
-        """Read one item after the other."""
         return (self[index] for index in range(len(self)))
 
     def __repr__(self) -> str:

@@ -54,7 +54,6 @@ class Wrench(Sampled):
     axes: Literal["link", "world"] = "link"
 
     def __post_init__(self) -> None:
-        """Copy and check."""
         if self.axes not in AXES:
             raise BadArgumentError(
                 f"a wrench in axes {self.axes!r}",

@@ -53,7 +53,6 @@ class WrenchFrame(NamedTuple):
         return WrenchFrame(axes, point)
 
     def __str__(self) -> str:
-        """Write what :meth:`from_text` reads exactly."""
         return self.axes if self.point is None else f"{self.axes}@{','.join(repr(float(x)) for x in self.point)}"
 
 

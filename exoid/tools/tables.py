@@ -154,7 +154,6 @@ class Report(ABC):
         """Tables and lines, from top to bottom."""
 
     def __str__(self) -> str:
-        """Print tables and lines."""
         return to_text(*self._report())
 
     def _repr_html_(self) -> str:

@@ -89,7 +89,6 @@ class ArrayTable:
     row_name: str = "row"
 
     def __post_init__(self) -> None:
-        """Check that columns are of one length."""
         columns = {name: np.asarray(values) for name, values in self.columns.items()}
         shapes = {values.shape for values in columns.values()}
         if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):

@@ -69,7 +69,6 @@ class Child:
     """The child process, with the ends of its pipes."""
 
     def __init__(self, module: str) -> None:
-        """Start it."""
         from multiprocessing import spawn  # noqa: PLC0415 - few callers read such files
 
         try:

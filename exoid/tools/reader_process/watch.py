@@ -19,7 +19,6 @@ class Watch:
     # killed: Reason for which the process was killed; None if it was not.
 
     def __init__(self, process: subprocess.Popen[bytes], seconds: float, memory: int | None = None) -> None:
-        """Set the bounds."""
         self.killed: Literal["time", "memory"] | None = None
         self._process = process
         self._seconds = seconds
