@@ -17,7 +17,7 @@ from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.external import average
-from exoid.torques import TorqueModel
+from exoid.torques import Motion, TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
 
@@ -123,14 +123,18 @@ def gather(fitted: FittedLeg, values: FloatArray, *, other_friction: bool = Fals
     rigid, ready, errors = values[: len(fitted.model.leg.parameter_names)], [], []
     still = AlternativeFriction(rigid, np.zeros(len(fitted.model.joint_names)))  # its speed is known later
     for one in fitted.data:
-        extras = (still,) if other_friction and isinstance(one, Recording) else ()
         try:
-            prepared = prepare(WithColumns(fitted.model, extras), one, fitted.preparation)
+            prepared = prepare(fitted.model, one, fitted.preparation)
         except ExoidError as error:
             errors.append(error)
             continue
         if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
             prepared = prepared._replace(usable=prepared.usable & one.driven)
+        # Other friction, and many faults, differ most where joints turn round: no reversal is taken out.
+        prepared = prepared._replace(reversals=None)
+        if other_friction and isinstance(one, Recording):
+            assert isinstance(prepared.motion, Motion)
+            prepared = prepared._replace(motion=still.motion(prepared.motion))
         ready.append((one, decimated(prepared)))
     if not ready:
         raise errors[0]
