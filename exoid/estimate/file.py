@@ -173,7 +173,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         nonlinear=_shapes(data["shapes"]),
         dof_each=_by_name(data["degrees_of_freedom_each"], model.names),
         reference_scale=_by_name(data["calm_sizes"], model.names),
-        prior_gains=_prior_gains(data["prior_gains"]),
+        prior_gains=np.array(data["prior_gains"] or np.zeros((0, 0)), dtype=np.float64),
         collinearity=_by_name(data["collinearity"], model.names),
         findings=records(Finding, data["findings"]),
         ranges=ranges_from_json(data["ranges"], leg.joint_names),
@@ -221,11 +221,6 @@ def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
 def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:
     """Read a number of each parameter."""
     return np.array([data[name] for name in names], dtype=np.float64)
-
-
-def _prior_gains(data: Sequence[Sequence[float]]) -> FloatArray:
-    """Read how far parameters follow priors; empty where that is not known."""
-    return np.array(data, dtype=np.float64) if np.size(data) else np.zeros((0, 0))
 
 
 def _warnings(data: Sequence[str]) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import overload
+from typing import TypedDict, Unpack, overload
 
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
 from exoid.estimate.estimate import Estimate
@@ -30,6 +30,20 @@ from .sole_compliance import sole_compliance, tilted
 from .variable_projection import search
 
 
+class FitOptions(TypedDict, total=False):
+    """Options of :func:`identify` that all its forms have."""
+
+    cutoff: float | None
+    preparation: Preparation | str | None
+    noise: str
+    known: Mapping[str, float] | None
+    prior: Prior | Mapping[str, tuple[float, float]] | None
+    nonnegative: bool
+    delay: str | None
+    check: bool
+    actuators: Drives | None
+
+
 @overload
 def identify(
     leg: Leg,
@@ -38,15 +52,7 @@ def identify(
     estimator: str | Estimator = "wls",
     *,
     own: None = None,
-    cutoff: float | None = None,
-    preparation: Preparation | str | None = None,
-    noise: str = "correlated",
-    known: Mapping[str, float] | None = None,
-    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
-    nonnegative: bool = False,
-    delay: str | None = None,
-    check: bool = True,
-    actuators: Drives | None = None,
+    **options: Unpack[FitOptions],
 ) -> Estimate: ...
 
 
@@ -58,15 +64,7 @@ def identify(
     estimator: str | Estimator = "wls",
     *,
     own: str | Sequence[str] | None = None,
-    cutoff: float | None = None,
-    preparation: Preparation | str | None = None,
-    noise: str = "correlated",
-    known: Mapping[str, float] | None = None,
-    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
-    nonnegative: bool = False,
-    delay: str | None = None,
-    check: bool = True,
-    actuators: Drives | None = None,
+    **options: Unpack[FitOptions],
 ) -> GroupedEstimate: ...
 
 
@@ -78,15 +76,7 @@ def identify(
     estimator: str | Estimator = "wls",
     *,
     own: str | Sequence[str],
-    cutoff: float | None = None,
-    preparation: Preparation | str | None = None,
-    noise: str = "correlated",
-    known: Mapping[str, float] | None = None,
-    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
-    nonnegative: bool = False,
-    delay: str | None = None,
-    check: bool = True,
-    actuators: Drives | None = None,
+    **options: Unpack[FitOptions],
 ) -> GroupedEstimate: ...
 
 

@@ -128,61 +128,43 @@ MANY = 2000
 
 def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     """Say how many samples were left out, and why."""
-    left = parts.left
+    left, name = parts.left, recording.source.name if recording.source else ""
     unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
-    name = recording.source.name if recording.source else ""
-    slip = Finding(
-        "slipping-contact",
-        "",
-        left.slipping,
-        "1",
-        "warning" if left.slipping > MUCH_LEFT_OUT else "info",
-        f"{left.slipping:.1%} of the samples say that a link rests which moves; they were left out",
-        "check contacts, the ground, and whether joints' zeros are right",
-        recording=name,
+    check_ground = "check contacts, the ground, and whether joints' zeros are right"
+    rows = (
+        (
+            *("slipping-contact", left.slipping, MUCH_LEFT_OUT),
+            *("say that a link rests which moves; they were left out", check_ground),
+        ),
+        (
+            *("slipping-contact", left.moving, 1.0),
+            "say that a link rests which rolls or slips; they count, as the motion of the base was measured" + unseen,
+            "nothing to do; without that measurement they would be left out",
+        ),
+        (
+            *("wrong-contact", left.gaps, 1.0),
+            f"are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
+            "check the foot switch",
+        ),
+        (
+            *("contact-changes", left.changing, 1.0),
+            *(f"are within {EDGE:g} s of a touch-down or lift-off; they were left out", "nothing to do"),
+        ),
+        (
+            *("singular-stance", left.singular, MUCH_LEFT_OUT),
+            "leave no row: knees are straight, or too many links rest for the joints",
+            "bend the knees, or measure the wrenches",
+        ),
     )
-    moving = Finding(
-        "slipping-contact",
-        "",
-        left.moving,
-        "1",
-        "info",
-        f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of "
-        f"the base was measured{unseen}",
-        "nothing to do; without that measurement they would be left out",
-        recording=name,
-    )
-    gaps = Finding(
-        "wrong-contact",
-        "",
-        left.gaps,
-        "1",
-        "info",
-        f"{left.gaps:.1%} of the samples are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
-        "check the foot switch",
-        recording=name,
-    )
-    edge = Finding(
-        "contact-changes",
-        "",
-        left.changing,
-        "1",
-        "info",
-        f"{left.changing:.1%} of the samples are within {EDGE:g} s of a touch-down or lift-off; they were left out",
-        "nothing to do",
-        recording=name,
-    )
-    lost = Finding(
-        "singular-stance",
-        "",
-        left.singular,
-        "1",
-        "warning" if left.singular > MUCH_LEFT_OUT else "info",
-        f"{left.singular:.1%} of the samples leave no row: knees are straight, or too many links rest for the joints",
-        "bend the knees, or measure the wrenches",
-        recording=name,
-    )
-    return [one for one in (slip, moving, gaps, edge, lost) if one.value > 0.0]
+    return [
+        Finding(
+            *(kind, "", share, "1", "warning" if share > many else "info"),
+            *(f"{share:.1%} of the samples {message}", remedy),
+            recording=name,
+        )
+        for kind, share, many, message, remedy in rows
+        if share > 0.0
+    ]
 
 
 def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[str, ...]) -> list[Finding]:

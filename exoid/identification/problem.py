@@ -133,9 +133,10 @@ class Problem:
         """Joints of all groups, group by group."""
         return [name for group in self.groups for name in group.model.row_names]
 
-    def solve(self, r_factor: RFactor) -> Solution:
+    def solve(self, r_factor: RFactor, prior_knowledge: PriorKnowledge | None = None) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
-        return self._solve(r_factor, self.prior_knowledge)
+        knowledge = prior_knowledge or self.prior_knowledge
+        return solve(r_factor, self.names, knowledge, self.nonnegative if knowledge.nonnegative else None)
 
     @cached_property
     def nonnegative(self) -> NDArray[np.bool_]:
@@ -219,7 +220,7 @@ class Problem:
         places = [self.layout.place(name, group) for name in self.layout.own]
         lost = [k for k in places if self.names[k] not in self.prior_knowledge.names]
         known = {**self.prior_knowledge.known, **{self.names[k]: float(solution.values[k]) for k in lost}}
-        found = self._solve(others, replace(self.prior_knowledge, known=known)).values.copy()
+        found = self.solve(others, replace(self.prior_knowledge, known=known)).values.copy()
         found[lost] = np.inf
         return found
 
@@ -227,9 +228,6 @@ class Problem:
         """Release the kinematics of a group's last recording where other groups need the memory."""
         if len(self.groups) > 1:
             rows.forget()
-
-    def _solve(self, r_factor: RFactor, prior_knowledge: PriorKnowledge) -> Solution:
-        return solve(r_factor, self.names, prior_knowledge, self.nonnegative if prior_knowledge.nonnegative else None)
 
     @cached_property
     def _joints(self) -> NDArray[np.intp]:

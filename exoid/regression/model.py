@@ -17,12 +17,10 @@ class Regrouping(Protocol):
     @property
     def name(self) -> str:
         """Name of the parameter."""
-        ...
 
     @property
     def into(self) -> Mapping[str, float]:
         """Names of the parameters that contain it, with its share in each."""
-        ...
 
 
 class MotionSamples(Protocol):
@@ -31,26 +29,21 @@ class MotionSamples(Protocol):
     @property
     def q(self) -> FloatArray:
         """Angles [rad], (N, n)."""
-        ...
 
     @property
     def v(self) -> FloatArray:
         """Velocities [rad/s], (N, n)."""
-        ...
 
     @property
     def a(self) -> FloatArray:
         """Accelerations [rad/s²], (N, n)."""
-        ...
 
     @property
     def payload(self) -> FloatArray | None:
         """Torque that payloads take [N·m], (N, n); None without payloads."""
-        ...
 
     def rows(self, rows: slice) -> Any:  # noqa: ANN401 - of the same kind
         """Some of the samples."""
-        ...
 
 
 class RegressorModel(Protocol):
@@ -59,37 +52,30 @@ class RegressorModel(Protocol):
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Joints, (n,)."""
-        ...
 
     @property
     def joint_labels(self) -> tuple[str, ...]:
         """What parameters call the joints, (n,)."""
-        ...
 
     @property
     def row_names(self) -> tuple[str, ...]:
         """Rows of the equation, (n,): the joints, unless forces on the base or on the ground are among the rows."""
-        ...
 
     @property
     def row_joints(self) -> tuple[int, ...]:
         """Joint of each row, (n,); −1 for a row of no joint."""
-        ...
 
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters, in the order of the columns, (P,)."""
-        ...
 
     @property
     def regrouped(self) -> Sequence[Regrouping]:
         """Parameters that are part of others."""
-        ...
 
     @property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which joint, (n, P)."""
-        ...
 
     def motion(
         self,
@@ -102,28 +88,21 @@ class RegressorModel(Protocol):
         temperature: Any = None,  # noqa: ANN401
     ) -> Any:  # noqa: ANN401
         """Gather what the columns of a recording depend on, the torque of its payloads, its drives and temperatures."""
-        ...
 
     def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
         """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
-        ...
 
     def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
-        ...
 
     def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401
         """Measured side of the equation: torques of the joints, and measured wrenches on links, (N, n)."""
-        ...
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which rows have a measured side, given the joints that have a measured torque, (n,)."""
-        ...
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Which samples of which joint may be fitted, (N, n)."""
-        ...
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
         """Which samples of which joint belong to a reversal, (N, n); None for none."""
-        ...

@@ -25,17 +25,14 @@ class HasParameters(Protocol):
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names, (p,)."""
-        ...
 
     @property
     def parameter_units(self) -> tuple[str, ...]:
         """Units, (p,)."""
-        ...
 
     @property
     def parameters(self) -> FloatArray:
         """Values, (p,)."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,10 @@ class LeastSquaresProblem(Protocol):
     @property
     def names(self) -> Sequence[str]:
         """Names of the parameters."""
-        ...
 
     @property
     def r_factors(self) -> Sequence[RFactor]:
         """R factor of the rows of each joint, in motion and at rest."""
-        ...
 
     def solve(self, r_factor: RFactor) -> Solution:
         """Solve for rows, with what is known beside them.
@@ -36,7 +34,6 @@ class LeastSquaresProblem(Protocol):
         Returns:
             The solution.
         """
-        ...
 
 
 class RowSource(Protocol):
@@ -45,15 +42,12 @@ class RowSource(Protocol):
     @property
     def columns(self) -> Sequence[NDArray[np.intp]]:
         """Parameters that can act on each joint, as indices, in the order of the columns of its rows."""
-        ...
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """Index among the R factors of the one that holds the rows of a kind and joint."""
-        ...
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
-        ...
 
 
 class RowProblem(LeastSquaresProblem, RowSource, Protocol):
@@ -62,7 +56,6 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
     @property
     def joint_names(self) -> Sequence[str]:
         """Joint of each row block; groups follow each other."""
-        ...
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows, recording by recording, each in order of time.
@@ -73,12 +66,9 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
         Returns:
             Blocks of rows.
         """
-        ...
 
     def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
         """R factor of the weighted rows of each recording."""
-        ...
 
     def without(self, index: int, others: RFactor, solution: Solution) -> NDArray[np.float64]:
         """Solve without one of the recordings; what only it determines is infinite, (P,)."""
-        ...
