@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 from exoid.actuators import Actuators, Coupling, Drive, Motor, motor_terms
 from exoid.actuators.constants import at_start, unknown_constants
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 from exoid.torques import DEFAULT_TERMS, Armature, Term
 
 from .estimators import Estimator
 from .estimators.by_name import name_of
-from .group_rows import Group, within
+from .group_rows import Group
 
 Drives = Mapping[str, Drive | Coupling] | Actuators
 """Drive of each joint by its name, and couplings by any name; or actuators of the leg."""

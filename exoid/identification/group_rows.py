@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import pickle
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from os import PathLike
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
@@ -51,11 +50,14 @@ def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T
 
 def on_workers() -> bool:
     """Tell whether joblib's backend, as ``joblib.parallel_config`` sets it, has several workers."""
-    return int(effective_n_jobs(None)) > 1
+    joblib = sys.modules.get("joblib")  # who has set a backend has imported it; importing it here takes 0.1 s
+    return joblib is not None and int(joblib.effective_n_jobs(None)) > 1
 
 
 def _distribute(function: Callable[..., T], work: Callable[..., T], each: Iterable[object]) -> list[T]:
     """Call a function of the work and of one thing after the other on the workers of joblib's backend."""
+    from joblib import Parallel, delayed  # noqa: PLC0415 - only with workers
+
     return [pickle.loads(one) for one in Parallel()(delayed(_pickled)(function, work, thing) for thing in each)]
 
 
@@ -66,15 +68,6 @@ def _pickled(function: Callable[..., T], *arguments: object) -> bytes:
 def _on_first(work: Callable[[Recording | Poses], T], data: Data) -> T:
     """Read a recording where the work is done."""
     return work(data[0])
-
-
-@contextmanager
-def within(part: str) -> Iterator[None]:
-    """Name the part of the input, such as a group of recordings, in errors that are raised inside."""
-    try:
-        yield
-    except ExoidError as error:
-        raise error.within(part) from error
 
 
 class Group(NamedTuple):

@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
 from exoid.torques import Term, TorqueModel
 from exoid.torques.nonlinear import nonlinear_settings
 
-from .group_rows import Data, Group, Measured, check_recordings, within
+from .group_rows import Data, Group, Measured, check_recordings
 
 SAME = 1e-9
 """Regressors of legs of one design differ by less than this part of the largest entry."""

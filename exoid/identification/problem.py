@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
+from exoid.errors import NotSupportedError, within
 from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .group_rows import Group, GroupRows, Keep, within
+from .group_rows import Group, GroupRows, Keep
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.errors import BadArgumentError, NotIdentifiableError, within
 from exoid.estimate.data import Input
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
@@ -22,7 +22,7 @@ from exoid.signals.cutoff import AccelerationPower, acceleration_power, cutoff_f
 from exoid.signals.preparation_names import preparation_by_name
 from exoid.torques import TorqueModel
 
-from .group_rows import Group, map_recordings, within
+from .group_rows import Group, map_recordings
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""

@@ -68,7 +68,23 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
         """
 
     def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
-        """R factor of the weighted rows of each recording."""
+        """Reduce the weighted rows of each recording.
+
+        Args:
+            weights: Weight of each of :attr:`r_factors`.
+
+        Returns:
+            R factor of each recording.
+        """
 
     def without(self, index: int, others: RFactor, solution: Solution) -> NDArray[np.float64]:
-        """Solve without one of the recordings; what only it determines is infinite, (P,)."""
+        """Solve without one of the recordings.
+
+        Args:
+            index: Number of the recording.
+            others: Weighted rows of the others.
+            solution: Solution with all of them.
+
+        Returns:
+            Parameters, (P,); infinite where only that recording determines them.
+        """

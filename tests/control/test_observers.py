@@ -472,7 +472,7 @@ LOGS = {
     "another leg": (
         lambda r: dataclasses.replace(r, joint_names=("right_hip", "right_knee", "right_ankle")),
         ExoidError,
-        (),
+        ("left_hip", "left_knee", "left_ankle"),
     ),
     "a tilt": (lambda r: dataclasses.replace(r, torso=TorsoMotion(pitch=0.2)), NotSupportedError, ()),
 }

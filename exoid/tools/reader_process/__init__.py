@@ -1,3 +1,1 @@
 """Process that reads files whose libraries can crash or fill the memory, with bounds on memory and time."""
-
-__all__ = ["refuse_expansion"]
