@@ -134,10 +134,8 @@ def simulate(
                 _refuse_divergence(rig.v, k * dt)
                 target, (tau, *motion) = reference.at(k * dt), past[0]
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
-                felt = (
-                    (read_interaction(sensors, limb.interaction(*motion), rng),) if limb and feels and controls else ()
-                )
             if controls:
+                felt = (read_interaction(sensors, limb.interaction(*motion), rng),) if limb and feels else ()
                 command = commanded(target, *reading, *felt)
             if logs:
                 if not every_control:
