@@ -95,17 +95,7 @@ class BadArgumentError(ExoidError):
 
 @contextmanager
 def within(part: str) -> Iterator[None]:
-    """Name a file, group, joint or table in errors that are raised inside.
-
-    Args:
-        part: Its name; "" adds nothing.
-
-    Yields:
-        Nothing.
-
-    Raises:
-        ExoidError: The error of the block, with the part before its place.
-    """
+    """Name a file, group, joint or table in errors that are raised inside."""
     try:
         yield
     except ExoidError as error:

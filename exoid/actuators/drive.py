@@ -13,9 +13,6 @@ from exoid.leg.leg import Leg
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-BEYOND_LIMIT = 1.2
-"""Readings up to this many times the largest are believed: a controller may overshoot for an instant."""
-
 
 class UnknownConstant(NamedTuple):
     """Constant of a drive that is identified."""
@@ -161,7 +158,8 @@ def refuse_beyond(drive: Drive, name: str, reading: FloatArray, remedy: str) -> 
     """Refuse readings far beyond the largest that a drive can have, its constant of that name: their unit is wrong."""
     limit = getattr(drive, name)
     largest = float(abs(reading).max(initial=0.0))
-    if limit is not None and largest > BEYOND_LIMIT * limit:
+    # Readings up to this many times the largest are believed: a controller may overshoot for an instant
+    if limit is not None and largest > 1.2 * limit:
         raise UnreadableInputError(
             f"a {drive.channel} of {largest:.4g} {drive.unit}, and {name} of the drive is {limit:g} {drive.unit}",
             remedy=remedy,

@@ -11,9 +11,6 @@ from exoid.errors import ExoidError
 
 from .drive import Drive, check_constant, is_gear_ratio, is_positive
 
-LARGEST_DEFLECTION = 1.0
-"""Largest range of a spring's deflection that is believed [rad]."""
-
 
 @dataclass(frozen=True)
 class SeriesElastic(Drive):
@@ -49,7 +46,8 @@ class SeriesElastic(Drive):
         """τ = k (θ_m / ratio − q)."""
         deflection = reading / self.ratio - q
         spread = float(np.ptp(deflection)) if deflection.size else 0.0
-        if spread > LARGEST_DEFLECTION:
+        # Largest range of a spring's deflection that is believed [rad]
+        if spread > 1.0:
             raise ExoidError(
                 f"the spring's deflection θ_m / ratio − q spans {spread:.3g} rad",
                 remedy="check ratio, sign and unit of the motor angle, which is in rad in front of the gear",

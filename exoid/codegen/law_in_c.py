@@ -58,21 +58,13 @@ class ArrayInC(NamedTuple):
 
 
 class LegInC(NamedTuple):
-    """Model of a leg inside a law.
+    """Model of a leg inside a law."""
 
-    Attributes:
-        leg: Rigid bodies: a planar chain with its parameters.
-        springs: Torque of springs and offsets at each joint, as an expression in q[j], n of them.
-        friction: Torque of friction at each joint, as an expression in v[j], n of them.
-        rotor: Inertia that is not part of the bodies at each joint, as a constant expression, n of them.
-        needed: Functions that the law calls.
-    """
-
-    leg: Leg
-    springs: tuple[str, ...]
-    friction: tuple[str, ...]
-    rotor: tuple[str, ...]
-    needed: tuple[Needed, ...]
+    leg: Leg  # rigid bodies: a planar chain with its parameters
+    springs: tuple[str, ...]  # torque of springs and offsets at each joint, as an expression in q[j], n of them
+    friction: tuple[str, ...]  # torque of friction at each joint, as an expression in v[j], n of them
+    rotor: tuple[str, ...]  # inertia that is not part of the bodies at each joint, as a constant expression, n of them
+    needed: tuple[Needed, ...]  # functions that the law calls
 
 
 @dataclass(frozen=True, eq=False)

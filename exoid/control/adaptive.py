@@ -31,19 +31,19 @@ class AdaptiveMemory(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Adaptive:
-    """τ = Y(q, v, v_r, a_r) β̂ − Kd s, β̂' = −γ P Yᵀ s, a :class:`exoid.control.StatefulLaw`.
+    """τ = Y(q, v, v_r, a_r) β̂ − Kd s, β̂' = −γ P Yᵀ s, a :class:`exoid.control.StatefulLaw`."""
 
-    v_r = θ̇_d + Λ (θ_d − q), a_r = θ̈_d + Λ (θ̇_d − v), s = v − v_r and Λ = Kp / Kd, so that −Kd s is PD feedback
-    (J.-J. E. Slotine, W. Li, IJRR 6(3), 1987). P is the covariance of the estimate and of the expected changes, so
-    parameters that may have changed follow first. With β̃ = β̂ − β, in continuous time and without the precautions below,
-
-        V = ½ γ sᵀ M s + ½ β̃ᵀ P⁻¹ β̃,    V' ≤ −γ sᵀ Kd s.
-
-    Precautions against noise, friction at rest and limits: a dead zone of s; a joint that stands, by target or
-    measurement, teaches nothing; neither does one whose torque was limited; β̂ stays in a :class:`ParameterCone`, in
-    which M(q) is positive definite and friction is not negative. Nobody may wear or touch the leg: the controller would
-    take their torque for parameters of the leg.
-    """
+    # v_r = θ̇_d + Λ (θ_d − q), a_r = θ̈_d + Λ (θ̇_d − v), s = v − v_r and Λ = Kp / Kd, so that −Kd s is PD
+    # feedback (J.-J. E. Slotine, W. Li, IJRR 6(3), 1987). P is the covariance of the estimate and of the
+    # expected changes, so parameters that may have changed follow first. With β̃ = β̂ − β, in continuous time
+    # and without the precautions below,
+    #
+    #     V = ½ γ sᵀ M s + ½ β̃ᵀ P⁻¹ β̃,    V' ≤ −γ sᵀ Kd s.
+    #
+    # Precautions against noise, friction at rest and limits: a dead zone of s; a joint that stands, by target
+    # or measurement, teaches nothing; neither does one whose torque was limited; β̂ stays in a `ParameterCone`,
+    # in which M(q) is positive definite and friction is not negative. Nobody may wear or touch the leg: the
+    # controller would take their torque for parameters of the leg.
 
     model: SlotineLiModel  # linear model, initial values and covariance
     kp: FloatArray  # Kp [N·m/rad], a number or (n,)

@@ -35,11 +35,9 @@ def describe(
     damping: FloatArray | None = None,
     measured: str = "in->v",
 ) -> LawInC:
-    """Describe a law with a model: numbers and comment of each table, comment of the memory, which begins with zero.
-
-    ``{friction}`` stands in the equation, and ``{{friction}}`` in the step, where friction is compensated, at the
-    velocity ``measured``. The default damping of the safe torque is the default Kd of controllers, at the zero pose.
-    """
+    """Describe a law with a model: numbers and comment of each table, comment of the memory, which begins with zero."""
+    # `{friction}` stands in the equation, and `{{friction}}` in the step, where friction is compensated, at the
+    # velocity `measured`. The default damping of the safe torque is the default Kd of controllers, at the zero pose.
     none = "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = {{number(0)}};\n    }"
     statements, words = (none, "") if friction is None else friction.in_c(measured)
     return LawInC(

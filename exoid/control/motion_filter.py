@@ -26,26 +26,18 @@ class FilteredMotion(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionFilter:
-    """Low-pass filter λ² / (s + λ)² of angles and velocities, whose states also give the accelerations.
+    """Low-pass filter λ² / (s + λ)² of angles and velocities, whose states also give the accelerations."""
 
-    The step is exact for readings that change linearly over each period T. With a channel x, its rate y, the slope m of
-    its reading u, z = x − u + 2m/λ and w = y − m:
+    # The step is exact for readings that change linearly over each period T. With a channel x, its rate y, the
+    # slope m of its reading u, z = x − u + 2m/λ and w = y − m:
+    #
+    #     z⁺ = e^{−λT} [(1 + λT) z + T w],      w⁺ = e^{−λT} [(1 − λT) w − λ²T z].
+    #
+    # The filter has no overshoot and no resonance: its gain is at most 1 at every frequency, from the mean acceleration
+    # of a period to the filtered one too. Every channel is late by `delay`.
 
-        z⁺ = e^{−λT} [(1 + λT) z + T w],      w⁺ = e^{−λT} [(1 − λT) w − λ²T z].
-
-    The filter has no overshoot and no resonance: its gain is at most 1 at every frequency, from the mean acceleration
-    of a period to the filtered one too. Every channel is late by ``delay``.
-
-    Attributes:
-        bandwidth: Frequency of half the power [Hz].
-        rate: Sampling rate [Hz].
-
-    Raises:
-        ExoidError: The bandwidth is not positive, or is half the sampling rate or more.
-    """
-
-    bandwidth: float
-    rate: float
+    bandwidth: float  # frequency of half the power [Hz]
+    rate: float  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
         """Check bandwidth and rate."""

@@ -42,21 +42,20 @@ class SelfTuningMemory(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SelfTuning:
-    """τ = Kp e + Kd ė + Y(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`.
+    """τ = Kp e + Kd ė + Y(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`."""
 
-    Measured motion and held torque go through a recursive estimator. After every block, of 0.1 s or so, β̂ approaches
-    the posterior
-
-        β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)    over the :class:`ParameterCone`,
-
-    where [R z] is what the estimator knows, and P₀ the covariance of the initial estimate and of the expected changes.
-    So parameters that the motion does not excite stay at β₀ (self-tuning regulators with certainty equivalence:
-    K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
-
-    β̂ moves along straight lines inside the cone, a convex set, so M(q; β̂) is positive definite at every sample. Its
-    distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
-    for parameters of the leg.
-    """
+    # Measured motion and held torque go through a recursive estimator. After every block, of 0.1 s or so, β̂ approaches
+    # the posterior
+    #
+    #     β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)    over the `ParameterCone`,
+    #
+    # where [R z] is what the estimator knows, and P₀ the covariance of the initial estimate and of the expected
+    # changes. So parameters that the motion does not excite stay at β₀ (self-tuning regulators with certainty
+    # equivalence: K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
+    #
+    # β̂ moves along straight lines inside the cone, a convex set, so M(q; β̂) is positive definite at every sample. Its
+    # distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
+    # for parameters of the leg.
 
     feedback: TrackingLaw  # PD feedback
     model: SlotineLiModel  # linear model, initial values and P₀ of the adapted parameters

@@ -37,25 +37,16 @@ LARGE = 1e300
 
 @dataclass(frozen=True)
 class Input:
-    """One recording that went into an estimate.
+    """One recording that went into an estimate."""
 
-    Attributes:
-        name: File name, or "array" for one made in memory.
-        sha256: Hash of the file, or of the arrays.
-        samples: Number of samples.
-        sample_rate: [Hz].
-        segments: First and last time stamp of each segment that was used [s]; empty if all was.
-        payloads: Payloads on the leg, as text; empty for none.
-        moving_base: Whether the base moved.
-    """
-
-    name: str
-    sha256: str
-    samples: int
-    sample_rate: float
+    name: str  # file name, or "array" for one made in memory
+    sha256: str  # hash of the file, or of the arrays
+    samples: int  # number of samples
+    sample_rate: float  # [Hz]
+    # first and last time stamp of each segment that was used [s]; empty if all was
     segments: tuple[tuple[float, float], ...] = ()
-    payloads: tuple[str, ...] = ()
-    moving_base: bool = False
+    payloads: tuple[str, ...] = ()  # payloads on the leg, as text; empty for none
+    moving_base: bool = False  # whether the base moved
 
     @property
     def label(self) -> str:

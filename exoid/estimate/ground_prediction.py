@@ -26,12 +26,6 @@ from exoid.torques.contacts.stretches import Stretch, contact_of
 from .data import EstimateData
 from .torque_band import parameter_variance
 
-UNSEEN = 1e-6
-"""A component of a wrench counts as seen if this part of it, or less, is lost in the torques."""
-
-REPEATS = 3
-"""Times that noise is added to a motion, to see what it does to forces."""
-
 
 @dataclass(frozen=True, eq=False)
 class GroundForce:
@@ -162,7 +156,8 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
     size = white_noise(recording.q)
-    for _ in range(REPEATS):
+    # Times that noise is added to a motion, to see what it does to forces
+    for _ in range(3):
         shaken = replace(
             recording,
             q=recording.q + size * rng.standard_normal(recording.q.shape),
@@ -224,7 +219,8 @@ def _solve(
     through = inverse @ W
     variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
     seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # 1 where w = inverse J_cᵀ w holds for a component
-    std = np.where(seen > 1.0 - UNSEEN, np.sqrt(variance), np.inf)
+    # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
+    std = np.where(seen > 1.0 - 1e-6, np.sqrt(variance), np.inf)
     return _Solution(np.einsum("ncr,nr->nc", inverse, excess), std)
 
 

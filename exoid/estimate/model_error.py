@@ -13,9 +13,6 @@ from exoid.torques.with_columns import WithColumns
 
 from .alternative_friction import COUNT, with_alternatives
 
-LEAST_NOISE = 0.25
-"""At least this part of the residual variance is noise, whatever the alternatives explain."""
-
 
 @dataclass(frozen=True, eq=False)
 class ModelError:
@@ -81,4 +78,5 @@ class ModelError:
         Returns:
             The variance less what alternatives explain of it, (n,).
         """
-        return np.maximum(residual - self.explained, LEAST_NOISE * residual)
+        # At least this part of the residual variance is noise, whatever the alternatives explain
+        return np.maximum(residual - self.explained, 0.25 * residual)

@@ -17,9 +17,6 @@ from exoid.tools.tables import DataTable, with_error
 from .data import EstimateData
 from .finding import finding_lines
 
-NOT_WHITE = 0.01
-"""Residuals with a smaller probability of being white are said not to be."""
-
 HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
 """Of :func:`parameter_rows`."""
 
@@ -140,7 +137,8 @@ def condition(number: float) -> str:
 def _noise(estimate: EstimateData) -> Iterator[str]:
     """Name the joints whose residuals are not white."""
     noises = zip(estimate.joint_names, estimate.noise, strict=False)
-    if coloured := [joint for joint, noise in noises if noise.whiteness < NOT_WHITE]:
+    # Residuals with a smaller probability of being white are said not to be
+    if coloured := [joint for joint, noise in noises if noise.whiteness < 0.01]:
         yield f"residuals not white: {', '.join(coloured)}"
 
 

@@ -17,9 +17,6 @@ from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .problem import Problem
 
-DISAGREE = 0.01
-"""Probability with which groups that do share their parameters would be said not to."""
-
 
 class Agreement(NamedTuple):
     """Whether groups, each identified alone, agree on what they share."""
@@ -30,7 +27,8 @@ class Agreement(NamedTuple):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Name parameters on which they do not agree."""
-        names = () if self.equality is None else self.equality.below(DISAGREE)
+        # Probability with which groups that do share their parameters would be said not to
+        names = () if self.equality is None else self.equality.below(0.01)
         if not names:
             return ()
         return (

@@ -40,9 +40,6 @@ ROUNDING = 1e-7
 UNDETERMINED = 0.3
 """A constant whose standard deviation is larger than this part of it is refused."""
 
-BACKWARDS = 3
-"""So often in a row the sign of a constant must be wrong to be refused."""
-
 ADVICE = (
     "record the motion once more with a weighed payload on the last segment, Recording(payloads=...), record the "
     "torque of a joint by a sensor, or say what is known in N·m (known=, torque_constant of a motor)"
@@ -82,7 +79,8 @@ def search_constants(task: Task, actuators: Actuators) -> Fitted:
         if step.is_small and not step.at_bounds:
             break
         backwards = backwards + 1 if step.backwards else 0
-        if backwards == BACKWARDS:
+        # So often in a row the sign of a constant must be wrong to be refused
+        if backwards == 3:
             raise _wrong_sign(step.backwards)
         if step.is_small:
             held.update(step.at_bounds)

@@ -26,9 +26,6 @@ from exoid.torques import TorqueModel
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
 
-WORTH_FILING = 4
-"""unless decimation leaves no more than one of so many: these go to a temporary file."""
-
 T = TypeVar("T")
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
@@ -207,7 +204,8 @@ class GroupRows:
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room
         keep_whole = size * (1.0 + 1.0 / step) <= room
-        file = RowsFile() if not keep_few and step >= WORTH_FILING else None
+        # unless decimation leaves no more than one of so many: these go to a temporary file
+        file = RowsFile() if not keep_few and step >= 4 else None
         whole, few = [], []
         before = 0
         for stretch in prepared.stretches():

@@ -15,9 +15,6 @@ from exoid.torques.nonlinear import nonlinear_settings
 
 from .group_rows import Data, Group, Measured, check_recordings
 
-SAME = 1e-9
-"""Regressors of legs of one design differ by less than this part of the largest entry."""
-
 
 def make_groups(
     legs: Leg | Mapping[str, Leg],
@@ -126,7 +123,8 @@ def _refuse_other_designs(legs: Mapping[str, Leg]) -> None:
     expected = leg.regressor(*motion)
     for other, of_other in others:
         found = of_other.regressor(*motion)
-        if np.abs(found - expected).max() > SAME * np.abs(expected).max():
+        # Regressors of legs of one design differ by less than this part of the largest entry
+        if np.abs(found - expected).max() > 1e-9 * np.abs(expected).max():
             raise BadArgumentError(
                 f"legs of {first} and {other} are not of one design: lengths or axes differ, so that their "
                 "rigid-body parameters do not mean the same",

@@ -32,14 +32,8 @@ from .sole_compliance import SoleCompliance
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
 
-MOST_WRONG = 0.3
-"""Where more than this part of the samples is so far off, the model is wrong rather than the contacts."""
-
 LEAST = 0.003
 """Residuals within so large a part of the torque of their row are errors of filters, not of contacts."""
-
-LARGEST_BIAS = 0.5
-"""Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole."""
 
 MUCH_LEFT_OUT = 0.2
 """More than this part of the samples left out is worth a warning."""
@@ -176,7 +170,8 @@ def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[st
     )
     turned = f", rotation ({turn}) rad" if errors.rotation.any() else ""
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
-    large = size > LARGEST_BIAS
+    # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
+    large = size > 0.5
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
     return [
         Finding(
@@ -226,7 +221,8 @@ def without_outliers(task: Task, fitted: Fitted) -> Task:
     lost = sum(np.count_nonzero(mask) for of_group in wrong for mask in of_group)
     if not lost:
         return task
-    too_many = bool(lost > MOST_WRONG * total)
+    # Where more than this part of the samples is so far off, the model is wrong rather than the contacts
+    too_many = bool(lost > 0.3 * total)
     for group, model, of_group in zip(task.groups, task.models, wrong, strict=True):
         kept = []
         for (one, mask), bad in zip(_masked(group), of_group, strict=True):

@@ -30,10 +30,6 @@ SMALLEST_MOTION = 2e-3
 MOST = 0.5
 """Torque that has one and the same value in more than this part of the samples was not measured."""
 
-LOOKED_AT = 100_000
-"""Samples spread over a long recording that are looked at to find that value."""
-
-
 TURNING = 0.05
 """Least angular velocity of a base that turns, over that of the first joint, root mean square each.
 
@@ -291,7 +287,8 @@ def choose_preparation(
 
 def _torques(tau: FloatArray, data: Recording | Poses) -> Torques:
     first = tau[0].copy()  # a view would keep all of it
-    middle = np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
+    # Samples spread over a long recording that are looked at to find that value
+    middle = np.median(tau[:: 1 + len(tau) // 100_000], axis=0)
     passive, computed = (np.isin(data.joint_names, getattr(data, name, ())) for name in ("passive", "computed"))
     constant, share = [], []
     for of_joint, value, common in zip(tau.T, first, middle, strict=True):

@@ -42,9 +42,6 @@ from .fitting import Fitted, Task
 from .recording_summary import angles
 from .sole_compliance import SoleCompliance
 
-BELOW_ZERO = 0.005
-"""Probability with which a parameter that is zero would be said to be negative."""
-
 
 @dataclass(frozen=True, eq=False)
 class Result:
@@ -331,7 +328,8 @@ def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, 
 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
     """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
-    limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
+    # Probability with which a parameter that is zero would be said to be negative
+    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))
     below = never_negative(model) & (values < 0.0) & (values < -limit * std)
     if not below.any():
         return ()

@@ -23,12 +23,6 @@ from .problem import Problem
 STEP = 5e-5
 """Compliance at which its effect is computed [rad/(N·m)]: a sole of 20 kN·m/rad."""
 
-SOFTEST = 1e-4
-"""Standard deviation of the compliance before any log is seen [rad/(N·m)]: a sole of 10 kN·m/rad is soft."""
-
-VARIES = 0.2
-"""Part of itself by which a compliance varies: soles are stiffer under more load."""
-
 
 class SoleCompliance(NamedTuple):
     """Compliance c of the soles of feet that carry the base, θ = c τ, found beside the parameters."""
@@ -83,13 +77,15 @@ def sole_compliance(task: Task, fitted: Fitted) -> SoleCompliance | None:
             information += weighted.T @ weighted
             right += weighted.T @ (first * weights).ravel()
     free = np.append(_free(fitted), np.ones(len(links), dtype=np.bool_))
-    prior = np.diag(np.append(np.zeros(count), np.full(len(links), SOFTEST**-2)))
+    # Standard deviation of the compliance before any log is seen [rad/(N·m)]: a sole of 10 kN·m/rad is soft
+    prior = np.diag(np.append(np.zeros(count), np.full(len(links), 1e-4**-2)))
     scale = 1.0 / np.sqrt(np.maximum(np.diag(information + prior), TINY))
     scaled = ((information + prior) * np.outer(scale, scale))[np.ix_(free, free)]
     inverse = np.linalg.pinv(scaled, rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(scale[free], scale[free])
     found = (inverse @ right[free])[-len(links) :]
     values = np.maximum(found, 0.0)
-    doubt = (VARIES * values) ** 2 + (found - values) ** 2
+    # Part of itself by which a compliance varies: soles are stiffer under more load
+    doubt = (0.2 * values) ** 2 + (found - values) ** 2
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, len(links)))
     bare = np.linalg.pinv(scaled[: len(own), : len(own)], rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(
         scale[own], scale[own]

@@ -26,9 +26,6 @@ PASSES = 6
 SETTLED = 1e-3
 """They have settled when predictions change by less than this part of the residual."""
 
-EVALUATIONS = 40
-"""Settings tried at most, for one set of weights."""
-
 ROUNDS = 2
 """Sets of weights at most."""
 
@@ -40,12 +37,6 @@ INSIDE = 1e-6
 
 TINY = 1e-9
 """Residuals below this part of the torque are rounding."""
-
-AT_BOUND = 0.02
-"""A setting this close to its bound, relatively, counts as at it."""
-
-NO_LOAD = 1e-6
-"""Columns of friction under load below this part of the torque count as zero."""
 
 UNDETERMINED = 1.0
 """A setting whose standard deviation is larger than this part of it is not determined."""
@@ -61,9 +52,6 @@ STILL = 0.1
 
 ROUNDING = 1e-6
 """and this part of itself, where there is no noise; or when predictions have settled."""
-
-NOTICEABLE = 0.02
-"""After the last step, a warning is due if predictions still change by more than this part of the residual."""
 
 
 def search(task: Task, start: Start | None = None) -> Fitted:
@@ -107,8 +95,9 @@ class _Search:
         inside = bounds[0] + INSIDE, bounds[1] - INSIDE
         for _ in range(ROUNDS):
             start = np.clip(np.log(list(self.settings.values())), *inside)
+            # Settings tried at most, for one set of weights
             found = scipy.optimize.least_squares(
-                self._residual, start, self._slope, bounds=bounds, xtol=XTOL, ftol=FTOL, max_nfev=EVALUATIONS
+                self._residual, start, self._slope, bounds=bounds, xtol=XTOL, ftol=FTOL, max_nfev=40
             )
             self._residual(found.x)
             self._weigh()
@@ -139,9 +128,11 @@ class _Search:
             if change <= SETTLED:
                 break
         else:
+            # After the last step, a warning is due if predictions still change by more than this part
+            # of the residual
             unsettled = (
                 ()
-                if change <= NOTICEABLE
+                if change <= 0.02
                 else (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
             )
         leg, names = self.leg, tuple(s.name for s in self.nonlinear)
@@ -205,7 +196,8 @@ class _Search:
         places = {name: k for k, name in enumerate(model.names)}
         known = self.task.prior_knowledge.known
         loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
-        unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
+        # Columns of friction under load below this part of the torque count as zero
+        unloaded = [name for name in loads if columns[places[name]] <= 1e-6 * columns[-1]]
         if unloaded:
             raise NotIdentifiableError(
                 f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
@@ -236,7 +228,8 @@ class _Search:
         for shape in self.nonlinear:
             value, free = self.settings[shape.name], shape.free
             for side, bound in (("lower", free.lower), ("upper", free.upper)):
-                if abs(np.log(value / bound)) < AT_BOUND:
+                # A setting this close to its bound, relatively, counts as at it
+                if abs(np.log(value / bound)) < 0.02:
                     held[shape.name] = f"{shape.name} is at its {side} bound, {bound:g} {shape.unit}, and held there"
                     self.settings[shape.name] = bound
         return held

@@ -19,9 +19,6 @@ from .state import REMEMBERED, Change, Information, State, begin, checkpoints_of
 SETTLED = 20.0
 """Rows for each parameter from which on innovations are noise, not errors of the first values."""
 
-FREED = 1e-3
-"""Factor of what is known of a parameter that changed: its standard deviation grows a thousandfold."""
-
 
 class Recursion(NamedTuple):
     """What a step needs beside state and samples."""
@@ -118,7 +115,8 @@ def _freed(settings: Settings, state: State, information: Information, basis: Fl
     last = np.asarray(np.linalg.qr(np.hstack([root @ others, root @ basis, z]), mode="r"))
     kept = np.hstack([first[freedom:count, freedom:-1] @ others.T, first[freedom:count, -1:]])
     alone = last[count - freedom : count]
-    loose = FREED * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
+    # Factor of what is known of a parameter that changed: its standard deviation grows a thousandfold
+    loose = 1e-3 * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
     out, samples = np.zeros_like(information.R), np.zeros_like(information.rows)
     out[-1] = np.linalg.qr(np.vstack([kept, loose, np.zeros((1, count + 1))]), mode="r")
     independent = information.rows[:-1] / inflations(settings, state.correlation)

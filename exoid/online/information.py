@@ -28,12 +28,6 @@ from .rows import Rows
 from .settings import Settings
 from .state import Information
 
-EXCITED = 0.05
-"""ε: a direction is excited if its gain is this part of what balances forgetting."""
-
-EXCITED_BLOCK = 0.2
-"""Exponential forgetting waits for a block whose gain, over all directions, is this part of what balances it."""
-
 ROUNDING = 1e-11
 """Part of a column, or of an entry, that is left by rounding where nothing should be left."""
 
@@ -76,9 +70,12 @@ def _forgotten(kind: str, R: FloatArray, table: FloatArray, share: float) -> tup
     """One R factor of which a share is forgotten, and the share of its rows that this is."""
     gains, V = _directions(R, table)
     if kind == "exponential":
-        excited = float(gains.sum()) >= EXCITED_BLOCK * share * np.count_nonzero(table[:, :-1].any(axis=0))
+        # Exponential forgetting waits for a block whose gain, over all directions, is this part of what
+        # balances it
+        excited = float(gains.sum()) >= 0.2 * share * np.count_nonzero(table[:, :-1].any(axis=0))
         return (R * np.sqrt(1.0 - share), share) if excited else (R, 0.0)
-    lost = np.where(gains >= EXCITED * share, share, np.minimum(share, gains))
+    # ε: a direction is excited if its gain is this part of what balances forgetting
+    lost = np.where(gains >= 0.05 * share, share, np.minimum(share, gains))
     kept = 1.0 - np.sqrt(1.0 - lost)
     changed = R.copy()
     changed[:-1] -= V.T @ (kept[:, None] * (V @ R[:-1]))

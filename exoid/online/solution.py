@@ -21,9 +21,6 @@ from exoid.regression.parameters import PriorKnowledge
 from .settings import LAGS, Settings
 from .state import Correlation, Information, State, checkpoints_of
 
-DETERMINED = 1e-7
-"""Smallest diagonal of the R factor with columns of unit length that counts as determined."""
-
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
 
@@ -57,7 +54,8 @@ def inverse_of(R: FloatArray) -> FloatArray | None:
     """Inverse of the triangle of an R factor [R z]; None where it does not determine a parameter."""
     root = R[:-1, :-1]
     size = np.sqrt((root**2).sum(axis=0))
-    if not size.all() or not (np.abs(np.diag(root)) > DETERMINED * size).all():
+    # Smallest diagonal of the R factor with columns of unit length that counts as determined
+    if not size.all() or not (np.abs(np.diag(root)) > 1e-7 * size).all():
         return None
     return np.asarray(scipy.linalg.lapack.dtrtri(root)[0])
 

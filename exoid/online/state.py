@@ -10,9 +10,6 @@ from exoid._typing import FloatArray
 
 from .settings import LAGS, Settings
 
-CHECKPOINTS = 3
-"""States before the present one that are kept, in case that a change is detected."""
-
 REMEMBERED = 100
 """Largest number of changes, and of drifts, that a state lists."""
 
@@ -169,7 +166,8 @@ def begin(settings: Settings, hypotheses: int) -> State:
 
 def checkpoints_of(information: Information) -> Information:
     """Forget all checkpoints before this information."""
-    return Information(*(np.array([x] * CHECKPOINTS) for x in information))
+    # States before the present one that are kept, in case that a change is detected
+    return Information(*(np.array([x] * 3) for x in information))
 
 
 def no_epochs(settings: Settings) -> Epochs:

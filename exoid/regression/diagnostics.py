@@ -30,12 +30,6 @@ WEAKLY = 0.3
 SIZE = 0.1
 """A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
 
-MOSTLY_PRIOR = 0.7
-"""A standard deviation beyond this part of the prior's says that the recordings know less than the prior."""
-
-CANCELS = 3.0
-"""A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
-
 SPEED, ACCELERATION = 1.0, np.pi
 """Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
 
@@ -47,9 +41,6 @@ STATES = 1000
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
-
-SHORTEST_RUN = 3
-"""Recordings or segments with fewer independent samples tell nothing of correlated noise,"""
 
 REMEMBERED = 0.3
 """and longer ones too little if the autocorrelation at their length is still larger."""
@@ -64,14 +55,8 @@ HOPELESS = 300.0
 LARGEST = 1e100
 """Condition indices are cut off here."""
 
-HALF = 0.5
-"""A parameter belongs to the directions that make up this part of its variance."""
-
 NAMED = 3
 """So many groups of parameters are named."""
-
-NAMED_PART = 0.2
-"""A column with at least this part in a direction is named with it."""
 
 
 class Direction(NamedTuple):
@@ -99,13 +84,15 @@ class Collinearity(NamedTuple):
         parts = (columns * worst_first[:, None]) ** 2
         summed = np.cumsum(parts, axis=0) / np.maximum(parts.sum(axis=0), np.finfo(np.float64).tiny)
         indices = np.ones(len(solution.values))
-        indices[places] = worst_first[np.argmax(summed >= HALF, axis=0)]
+        # A parameter belongs to the directions that make up this part of its variance
+        indices[places] = worst_first[np.argmax(summed >= 0.5, axis=0)]
         directions = []
         for index, direction in zip(worst_first, np.abs(columns), strict=True):
             if index <= ILL_CONDITIONED:
                 break
             order = np.argsort(-direction)
-            named = [int(places[k]) for k in order if direction[k] >= NAMED_PART]
+            # A column with at least this part in a direction is named with it
+            named = [int(places[k]) for k in order if direction[k] >= 0.2]
             directions.append(Direction(float(index), tuple(named)))
         return cls(indices, tuple(directions))
 
@@ -186,12 +173,13 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
 
 def short_runs(noises: Noises, joint_names: Sequence[str]) -> tuple[str, ...]:
     """Warn of joints whose recordings or segments are too short to tell how long the noise remains correlated."""
+    # Recordings or segments with fewer independent samples tell nothing of correlated noise,
     short = {
         joint: noise.longest_run
         for (kind, joint), noise in noises.items()
         if not kind.at_rest
         and noise.longest_run is not None
-        and (noise.longest_run < SHORTEST_RUN or noise.autocorrelation(noise.longest_run) > REMEMBERED)
+        and (noise.longest_run < 3 or noise.autocorrelation(noise.longest_run) > REMEMBERED)
     }
     if not short:
         return ()
@@ -245,7 +233,8 @@ def reference_scale(
 def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
     """Say how well a parameter is determined: "well", "weakly" or "not"."""
     scale = max(abs(value), SIZE * min(size, calm))
-    if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
+    # A value that alone would give so many times all torque of a joint only cancels another, whatever its error
+    if abs(value) > 3.0 * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
         return "not"
     return "weakly" if std > WELL * scale or index > ILL_CONDITIONED else "well"
 
@@ -255,4 +244,5 @@ def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: floa
     if name in prior_knowledge.known:
         return "known"
     believed = prior_knowledge.prior.values.get(name)
-    return "prior" if believed is not None and std > MOSTLY_PRIOR * believed[1] else of_data
+    # A standard deviation beyond this part of the prior's says that the recordings know less than the prior
+    return "prior" if believed is not None and std > 0.7 * believed[1] else of_data

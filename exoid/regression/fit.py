@@ -24,9 +24,6 @@ from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_record
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
 
-LEAST_LEFT = 0.1
-"""Without a block, at least this part of the information on any direction counts as left."""
-
 ROUNDING = 1e-9
 """Changes below this part of the largest are none: the block is of a group without the parameter."""
 
@@ -39,9 +36,6 @@ ACCURACY = 5e-4
 Residuals of a simulation without noise are smaller, but they are the errors of filters and differences. These are not
 random, and what they do to a parameter is not seen in the residuals.
 """
-
-NOISELESS = 1e-9
-"""Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""
 
 
 class Covariance(NamedTuple):
@@ -115,7 +109,9 @@ def wls(problem: LeastSquaresProblem) -> Fit:
 def noise_floor(problem: LeastSquaresProblem) -> float:
     """Size below which a residual is rounding [N·m]."""
     torque = max(float(np.linalg.norm(t.R[:, -1])) / math.sqrt(max(t.rows, 1)) for t in problem.r_factors)
-    return NOISELESS * torque
+    # Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight
+    # further
+    return 1e-9 * torque
 
 
 def _rms(r_factor: RFactor, values: FloatArray) -> float:
@@ -284,7 +280,8 @@ def _changes(noises: Noises, root: FloatArray, clip: float, whitened: bool, part
     if not scores:
         return np.zeros((0, len(root)))
     U, sizes, Vt = np.linalg.svd(np.eye(len(root)) - np.array(list(informations.values())))
-    turned = np.einsum("bij,bi->bj", U, np.array(list(scores.values()))) / np.maximum(sizes, LEAST_LEFT)
+    # Without a block, at least this part of the information on any direction counts as left
+    turned = np.einsum("bij,bi->bj", U, np.array(list(scores.values()))) / np.maximum(sizes, 0.1)
     return np.asarray(-np.einsum("bij,bi->bj", Vt, turned) @ root.T)
 
 

@@ -20,9 +20,6 @@ FREQUENCIES = 8192
 TINY = 1e-30
 """Smallest variance to divide by."""
 
-RING = 1e-5
-"""The response of a filter counts as over when it has fallen to this part."""
-
 
 @dataclass(frozen=True, eq=False)
 class AutoregressiveNoise:
@@ -93,7 +90,8 @@ class AutoregressiveNoise:
         if not self.order:
             return 0
         radius = float(np.abs(np.roots(self.polynomial)).max())
-        return longest if radius >= 1.0 else min(longest, math.ceil(math.log(RING) / math.log(max(radius, 1e-3))))
+        # The response of a filter counts as over when it has fallen to this part
+        return longest if radius >= 1.0 else min(longest, math.ceil(math.log(1e-5) / math.log(max(radius, 1e-3))))
 
     def quadratic_form(self, X: FloatArray) -> FloatArray:
         """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`."""

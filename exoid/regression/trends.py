@@ -21,9 +21,6 @@ from .row_data import NoiseKind
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
 
-ENOUGH = 10
-"""Independent samples wanted in each on average."""
-
 QUANTILES = 1001
 """Of a longer recording so many values of velocity and angle stand for all, to find the intervals."""
 
@@ -168,7 +165,8 @@ def _edges(problem: RowProblem, point: Point) -> dict[int, FloatArray]:
     for of_recording in over_recordings(problem, point, _spreads):
         for joint, spread in of_recording.items():
             seen.setdefault(joint, []).append(spread)
-    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if _count(spreads) >= ENOUGH * BINS}
+    # Independent samples wanted in each on average
+    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if _count(spreads) >= 10 * BINS}
 
 
 def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:

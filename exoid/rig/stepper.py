@@ -36,15 +36,10 @@ class Step(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops.
+    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops."""
 
-    Attributes:
-        M: Mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B).
-        impulse: Impulse of all other torques [N·m·s], (n, B).
-    """
-
-    M: FloatArray
-    impulse: FloatArray
+    M: FloatArray  # mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B)
+    impulse: FloatArray  # impulse of all other torques [N·m·s], (n, B)
 
 
 class Stepper(ABC):

@@ -16,38 +16,15 @@ class Sampled(ABC):
 
     @abstractmethod
     def rows(self, rows: slice | BoolArray) -> Self:
-        """Select samples.
-
-        Args:
-            rows: The samples.
-
-        Returns:
-            The measurements at these samples.
-        """
+        """Select samples."""
 
     @abstractmethod
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Self:
-        """Interpolate at other time stamps.
-
-        Args:
-            time: Time stamps of the samples that are used [s], (K,).
-            grid: New time stamps [s], (M,).
-            rows: Samples that are used, K of them.
-
-        Returns:
-            The measurements at the new time stamps.
-        """
+        """Interpolate at other time stamps."""
 
     @abstractmethod
     def averaged(self, size: int) -> Self:
-        """Average neighbouring samples.
-
-        Args:
-            size: Number of samples that become one.
-
-        Returns:
-            The shorter measurements; samples that do not fill a group are left out.
-        """
+        """Average neighbouring samples."""
 
 
 def means(columns: FloatArray, size: int) -> FloatArray:

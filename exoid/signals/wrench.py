@@ -109,10 +109,9 @@ class Wrench(Sampled):
         return replace(self, force=self.force[rows], moment=self.moment[rows], point=point)
 
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Wrench:
-        """Interpolate at other time stamps by a monotone cubic (PCHIP), as impacts make wrenches jump.
-
-        A point that moves jumps where the foot leaves the ground. The moment is therefore taken about one point before.
-        """
+        """Interpolate at other time stamps by a monotone cubic (PCHIP), as impacts make wrenches jump."""
+        # A point that moves jumps where the foot leaves the ground. The moment is therefore taken about one point
+        # before.
         columns = timebase.interpolate(time, self._about_one_point.columns[rows], grid, smooth=False)
         return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 

@@ -10,9 +10,6 @@ from exoid._typing import FloatArray
 
 from .internal_state import InternalState
 
-AT_REST = 0.05
-"""Speed of the first sample, over the RMS velocity, up to which a recording begins at rest."""
-
 
 @dataclass(frozen=True)
 class Presliding(InternalState):
@@ -40,7 +37,8 @@ class Presliding(InternalState):
             return np.zeros(0)
         step = np.diff(q, prepend=q[:1])
         step[1:][(v[1:] == 0.0) & (v[:-1] == 0.0)] = 0.0
-        slides = abs(v[0]) > AT_REST * np.sqrt(np.mean(v**2))
+        # Speed of the first sample, over the RMS velocity, up to which a recording begins at rest
+        slides = abs(v[0]) > 0.05 * np.sqrt(np.mean(v**2))
         return hysteresis(step, self.length, float(np.sign(v[0])) if slides else 0.0)
 
 

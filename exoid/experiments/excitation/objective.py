@@ -45,10 +45,9 @@ class Stage(NamedTuple):
 
 
 class MotionObjective(ABC):
-    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses, for one motion or several.
+    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses, for one motion or several."""
 
-    The search needs this of a leg whose torso is held at some tilts, and of a machine on some supports.
-    """
+    # The search needs this of a leg whose torso is held at some tilts, and of a machine on some supports.
 
     # x are the coefficients of one motion for each torso tilt, or for each support.
 

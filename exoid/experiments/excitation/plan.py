@@ -40,30 +40,19 @@ class Peaks(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PlannedMotions(ABC):
-    """Planned motions and the precision that they will give.
+    """Planned motions and the precision that they will give."""
 
-    Attributes:
-        model: Leg and terms.
-        motions: Motions from rest to rest.
-        precision: Predicted precision of each parameter.
-        noise: Torque noise of the prediction.
-        rate: Rate of command and log [Hz].
-        criterion: Criterion that was minimised.
-        seed: Seed of the search.
-        costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
-            "worst".
-        poses: Static poses, to be approached from both sides.
-    """
-
-    model: TorqueModel
-    motions: tuple[FourierMotion, ...]
-    precision: Precision
-    noise: TorqueNoise
-    rate: float
-    criterion: Criterion
-    seed: int
+    model: TorqueModel  # leg and terms
+    motions: tuple[FourierMotion, ...]  # motions from rest to rest
+    precision: Precision  # predicted precision of each parameter
+    noise: TorqueNoise  # torque noise of the prediction
+    rate: float  # rate of command and log [Hz]
+    criterion: Criterion  # criterion that was minimised
+    seed: int  # seed of the search
+    # criterion of the motions that the better starts led to, the best first: a relative standard deviation for
+    # "worst"
     costs: tuple[float, ...]
-    poses: tuple[Poses, ...] = ()
+    poses: tuple[Poses, ...] = ()  # static poses, to be approached from both sides
 
     @property
     def duration(self) -> float:

@@ -39,10 +39,8 @@ class ReducedSystem(NamedTuple):
 
 
 def eliminate(trajectory: Trajectory, rows: BorderedRows) -> ReducedSystem:
-    """Form the normal equations of one recording and eliminate its trajectory.
-
-    Products of rows are summed over the samples between two knots, which all see the same 6 n coefficients.
-    """
+    """Form the normal equations of one recording and eliminate its trajectory."""
+    # Products of rows are summed over the samples between two knots, which all see the same 6 n coefficients.
     n, P = rows.torque.shape[1], rows.W.shape[2]
     right = np.concatenate([rows.J, rows.W, rows.torque[..., None]], axis=-1)
     grouped = trajectory.grouped(right)

@@ -87,17 +87,7 @@ for _name, _estimator in BUILT_IN.items():
 
 
 def find_estimator(given: str | Estimator) -> Estimator:
-    """Look an estimator up by name; an estimator stays what it is.
-
-    Args:
-        given: Name of an estimator, or an estimator.
-
-    Returns:
-        The estimator.
-
-    Raises:
-        ExoidError: There is none of that name, or its package is broken.
-    """
+    """Look an estimator up by name; an estimator stays what it is."""
     if callable(given):
         return given
     known = {**BUILT_IN, **NEED_LOOP}
@@ -105,14 +95,7 @@ def find_estimator(given: str | Estimator) -> Estimator:
 
 
 def name_of(estimator: Estimator) -> str:
-    """Name an estimator, for evidence.
-
-    Args:
-        estimator: The estimator.
-
-    Returns:
-        Its own attribute ``name``, else the name that it is registered by, else that of its function or class.
-    """
+    """Name an estimator, for evidence."""
     own = getattr(estimator, "name", None) or next((n for n, known in BUILT_IN.items() if known is estimator), None)
     if own is None:
         own = next((name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator), None)
@@ -120,18 +103,7 @@ def name_of(estimator: Estimator) -> str:
 
 
 def fit_by(estimator: Estimator, problem: Problem) -> Fit:
-    """Let an estimator solve a problem, and check that it returns a fit.
-
-    Args:
-        estimator: The estimator.
-        problem: The problem.
-
-    Returns:
-        The fit.
-
-    Raises:
-        ExoidError: The estimator's own, or it returns no fit.
-    """
+    """Let an estimator solve a problem, and check that it returns a fit."""
     fit = estimator(problem)
     if not isinstance(fit, Fit) or len(fit.weights) != len(problem.r_factors):
         found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__

@@ -37,9 +37,6 @@ FINEST = 2.0
 CLOSEST = 1.5
 """Knots closer than so many samples are refused: measurements would not hold the motion."""
 
-COARSEST = 0.64
-"""Largest knot spacing that is tried [s]."""
-
 ROUGHLY = 0.05
 """How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
 
@@ -167,7 +164,8 @@ def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: Float
     best = first = fit(moving, values=values, spacing=max(COARSE, finest), settled=ROUGHLY)
     for ratio in (1.0 / LADDER, LADDER):
         here = first.spacing * ratio
-        while finest <= here <= COARSEST:
+        # Largest knot spacing that is tried [s]
+        while finest <= here <= 0.64:
             found = fit(_on(moving, best), values=best.solution.values, spacing=here, settled=ROUGHLY)
             if not found.criterion < best.criterion:
                 break

@@ -34,9 +34,6 @@ SETTLED = 1e-2
 EXACT = 1e-9
 """or by this part of itself."""
 
-DIFFERENCE = 1e-3
-"""Part of a parameter by which it is changed to see what the simulation answers."""
-
 NEEDS_LOOP = "OutputError(ClosedLoop(controller, reference))"
 
 
@@ -177,7 +174,8 @@ class _Matching(NamedTuple):
     def answer(self, values: FloatArray, std: FloatArray) -> _Answer:
         """Simulate at values and beside them."""
         model = self.problem.model
-        change = np.maximum(DIFFERENCE * np.abs(values), 0.1 * std)
+        # Part of a parameter by which it is changed to see what the simulation answers
+        change = np.maximum(1e-3 * np.abs(values), 0.1 * std)
         beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
         recordings: list[list[_Series]] = []
         stamps: list[FloatArray | None] = []

@@ -21,9 +21,6 @@ from .pseudo_inertia import BASIS, congruence, link_parameters, pseudo_inertias,
 PENALTIES = 10.0 ** -np.arange(11)
 """μ of the successive problems; the remaining error of the last one is corrected exactly."""
 
-LEAST_SHARE = 1e-10
-"""Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to rounding."""
-
 GAP = 1e-5
 """Tolerance of the smallest χ² of an infeasible estimate, relative."""
 
@@ -195,7 +192,9 @@ def _thick(U: FloatArray) -> FloatArray:
     """π̃ of the bodies U Uᵀ, (10 n,), of which those that are too thin get a share of the prior's inertia."""
     P = U @ U.transpose(0, 2, 1)
     eigenvalues = np.linalg.eigvalsh(P)
-    lacking = np.maximum(LEAST_SHARE * eigenvalues[:, -1] - eigenvalues[:, 0], 0.0)
+    # Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to
+    # rounding
+    lacking = np.maximum(1e-10 * eigenvalues[:, -1] - eigenvalues[:, 0], 0.0)
     return link_parameters(P + lacking[:, None, None] * np.eye(4))
 
 

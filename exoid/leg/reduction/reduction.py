@@ -18,21 +18,13 @@ LINK_UNITS = ("kg", *3 * ("kg·m",), *6 * ("kg·m²",))
 
 @dataclass(frozen=True)
 class RankDecision:
-    """Rank of a regressor, and the singular values that decided it.
+    """Rank of a regressor, and the singular values that decided it."""
 
-    Attributes:
-        rank: Number of base parameters.
-        columns: Number of columns of the regressor, 10 per link.
-        smallest_kept: Smallest singular value that was kept, relative to the largest.
-        largest_dropped: Largest singular value that was dropped, relative to the largest.
-        threshold: Rounding error of the URDF's numbers [rad, m], whose effects count as zero.
-    """
-
-    rank: int
-    columns: int
-    smallest_kept: float
-    largest_dropped: float
-    threshold: float
+    rank: int  # number of base parameters
+    columns: int  # number of columns of the regressor, 10 per link
+    smallest_kept: float  # smallest singular value that was kept, relative to the largest
+    largest_dropped: float  # largest singular value that was dropped, relative to the largest
+    threshold: float  # rounding error of the URDF's numbers [rad, m], whose effects count as zero
 
     def __str__(self) -> str:
         """Write one line."""
@@ -44,46 +36,24 @@ class RankDecision:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reduction:
-    """Reduction of link parameters π to base parameters β = K π, with Y π = (Y S) (K π) for every motion.
+    """Reduction of link parameters π to base parameters β = K π, with Y π = (Y S) (K π) for every motion."""
 
-    Attributes:
-        names: Names of the base parameters, (p,).
-        units: Units of the base parameters, (p,).
-        collect: Matrix K from link parameters to base parameters, (p, 10 n).
-        spread: Matrix S from base parameters to link parameters, (10 n, p); K S = 1.
-        rank: Rank decision of a numerical reduction; None for a documented one.
-    """
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    collect: FloatArray
-    spread: FloatArray
-    rank: RankDecision | None = None
+    names: tuple[str, ...]  # names of the base parameters, (p,)
+    units: tuple[str, ...]  # units of the base parameters, (p,)
+    collect: FloatArray  # matrix K from link parameters to base parameters, (p, 10 n)
+    spread: FloatArray  # matrix S from base parameters to link parameters, (10 n, p); K S = 1
+    rank: RankDecision | None = None  # rank decision of a numerical reduction; None for a documented one
 
     def __repr__(self) -> str:
         """Write one line."""
         return f"Reduction({self.collect.shape[1]} link parameters to {len(self.names)}: {', '.join(self.names)})"
 
     def parameters(self, link_parameters: FloatArray) -> FloatArray:
-        """Reduce link parameters to base parameters, β = K π.
-
-        Args:
-            link_parameters: π, (10 n,).
-
-        Returns:
-            β, (p,).
-        """
+        """Reduce link parameters to base parameters, β = K π."""
         return np.asarray(self.collect @ link_parameters)
 
     def reduce(self, regressor: FloatArray) -> FloatArray:
-        """Reduce Pinocchio's regressor, W = Y S.
-
-        Args:
-            regressor: Y, (N, n, 10 n).
-
-        Returns:
-            W, (N, n, p).
-        """
+        """Reduce Pinocchio's regressor, W = Y S."""
         return regressor @ self.spread
 
     @cached_property
@@ -97,15 +67,6 @@ class Reduction:
         return np.array_equal(self.spread[self.columns], np.eye(self.spread.shape[1]))
 
     def adjust(self, link_parameters: FloatArray, values: FloatArray) -> FloatArray:
-        """Change link parameters so that they reduce to given values exactly: π + S (β − K π).
-
-        The result gives the right torque for every motion. Single links may be physically inconsistent.
-
-        Args:
-            link_parameters: π, (10 n,).
-            values: β, (p,).
-
-        Returns:
-            Changed link parameters, (10 n,).
-        """
+        """Change link parameters so that they reduce to given values exactly: π + S (β − K π)."""
+        # The result gives the right torque for every motion. Single links may be physically inconsistent.
         return np.asarray(link_parameters + self.spread @ (values - self.collect @ link_parameters))

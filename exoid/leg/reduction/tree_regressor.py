@@ -25,9 +25,6 @@ from exoid._typing import FloatArray
 from .tree import BASE_ROWS, Tree, TreeJoint
 from .tree_motion import BLOCK, CYCLIC, carry, turned
 
-BLOCK_BYTES = 2**25
-"""Samples computed at once are fewer than :data:`BLOCK` where the motion of all bodies takes more memory than this."""
-
 VELOCITY, ACCELERATION, AXES = 0, 1, 2
 """Places among the motion vectors of a body; behind them are the axes of the joints that carry it."""
 
@@ -56,7 +53,8 @@ def fill_tree_regressor(
     """Write columns of Pinocchio's regressor for every sample."""
     layouts = [_Layout.of(tree, body, columns) for body in range(tree.bodies)]
     vectors = sum(AXES + len(joint.carriers) for joint in tree.joints)
-    block = max(1, min(BLOCK, BLOCK_BYTES // (8 * 6 * max(vectors, 1)), len(q)))
+    # Samples computed at once are fewer than `BLOCK` where the motion of all bodies takes more memory than this
+    block = max(1, min(BLOCK, (2**25) // (8 * 6 * max(vectors, 1)), len(q)))
     work = _Workspace.allocate(tree, block)  # once, as fresh memory costs more time than the arithmetic
     for start in range(0, len(q), block):
         rows = slice(start, start + block)

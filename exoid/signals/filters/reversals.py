@@ -63,18 +63,17 @@ def without_reversals(
     parallel: ParallelFilter,
     block: int | None = None,
 ) -> list[Projected]:
-    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals.
-
-    A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
-    and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a low-pass they cannot be
-    left out: the filter has spread their torque over the rows around them. But it is linear. Unknown friction is a sum
-    of pulses at the reversal, and behind the filter a sum of its impulse responses h:
-
-        (h * τ)_k = (h * W)_k β + Σ_i p_i h(t_k − t_i).
-
-    Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
-    close together that the filter could not tell more of them apart.
-    """
+    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals."""
+    # A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere
+    # between −c0 and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a
+    # low-pass they cannot be left out: the filter has spread their torque over the rows around them. But it is
+    # linear. Unknown friction is a sum of pulses at the reversal, and behind the filter a sum of its impulse
+    # responses h:
+    #
+    #     (h * τ)_k = (h * W)_k β + Σ_i p_i h(t_k − t_i).
+    #
+    # Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
+    # close together that the filter could not tell more of them apart.
     left = [of_joint.copy() for of_joint in signals]
     taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
     energy = np.zeros(len(left))

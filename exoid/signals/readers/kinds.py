@@ -36,19 +36,7 @@ REFUSED = {
 
 
 def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None, kind: str | None = None) -> Table:
-    """Open a log of any kind that exoid reads, or that :func:`register_format` registered.
-
-    Args:
-        path: The file, or the folder of a rosbag2.
-        request: What the caller requests.
-        kind: Ending of the kind of file; None to find it.
-
-    Returns:
-        The table.
-
-    Raises:
-        ExoidError: The file is missing, damaged, or of no such kind.
-    """
+    """Open a log of any kind that exoid reads, or that :func:`register_format` registered."""
     request, file = request or {}, os.fsdecode(path)
     kind, stamps = kind or kind_of(Path(file), file), request.get("stamps", "header")
     if kind not in ("bag", "db3", "mcap") and (request.get("topic") is not None or stamps != "header"):

@@ -31,9 +31,6 @@ DISAGREEMENT = 0.15
 FEW = 3
 """From so many rests on, standard deviations follow from their differences, where these are larger."""
 
-SURE = 3.0
-"""A misalignment is kept apart from a bias where it is larger than so many of its standard deviations."""
-
 
 class ImuErrors(NamedTuple):
     """Errors of an inertial measurement unit on the base, in the axes of the base."""
@@ -146,7 +143,8 @@ def _fit(
     covariance = np.linalg.pinv(information, rcond=1e-9, hermitian=True)
     rotation = covariance @ (rows.T @ left)
     spread = np.sqrt(np.diag(covariance))
-    if not rotates or not (np.abs(rotation) > SURE * spread).any():
+    # A misalignment is kept apart from a bias where it is larger than so many of its standard deviations
+    if not rotates or not (np.abs(rotation) > 3.0 * spread).any():
         rotation = np.zeros(3)
     else:
         biases -= np.concatenate([np.cross(rotation, omega.mean(axis=0)), np.cross(rotation, force.mean(axis=0))])

@@ -36,9 +36,6 @@ SEEN, EDGE_OF_SLIP = 6.0, 3.0
 SLOWEST = 1e-3
 """Standard deviation of the velocity of a foot that rests [m/s], at least: soft soles move as much."""
 
-PLANAR = 3
-"""Base rows of a planar machine."""
-
 
 class Slip(NamedTuple):
     """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it."""
@@ -58,7 +55,8 @@ def slipping(leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArr
         jacobian = leg.contact_jacobian(q, link)
         to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
         levers[link] = -to_base[..., 0]
-    turning = slice(2, 3) if base == PLANAR else slice(3, 6)
+    # Base rows of a planar machine
+    turning = slice(2, 3) if base == 3 else slice(3, 6)
     for (link, flags), (other, also) in combinations(rest.items(), 2):
         slips |= flags & also & _moves(levers[link] - levers[other], turning)
     return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips

@@ -25,17 +25,11 @@ from .rows import JointRows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SequentialEstimate:
-    """Parameters identified so far.
+    """Parameters identified so far."""
 
-    Attributes:
-        names: Names in the order of identification.
-        values: Values, (p,).
-        covariance: Covariance, (p, p).
-    """
-
-    names: tuple[str, ...] = ()
-    values: FloatArray = field(default_factory=lambda: np.zeros(0))
-    covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    names: tuple[str, ...] = ()  # names in the order of identification
+    values: FloatArray = field(default_factory=lambda: np.zeros(0))  # values, (p,)
+    covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # covariance, (p, p)
 
     def __repr__(self) -> str:
         """Count the parameters."""
@@ -54,27 +48,11 @@ class SequentialEstimate:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def as_dict(self) -> dict[str, float]:
-        """Return the values by name.
-
-        Returns:
-            Values in SI units.
-        """
+        """Return the values by name."""
         return dict(zip(self.names, self.values.tolist(), strict=True))
 
     def fit(self, rows: JointRows, names: Sequence[str], nuisance: FloatArray | None = None) -> SequentialEstimate:
-        """Identify parameters from the torque of one joint, with known parameters fixed and all others zero.
-
-        Args:
-            rows: Rows of the joint; columns that are neither known nor named have no effect.
-            names: Parameters to identify.
-            nuisance: Columns of nuisance parameters, which are fitted and discarded, (M, r).
-
-        Returns:
-            Estimate with the new parameters.
-
-        Raises:
-            ExoidError: A parameter is already known, the rows do not determine it, or the rows are too few.
-        """
+        """Identify parameters from the torque of one joint, with known parameters fixed and all others zero."""
         again = [name for name in names if name in self.names]
         if again:
             raise BadArgumentError(f"{', '.join(again)} is known already", remedy="start from an earlier estimate")
