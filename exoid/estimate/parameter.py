@@ -80,14 +80,15 @@ class ParameterTable(ABC):
 
     @property
     def identifiability(self) -> tuple[str, ...]:
-        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior"."""
-        # Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values
-        # near zero it is 10 and 30 % of a tenth of the value that would explain all torque of a joint
-        # alone, in these recordings or in a calm exercise. Known is what was held fixed, and prior what the
-        # prior knows better than the recordings. A value that would give three times all torque of a joint
-        # is not determined: it only cancels another. And what moves together with others is at best weakly
-        # determined from a condition index of 100 on, and not from 300 on. A parameter that a finding makes
-        # doubtful is at best weakly determined.
+        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
+
+        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
+        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
+        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
+        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on. A
+        parameter that a finding makes doubtful is at best weakly determined.
+        """
         numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
         classes = (
             (name, identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each)))
@@ -97,11 +98,31 @@ class ParameterTable(ABC):
         return tuple("weakly" if name in doubtful and found == "well" else found for name, found in classes)
 
     def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2)."""
+        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
+
+        Args:
+            level: Probability that an interval contains the true value, between 0 and 1.
+
+        Returns:
+            Lower and upper ends, (P, 2).
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
         return intervals(self.values, self.std, self.dof_each, level)
 
     def parameter(self, name: str) -> Parameter:
-        """Look up one parameter by name."""
+        """Look up one parameter by name.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Value, standard deviation, 95 % interval, unit and identifiability.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
         if name not in self.names:
             raise BadArgumentError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
         k = self.names.index(name)

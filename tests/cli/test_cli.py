@@ -76,6 +76,7 @@ def test_several_logs_are_one_estimate(exoid_, data):
     assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "terms"),
     [
@@ -306,6 +307,7 @@ def bad_files(tmp_path, data):
     (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf").read_bytes())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("bad_files")
 @pytest.mark.parametrize("case", BAD_INPUT, ids=lambda name: name.replace(" ", "-"))
 def test_bad_input_ends_in_one_line(exoid_, tmp_path, case):
@@ -411,6 +413,7 @@ def command(*arguments, folder):
     )
 
 
+@pytest.mark.slow
 def test_a_process_writes_json_to_its_output_and_nothing_else(tmp_path):
     done = command("identify", "bleex", TRAIN, "-o", "leg.json", "--json", folder=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

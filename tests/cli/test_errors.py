@@ -57,6 +57,7 @@ def test_errors_of_the_system_are_told_from_those_of_the_program(error, words):
     assert status == (1 if isinstance(error, ZeroDivisionError) else 2)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 @pytest.mark.parametrize("verb", [("--help",), ("compare", "a.json", "b.json")])
 def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):

@@ -44,6 +44,7 @@ def gait_of(estimate):
     return gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", IN_C)
 def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, tmp_path, name):
     printed = exoid_("export", "est.json", "--law", name, "--c", "law.c").out

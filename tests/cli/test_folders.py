@@ -42,6 +42,7 @@ def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
     assert "offset_hip[part.10]" in out
 
 
+@pytest.mark.slow
 def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
     with undrawn():
         code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")

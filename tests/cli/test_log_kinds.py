@@ -16,6 +16,7 @@ def recording():
     return exoid.datasets.bleex_swing().train
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_log_of_any_kind_gives_the_estimate_of_the_same_log_as_csv(exoid_, recording, kind, tmp_path):
     recording.to_csv(tmp_path / "log.csv")

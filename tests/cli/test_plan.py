@@ -27,6 +27,7 @@ def slow_log(path):
     exoid.Recording(time, q, joint_names=LEG.joint_names).to_csv(path)
 
 
+@pytest.mark.slow
 def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
     code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figure", "plan.png", "--json")
     assert code == 0

@@ -32,6 +32,7 @@ def run(monkeypatch, capsys, *arguments):
     return int(stop.value.code or 0), *capsys.readouterr()
 
 
+@pytest.mark.slow
 @needs_page
 def test_the_tables_of_the_page_are_those_of_its_command(monkeypatch, capsys, tmp_path):
     """But for the regulation, whose runs are cut short here, and which is tested by itself."""
@@ -53,6 +54,7 @@ def without_rounding(text: str) -> str:
     return re.sub(r"[ ─]+", " ", re.sub(r"\s+up to \S+ of", "", text))
 
 
+@pytest.mark.slow
 @needs_page
 def test_the_python_of_the_page_prints_what_it_shows(tmp_path):
     assert PAGE.run_python(tmp_path).endswith(PAGE.shown[-1])

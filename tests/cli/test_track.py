@@ -39,6 +39,7 @@ def saved(tmp_path):
     return "est.json"
 
 
+@pytest.mark.slow
 def test_an_estimate_is_tracked_by_every_law(track, saved):
     code, out, err = track(saved, "--period", 1, "--json", "--seed", 5)
     assert (code, err) == (0, "")
@@ -66,6 +67,7 @@ def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
     assert peak["--friction", 3][1] > 1.1 * peak[()][1]
 
 
+@pytest.mark.slow
 def test_a_table_and_figures(track, saved, tmp_path):
     code, out, err = track(
         saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--figure-format", "pdf"
@@ -116,6 +118,7 @@ def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     assert json.loads(out)["laws"]["pd_feedforward"]["peak_deg"][0] < 5.0
 
 
+@pytest.mark.slow
 def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp_path):
     data = json.loads((tmp_path / saved).read_text(encoding="utf-8"))
     text = json.dumps(data["leg"]["urdf"]).replace("left_hip", "HFE").replace("left_knee", "KFE")

@@ -104,6 +104,7 @@ def test_the_examples_of_the_help_run(exoid_):
             assert done.code == 0, done.err
 
 
+@pytest.mark.slow
 def test_a_shell_completes_verbs_and_options():
     told = {"_EXOID_COMPLETE": "complete_bash", "COMP_WORDS": "exoid ide", "COMP_CWORD": "1"}
     program = "import sys; sys.argv = ['exoid']; from exoid.cli import main; main()"

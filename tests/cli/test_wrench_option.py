@@ -39,6 +39,7 @@ def test_axes_point_and_units_of_a_wrench_are_options(log):
     assert np.allclose(read.columns, written * [1e3, 1e3, 1e3, 1e-3, 1e-3, 1e-3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [

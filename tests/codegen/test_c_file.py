@@ -39,6 +39,7 @@ def checked(tmp_path, *flags):
     return flags
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("terms", TERM_SETS.values(), ids=TERM_SETS)

@@ -115,6 +115,7 @@ OWN = {
 }
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("float", 3e-6)])
 @pytest.mark.parametrize("terms", OWN.values(), ids=OWN)

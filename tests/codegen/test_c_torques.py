@@ -113,6 +113,7 @@ SETS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("terms", SETS.values(), ids=SETS)
 def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
     estimate = made_up(exoid.load_leg("cuhk"), terms)

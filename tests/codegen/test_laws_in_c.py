@@ -65,6 +65,7 @@ def assert_relative(found, expected, tolerance):
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=tolerance * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", EXACT), ("float", SINGLE)])
 def test_a_law_computes_the_same_on_random_input(library, name, precision, tolerance):

@@ -59,6 +59,7 @@ def in_python(observer, values):
     return np.array(found)
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", OBSERVERS)
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("float", 2e-3)])

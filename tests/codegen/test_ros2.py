@@ -108,6 +108,7 @@ def test_controller_and_node_command_what_python_does(built, recorded, name, mod
         assert not faults.any()
 
 
+@pytest.mark.slow
 def test_numbers_that_are_none_give_the_safe_torque_at_once(built, recorded):
     rows = rows_of("pd_gravity_friction", recorded)
     rows[40, 1] = np.nan  # an angle
@@ -196,6 +197,7 @@ def test_bad_parameters_are_refused_before_anything_moves(built, tmp_path, param
     assert (done.returncode, words in done.stderr) == (3, True), done.stderr
 
 
+@pytest.mark.slow
 def test_the_program_of_the_node_compiles_and_single_precision_too(tmp_path):
     folder = tmp_path / "Left-Leg"
     package = write_ros2(folder, laws()["gravity_support"], precision="float")

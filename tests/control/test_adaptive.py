@@ -90,6 +90,7 @@ def test_at_the_reference_the_torque_is_the_feedforward_of_the_estimate():
     np.testing.assert_allclose(torque, feedforward_pd(exact_estimate(), KP, KD).torque(state, aim), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_lyapunovs_function_decreases_in_continuous_time():
     """V = ½ γ sᵀMs + ½ β̃ᵀP⁻¹β̃ along the exact motion; β̂' and τ are those of the law's own step."""
     plant = frictionless(cuhk_plant())
@@ -232,6 +233,7 @@ def heavy_rig():
     return plant_with_payloads(cuhk_plant(), [LOAD])
 
 
+@pytest.mark.slow
 def test_an_unknown_payload_is_learned_within_a_stride():
     """Gait of 4 s, noisy sensors: less than half the error without adaptation, and 1.5 kg · 0.3 m are found in X2."""
     laws = {"uninformed": feedforward_pd(exact_estimate(), KP, KD), "adaptive": adaptive(exact_estimate(), KP, KD)}

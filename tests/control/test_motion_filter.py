@@ -36,6 +36,7 @@ def test_constant_acceleration_is_found_and_the_velocity_is_late_by_the_same_tim
     np.testing.assert_allclose(v[-10:], 3.0 * (time[-10:] - one.delay), rtol=1e-9)
 
 
+@pytest.mark.slow
 @FILTERS
 def test_no_frequency_is_amplified(bandwidth, rate):
     """Neither from readings to filtered readings, nor from the mean acceleration of a period to the filtered one."""

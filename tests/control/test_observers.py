@@ -100,6 +100,7 @@ def first_velocity(observer, q):
     return (q[count] - q[0]) * observer.rate / count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 @pytest.mark.parametrize("case", ["derived", "tachometer", "no filter", "lags", "leg"])
 def test_a_log_at_once_is_the_same_as_sample_by_sample(kind, case, estimate):
@@ -232,6 +233,7 @@ def test_a_kalman_observer_has_the_bandwidth_asked_for():
 # ------------------------------------------------------------------------------------------------- against truth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "bandwidth"), [("bleex", 36.0), ("cuhk", 45.0)])
 def test_torque_of_walking_wearers_is_read_to_a_quarter_within_25_ms(name, bandwidth):
     leg = exoid.load_leg(name)

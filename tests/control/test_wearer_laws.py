@@ -78,6 +78,7 @@ def test_laws_are_pure_functions(law):
     np.testing.assert_array_equal(first, again)
 
 
+@pytest.mark.slow
 @EACH
 def test_limits_hold_for_a_worn_leg(law):
     law = Limited(law, limit=(6.0, 4.0), slew=300.0)
@@ -150,6 +151,7 @@ def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
 # --------------------------------------------------------------------------------------------- weight
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
 def test_the_wearer_carries_the_rest_of_the_weight(share):
     """A wearer who holds still: τ_wearer = (1 − share) G(q) of the leg."""
@@ -302,6 +304,7 @@ def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
     assert errors[2] < 0.5 * errors[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("amplification", [1.0, 10.0])
 def test_the_weight_is_not_felt(amplification):
     still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)

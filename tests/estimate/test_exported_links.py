@@ -196,6 +196,7 @@ def check_exports(name, kind, seeds, folder, torque, tolerance=EXACT):
 CASES = [(name, kind) for name in LEGS for kind in KINDS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_exported_links_are_near_the_urdfs_and_mujoco_finds_their_torques(name, kind, tmp_path):
     outcome = check_exports(name, kind, range(2), tmp_path, mujoco_torque)
@@ -274,6 +275,7 @@ def test_links_beyond_the_factor_are_refused_by_name_and_nothing_is_written(sure
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_the_factor_that_the_refusal_names_allows_the_links(sure_of_heavy_thigh, tmp_path):
     with pytest.raises(ExoidError) as refused:
         sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf")
@@ -284,6 +286,7 @@ def test_the_factor_that_the_refusal_names_allows_the_links(sure_of_heavy_thigh,
         mujoco.MjModel.from_xml_path(str(export.urdf))
 
 
+@pytest.mark.slow
 def test_a_stronger_pull_brings_the_links_near(sure_of_heavy_thigh, tmp_path):
     weak = sure_of_heavy_thigh.to_urdf(tmp_path / "weak.urdf", mass_factor=np.inf)
     strong = sure_of_heavy_thigh.to_urdf(tmp_path / "strong.urdf", pull=1e4)

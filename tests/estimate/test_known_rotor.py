@@ -35,6 +35,7 @@ def motion(joints, samples=40):
     return np.random.default_rng(0).standard_normal((3, samples, joints))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["wls", "huber", "gls", "ml", "ols"])
 def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(swing, estimator):
     without = exoid.identify(swing.leg, swing.train, estimator=estimator)

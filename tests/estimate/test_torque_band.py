@@ -52,6 +52,7 @@ def test_behind_the_filter_it_contains_filtered_torques(swing, other):
     np.testing.assert_allclose(coverage, 0.95, atol=0.035)
 
 
+@pytest.mark.slow
 def test_the_band_of_the_model_contains_the_torque_without_noise(swing, other):
     rng, inside = np.random.default_rng(3), []
     for _ in range(60):

@@ -48,6 +48,7 @@ def walk():
     return walking(EXO, 6.0)
 
 
+@pytest.mark.slow
 def test_every_scenario_obeys_the_equation_and_keeps_its_books(named):
     name, run = named
     assert np.abs(residual(run)).max() < 1e-6, name  # of forces of up to 1000 N
@@ -166,6 +167,7 @@ def test_torques_of_the_plan_let_the_machine_follow_closely():
 NORM = pytest.mark.real_data("gait_norm")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "period"),
     [

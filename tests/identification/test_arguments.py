@@ -66,6 +66,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "argument"), CASES)
 def test_every_argument_acts_or_is_refused(recordings, plain, name, argument):
     if (name, argument) in REFUSED:

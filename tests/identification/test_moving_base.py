@@ -43,6 +43,7 @@ def test_exact_logs_give_exact_parameters():
     assert np.abs(estimate.values / leg.parameters - 1.0).max() < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
 def test_a_model_with_a_fixed_torso_is_called_wrong(name):
     leg = exoid.load_leg(name)
@@ -104,6 +105,7 @@ def test_validation_and_prediction_use_the_base():
     assert stood > 5.0 * moved
 
 
+@pytest.mark.slow
 def test_files_and_reports_keep_that_the_base_moved(tmp_path):
     leg = exoid.load_leg("cuhk")
     recording = Walk(leg, seconds=20.0).recording()

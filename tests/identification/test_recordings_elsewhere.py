@@ -59,6 +59,7 @@ def assert_same(found, expected, *, inputs=True):
 SLOW = [pytest.mark.slow]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kept", "estimator"),
     [
@@ -73,6 +74,7 @@ def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, es
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 3)])
 def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_kept(folder, check, times):
     read = []
@@ -82,6 +84,7 @@ def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_ke
     assert read == once * times
 
 
+@pytest.mark.slow
 def test_logs_on_disk_go_with_poses_and_recordings_in_memory(folder, in_memory):
     rng = np.random.default_rng(1)
     q = rng.uniform(-1.0, 1.0, (60, 3))

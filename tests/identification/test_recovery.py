@@ -42,12 +42,14 @@ def assert_recovered(estimate, truth, tolerance):
     assert not wrong.any(), dict(zip(np.array(estimate.names)[wrong], estimate.values[wrong], strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_exact_kinematics_give_the_parameters_back(swing, estimator):
     estimate = identify(swing.leg, swing.recording(), TERMS, estimator, preparation=FiniteDifference())
     assert_recovered(estimate, swing.truth, 1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_the_parallel_filter_biases_nothing(swing, estimator):
     """Columns and torque pass the same filter; with the kinematics filter out of the way nothing else is left."""

@@ -32,6 +32,7 @@ def outcome(leg, recording, terms=None):
     return dict(zip(estimate.names, errors, strict=True)), float(((low <= true) & (true <= high)).mean())
 
 
+@pytest.mark.slow
 def test_default_terms_find_sharp_friction(recordings):
     """Measured at most 0.1 % for X and J, 0.6 % for friction and rotor, and 0.985 on 20 motions of 60 s."""
     covers = []

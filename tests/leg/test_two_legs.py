@@ -41,6 +41,7 @@ def test_a_walk_gives_the_documented_parameters_of_both_legs(walk):
     assert not [finding for finding in estimate.findings if finding.severity == "error"]
 
 
+@pytest.mark.slow
 def test_a_torso_that_was_taken_for_fixed_is_called_wrong(walk):
     held = exoid.Recording(walk.time, walk.q, tau=walk.tau, joint_names=walk.joint_names)
     findings = exoid.check(exoid.load_exo("bleex"), held, terms=())

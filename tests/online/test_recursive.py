@@ -129,6 +129,7 @@ def test_memory_does_not_grow(leg, truth):
     assert sizes[-1] - sizes[1] < 20_000
 
 
+@pytest.mark.slow
 def test_standing_still_changes_nothing(leg, truth):
     """The torque at rest holds any friction between −c0 and c0."""
     q, _, _, tau = swing(leg, truth, 20.0)
@@ -145,6 +146,7 @@ def test_standing_still_changes_nothing(leg, truth):
         assert (np.abs(online.estimate.values - before.values) <= before.std).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forgetting", ["directional", "exponential"])
 def test_one_joint_that_moves_alone_leaves_the_others_known(leg, truth, forgetting):
     """Ten time constants later nothing has blown up."""

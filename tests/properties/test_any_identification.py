@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 from cases import cases, outcome
 from hypothesis import given
 from hypothesis import strategies as st
@@ -83,6 +84,7 @@ def test_exact_data_give_the_truth_or_a_refusal_never_a_confident_wrong_number(s
         np.testing.assert_allclose(result.torque(q, v, a), tau, rtol=0.0, atol=exact * np.abs(tau).max())
 
 
+@pytest.mark.slow
 @cases(0.03)
 @given(seed=st.integers(0, 2**31), unit=st.floats(0.01, 100.0), estimator=st.sampled_from(["ols", "wls", "huber"]))
 def test_an_estimate_scales_with_the_torque_and_does_not_depend_on_the_order_of_recordings(seed, unit, estimator):

@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 from cases import cases, outcome
 from hypothesis import given
 from hypothesis import strategies as st
@@ -98,6 +99,7 @@ def test_any_table_of_text_is_read_or_refused(text, raw, at):
             assert again.q.tobytes() == result.q.tobytes()
 
 
+@pytest.mark.slow
 @cases(0.1)
 @given(st.data())
 def test_any_damaged_file_is_read_or_refused(data):

@@ -163,6 +163,7 @@ def test_a_folder_that_takes_no_files_ends_in_one_line(estimate, what):
         WRITES[what](estimate, Path("/proc/self"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["identify", "export"])
 def test_commands_that_cannot_write_exit_with_2_and_one_line(estimate, tmp_path, what):
     target = tmp_path / "missing" / "new.json"

@@ -88,6 +88,7 @@ def test_a_prior_and_the_data_are_weighed_by_their_errors(swing, preparation):
     np.testing.assert_allclose(both.values, others, atol=1e-3 * np.abs(alone.std).max())
 
 
+@pytest.mark.slow
 def test_intervals_with_a_prior_hold(swing):
     """95 % of them contain the truth where the prior is as far off as it says, under correlated noise too."""
     rng, inside = np.random.default_rng(5), []

@@ -46,6 +46,7 @@ def short_stretches(monkeypatch):
 SLOW = [pytest.mark.slow]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("terms", "estimator", "preparation"),
     [

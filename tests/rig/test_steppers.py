@@ -63,6 +63,7 @@ def test_both_steppers_agree_on_any_planar_chain(n):
     assert np.abs(rigs[0].q - q).max() > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"d_hip": 0.3, "b1_knee": 3.0, "Ia_ankle": 0.05}])
 def test_without_friction_half_the_step_has_a_quarter_of_the_error(values):
     plant = Plant.build(BLEEX, values, end_stops=False)
@@ -86,6 +87,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     assert errors[2] < 2e-4
 
 
+@pytest.mark.slow
 @STEPPERS
 def test_a_free_rig_with_friction_never_gains_energy(stepper):
     plant = Plant.build(BLEEX, {**FRICTION, "b1_knee": 2.0, "cs_hip": 2.5})
@@ -100,6 +102,7 @@ def test_a_free_rig_with_friction_never_gains_energy(stepper):
         assert energy[-1] < energy[0] - 0.1
 
 
+@pytest.mark.slow
 @STEPPERS
 def test_a_joint_within_its_friction_band_does_not_move_at_all(stepper):
     plant = Plant.build(BLEEX, FRICTION)

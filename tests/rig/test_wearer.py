@@ -99,6 +99,7 @@ WEARERS = {
 }
 
 
+@pytest.mark.slow
 @STEPPERS
 @pytest.mark.parametrize("kind", WEARERS)
 def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
@@ -188,6 +189,7 @@ def test_a_limb_without_leg_follows_its_intention_exactly():
     np.testing.assert_allclose(run.limb_q, [GAIT.at(t).q for t in run.time], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_limb_that_hangs_in_a_leg_at_rest_pulls_with_its_weight():
     """Held at a pose, the cuffs carry the limb: τ_wearer = −G_limb(q)."""
     pose = np.array([[0.5], [0.8]])
@@ -200,6 +202,7 @@ def test_a_limb_that_hangs_in_a_leg_at_rest_pulls_with_its_weight():
 # ------------------------------------------------------------------------------------------------ balances
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WEARERS)
 @pytest.mark.parametrize("actuator", [IdealTorque(), HydraulicServo(5000.0, 0.01, 10.0)])
 def test_no_energy_comes_from_nowhere(kind, actuator):
@@ -210,6 +213,7 @@ def test_no_energy_comes_from_nowhere(kind, actuator):
     assert run.energy.dissipated[0] > 1.0
 
 
+@pytest.mark.slow
 def test_the_muscles_work_is_part_of_the_balance():
     """The wearer walks in a leg without actuators: friction and cuffs dissipate what the muscles give."""
     run = worn(STICKING, WEARERS["active"], 3.0, rates=Rates(500.0, 50.0, 5e-4))
@@ -218,6 +222,7 @@ def test_the_muscles_work_is_part_of_the_balance():
     assert energy.work[0] == pytest.approx(energy.gain[0] + energy.dissipated[0], rel=1e-4)
 
 
+@pytest.mark.slow
 @STEPPERS
 def test_a_free_machine_never_gains_energy(stepper):
     rig = WornStepper(
@@ -263,6 +268,7 @@ def test_rigs_of_a_batch_are_worn_as_each_alone():
             np.testing.assert_allclose(runs.energy.work[k], alone.energy.work[0], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_joints_stick_stop_and_reverse_under_a_wearer():
     """Both steppers agree where the leg sticks and meets its end stops."""
     plant = Plant.build(BLEEX, EVERYTHING)
@@ -282,6 +288,7 @@ def test_joints_stick_stop_and_reverse_under_a_wearer():
     assert stopped > 20
 
 
+@pytest.mark.slow
 def test_smooth_friction_may_be_worn():
     """As stick-slip, but for joints that creep."""
     smooth, sticking = (worn(STICKING, stepper=one, controller=PD) for one in (SmoothStepper, PlanarStepper))
@@ -292,6 +299,7 @@ def test_smooth_friction_may_be_worn():
 # ------------------------------------------------------------------------------------- sensors and seeds
 
 
+@pytest.mark.slow
 def test_controllers_that_can_receive_the_torque_of_the_wearer():
     class Feel(OpenLoop):
         def __init__(self):
@@ -342,6 +350,7 @@ def test_the_limb_is_that_of_winters_table():
     assert J[0] > J[1] > J[2]
 
 
+@pytest.mark.slow
 def test_a_passive_limb_of_the_same_size_makes_the_documents_leg():
     """CUHK-EXO as published carries such a wearer: hardware and limb together are that leg again."""
     limb = limb_of(CUHK, 1.70, 65.0)

@@ -63,6 +63,7 @@ def wander(seed, samples=400, still=0.2):
     return np.cumsum(steps), 100.0 * steps
 
 
+@pytest.mark.slow
 @given(seeds, st.floats(1e-5, 0.1))
 def test_the_closed_form_of_presliding_is_the_recurrence(seed, length):
     q, v = wander(seed)

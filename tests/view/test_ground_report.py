@@ -42,6 +42,7 @@ def test_the_report_has_a_section_of_ground_forces(estimate, logs):
     assert "Vertical force of the ground on right_foot" in html
 
 
+@pytest.mark.slow
 def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, estimate, logs):
     both = logs[0]
     plates = replace(both.recording, wrenches=both.wrenches)

@@ -34,6 +34,7 @@ def text_of(tree):
     return " ".join("".join(tree.itertext()).split())
 
 
+@pytest.mark.slow
 def test_the_report_is_a_valid_page_that_loads_nothing(page):
     check(page.html())
 

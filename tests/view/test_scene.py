@@ -244,6 +244,7 @@ def test_a_recording_of_one_leg_leaves_the_other_as_posed():
     np.testing.assert_allclose(found[:3, :3], rotation[0, 1], atol=1e-4)
 
 
+@pytest.mark.slow
 def test_links_fixed_by_locked_joints_are_drawn():
     """A thigh that carries the moving knee, and the fingers of a hand."""
     knee = Leg.from_urdf(Path(__file__).parents[2] / "urdf" / "bleex.urdf", ("left_knee", "left_ankle"))

@@ -34,6 +34,7 @@ def evidence_of(x, trained, correlation, systematic=0.0):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("correlation", [0.0, 0.6, 0.9])
 def test_without_allowance_false_alarms_come_at_the_stated_level(monkeypatch, correlation):
     monkeypatch.setattr(action, "ALLOWANCE", 1.0)

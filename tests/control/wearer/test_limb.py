@@ -31,6 +31,7 @@ def alone(leg):
     return [estimate_of(leg, seed) for seed in SEEDS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["limb", "sandbags"])
 def test_mass_moments_to_2_and_inertias_to_5_percent_with_intervals_that_hold(leg, alone, kind):
     if kind == "limb":

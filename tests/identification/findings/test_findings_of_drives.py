@@ -56,6 +56,7 @@ def test_arms_of_joints_with_torque_sensors_are_not_tested() -> None:
     assert not exoid.check(LEG, DATA.train, actuators=actuators_from_data(data, LEG))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("matrix", [((0.5, 0.5), (0.5, -0.5)), ((1.0, 0.0), (1.0, 1.0))])
 def test_torques_of_coupled_motors_are_found_with_their_matrix(matrix) -> None:
     coupled = Actuators.of(LEG, {"both": Coupling(("hip", "knee"), matrix)})
@@ -68,6 +69,7 @@ def test_torques_of_coupled_motors_are_found_with_their_matrix(matrix) -> None:
     assert not kinds(exoid.check(LEG, log, actuators=coupled), "coupled-joints")
 
 
+@pytest.mark.slow
 def test_swapped_torques_and_wrong_signs_are_no_coupling() -> None:
     assert DATA.train.tau is not None
     for tau in (DATA.train.tau[:, [1, 0, 2]], DATA.train.tau * [1.0, -1.0, 1.0]):

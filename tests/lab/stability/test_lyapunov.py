@@ -122,6 +122,7 @@ def regulations():
     return regulate(cuhk_plant(end_stops=False), KP, KD, TARGET, AWAY, duration=15.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", ["× 0", "× 0.5", "× 0.8", "× 1"])
 def test_compensated_exactly_or_less_v_never_increases_and_the_leg_stops_within_the_band(regulations, share):
     """At every sample of a law at 100 Hz. What rises at all under exact compensation is the error of the rig's step."""

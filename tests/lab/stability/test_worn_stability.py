@@ -146,6 +146,7 @@ def test_one_joint_has_the_boundary_of_routh_and_hurwitz(factor):
     assert 0.5 < found.frequency < 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0, 2])
 def test_worn_legs_settle_just_inside_the_boundary_and_grow_just_outside(wearer, delay):
     source = heavier(1.2)

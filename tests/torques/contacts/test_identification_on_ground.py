@@ -46,6 +46,7 @@ def deviations(exo, estimate):
     return (estimate.values[:count] - exo.parameters) / estimate.std[:count]
 
 
+@pytest.mark.slow
 def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
     error = np.abs(estimate.values[: len(exo.parameters)] / exo.parameters - 1.0)
     of = dict(zip(exo.parameter_names, error, strict=True))
@@ -121,6 +122,7 @@ def wrongly(log, link, value, seed):
     return replace(recording, contacts=contacts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["swing labelled as stance", "stance labelled as swing"])
 def test_wrong_contacts_are_left_out(exo, stance, estimate, kind):
     both, left, right = stance

@@ -98,6 +98,7 @@ def test_the_compliance_of_the_soles_is_found(estimates):
             assert high - low < 6e-5
 
 
+@pytest.mark.slow
 def test_the_truth_is_within_the_intervals_on_hard_and_soft_soles(exo, estimates):
     for estimate in estimates.values():
         count = len(exo.parameters)
@@ -106,6 +107,7 @@ def test_the_truth_is_within_the_intervals_on_hard_and_soft_soles(exo, estimates
         assert np.mean(np.abs(deviation) < 2.0) > 0.8
 
 
+@pytest.mark.slow
 def test_with_an_imu_nothing_is_said_about_soles(exo):
     log = standing(exo, "both", seconds=10.0, noise=NOISE, encoder=ENCODER)
     measured = replace(log.recording, base=exoid.BaseMotion(log.base.angular_velocity, log.base.specific_force))
