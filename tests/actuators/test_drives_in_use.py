@@ -178,6 +178,7 @@ def test_the_report_names_the_drives(by_force, tmp_path) -> None:
     assert "left_knee: linear, left_thigh at (0.062, 0, -0.075) m" in text
 
 
+@pytest.mark.slow
 def test_the_commands_identify_validate_and_check_logs_of_forces(tmp_path) -> None:
     run, log, estimate = CliRunner(), tmp_path / "swing.csv", tmp_path / "est.json"
     log_of(CYLINDERS).to_csv(log)

@@ -86,6 +86,7 @@ def recorded():
     return {"q": q, "v": v, "time": np.asarray(recording.time[:250]), **aims}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_law_computes_the_same_on_recorded_input(library, recorded, name):
     law = library[f"{name}_double"]

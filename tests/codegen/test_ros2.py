@@ -134,6 +134,7 @@ def assert_towards(tau, safe, samples):
         np.testing.assert_allclose(tau[k], expected, atol=1e-12 * np.abs(tau).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["chained", "topic"])
 def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_comes_back(built, recorded, mode):
     rows = rows_of("pd_gravity_friction", recorded)

@@ -203,6 +203,7 @@ def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
 # ----------------------------------------------------------------------------------------- admittance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [0.4, 1.5])
 def test_the_wearer_moves_the_virtual_mass(mass):
     """τ_wearer = m q̈ + D q̇ on a leg whose own inertia, weight and coupling are others."""

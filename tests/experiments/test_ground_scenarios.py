@@ -59,6 +59,7 @@ def test_every_scenario_obeys_the_equation_and_keeps_its_books(named):
     assert np.abs(run.v).max() > 0.2
 
 
+@pytest.mark.slow
 def test_forces_are_within_the_friction_cone_and_the_sole(named):
     _, run = named
     for link, foot in run.feet.items():
@@ -98,6 +99,7 @@ def test_every_scenario_gives_a_recording(named):
     assert log.joint_names == run.plant.leg.joint_names
 
 
+@pytest.mark.slow
 def test_a_walking_machine_walks(walk):
     assert walk.position[-1, 0] - walk.position[0, 0] > 2.5
     assert sum(foot.force[:, 2].mean() for foot in walk.feet.values()) > 0.7 * WEIGHT
@@ -124,6 +126,7 @@ def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
     assert np.abs(first.q - other.q).max() > 0.05
 
 
+@pytest.mark.slow
 def test_a_swing_log_gives_the_true_parameters_of_a_leg():
     """Base motion, filters and friction of the log are those that identification expects."""
     leg = exoid.load_leg("bleex")

@@ -43,6 +43,7 @@ def test_a_tremor_has_its_amplitude_and_frequency():
     np.testing.assert_allclose(spectrum.max(axis=0), [0.02, 0.01], rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
 def test_a_wearer_moves_so(motion):
     """Muscles with feedforward, no cuff: the limb does what is intended."""

@@ -41,6 +41,7 @@ def multisine():
     return cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preparation", [FiniteDifference(), ZeroPhase(8.0), ZeroPhase(3.0)])
 def test_predicted_covariance_is_that_of_identification(multisine, preparation):
     """Standard deviations and correlations, for noiseless motion with white torque noise.

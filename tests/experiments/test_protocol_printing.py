@@ -38,6 +38,7 @@ def test_data_with_arrays_represent_themselves_in_one_line(thing, text):
     assert repr(thing) == text
 
 
+@pytest.mark.slow
 def test_a_plan_represents_itself_by_duration_poses_and_worst_parameter(plan):
     worst = int(np.argmax(plan.precision.relative))
     said = f"{100.0 * plan.precision.relative[worst]:.2g} % ({plan.precision.names[worst]})"

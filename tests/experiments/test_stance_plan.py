@@ -101,6 +101,7 @@ def test_soles_that_stand_rest_and_the_torso_moves_as_its_pose(name):
     np.testing.assert_allclose(-torso.kinematics.angular_acceleration[1:-1, 1], change[:, 2], atol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("power", [0.0, 1.0, 16.0])
 def test_the_gradient_is_that_of_finite_differences(power):
     tight = GroundLimits(doubt=0.1, bow_deg=5.0, clearance=0.3, friction=0.05, least_load=0.9, most_load=1.05)
@@ -120,6 +121,7 @@ def test_the_gradient_is_that_of_finite_differences(power):
         assert gradient[k] == pytest.approx(slope, rel=2e-3, abs=2e-4 * np.abs(gradient).max())
 
 
+@pytest.mark.slow
 def test_limits_hold_on_a_finer_grid(plan):
     """By inverse dynamics and the contact Jacobian, with the expected parameters."""
     limits, ground, weight = EXO.limits, GroundLimits(), 9.81 * EXO.parameters[0]
@@ -189,6 +191,7 @@ def assert_scatter_is_predicted(errors, precision):
     assert np.sqrt(np.mean(relative**2)) == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_the_predicted_precision_is_the_scatter_of_identifications(plan):
     assert_scatter_is_predicted(scatter(plan.recordings, plan.model), plan.precision)
 

@@ -113,6 +113,7 @@ def test_the_noisier_leg_counts_less(legs, sides):
     assert (np.abs(together.values[:count] - alone.values[:count]) < alone.std[:count]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimator", "noise"),
     [

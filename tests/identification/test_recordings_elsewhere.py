@@ -125,6 +125,7 @@ def dask_of_threads():
     return distributed.Client(distributed.LocalCluster(**options))
 
 
+@pytest.mark.slow
 def test_workers_of_dask_give_the_estimate_of_memory(folder, in_memory):
     with dask_of_threads(), joblib.parallel_config("dask"):
         found = identify(SWING.leg, Recordings.from_folder(folder), TERMS)

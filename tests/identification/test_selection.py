@@ -62,6 +62,7 @@ def selection(leg):
     return found, shares
 
 
+@pytest.mark.slow
 def test_each_joint_gets_the_friction_that_it_has(selection):
     hip, knee = selection[0].joints
     print(selection[0])
@@ -246,6 +247,7 @@ def test_projection_gives_the_solution_of_all_parameters_at_once(design):
     np.testing.assert_allclose(without - np.tensordot(one[0], lowered, 1), left, rtol=1e-5, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_choice_that_does_not_transfer_to_faster_motion_is_warned_of(selection):
     found = selection[0]
     assert found.warnings == ()

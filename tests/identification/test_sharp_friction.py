@@ -44,6 +44,7 @@ def test_default_terms_find_sharp_friction(recordings):
     assert np.mean(covers) >= 0.93
 
 
+@pytest.mark.slow
 def test_smooth_friction_alone_misses_it(recordings):
     """The must-fail case: viscous friction is 10 to 25 % too small, and two thirds of the intervals miss."""
     for leg, recording in recordings:

@@ -29,6 +29,7 @@ def pinocchio_jacobian(flight, link, point):
     return at_point @ np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["solo12", "hyq", "ur5", "talos"])
 def test_jacobians_of_all_links_are_pinocchios(robot, monkeypatch):
     monkeypatch.setattr(importlib.import_module("exoid.leg.reduction.tree_jacobian"), "BLOCK", 7)

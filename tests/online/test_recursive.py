@@ -197,6 +197,7 @@ def places(value, path=()):
             yield from places(each, (*path, k))
 
 
+@pytest.mark.slow
 def test_a_damaged_file_is_refused_or_goes_on(leg, truth, tmp_path):
     """Each place of the file, with another value in turn: an error of exoid when it is read, or none in the loop."""
     q, _, _, tau = swing(leg, truth, 4.0)

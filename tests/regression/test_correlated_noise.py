@@ -67,6 +67,7 @@ def test_intervals_hold_whatever_the_memory_of_the_noise(swing, estimator, prepa
     assert worst >= 0.76
 
 
+@pytest.mark.slow
 def test_intervals_for_white_noise_must_fail_where_it_is_not_white(swing):
     mean, _ = coverage(Swing(swing.leg, 200.0), 20, noise="white", preparation=EXACT)
     assert mean < 0.4
@@ -171,6 +172,7 @@ def test_huber_survives_spikes_that_pull_least_squares_away(swing):
     assert error["huber"].sum() < 0.4 * error["wls"].sum()
 
 
+@pytest.mark.slow
 def test_gls_is_closer_to_the_truth_under_noise_with_memory():
     """Sharp Coulomb friction: its jumps stand out of slow noise only if that is whitened."""
     swing = Swing(exoid.load_leg("bleex"), 200.0)

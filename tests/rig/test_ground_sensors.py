@@ -22,6 +22,7 @@ def squats():
     return rail_squats(bleex_machine("left"), 3.0)
 
 
+@pytest.mark.slow
 def test_exact_sensors_read_the_truth(walk):
     log = walk.recording(GroundSensors.exact())
     np.testing.assert_array_equal(log.q, walk.q)

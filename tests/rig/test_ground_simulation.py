@@ -106,6 +106,7 @@ def test_the_logged_acceleration_is_the_second_difference_of_the_angles():
     np.testing.assert_allclose(run.v[1:], np.diff(run.q, axis=0) * 2000.0, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_half_the_step_has_half_the_error_of_energy():
     """Swinging in the air, so that no impact hides the order."""
     errors = [

@@ -182,6 +182,7 @@ def test_no_cuff_no_interaction():
     assert alone.limb_q is None
 
 
+@pytest.mark.slow
 def test_a_limb_without_leg_follows_its_intention_exactly():
     """Feedforward of the limb's own dynamics, no cuff: to the accuracy of the integrator."""
     wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=0.0, cuff_damping=0.0)

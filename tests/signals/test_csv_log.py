@@ -414,6 +414,7 @@ CELLS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(
     start=st.sampled_from(["time,q_a", "time,q_a,tau_a,v_a", "time;q_a;note", '"time","q_a"', "# time,q_a"]),
     cells=st.lists(st.lists(CELLS, min_size=2, max_size=4), min_size=8, max_size=14),

@@ -187,6 +187,7 @@ def test_a_fork_of_the_caller_has_a_child_of_its_own():
     assert read_in_child(hostile_readers.echo, "a").facts["pid"] == here
 
 
+@pytest.mark.slow
 @posix
 def test_the_child_ends_with_its_caller(tmp_path):
     WRITERS["log.mat"](tmp_path / "log.mat", swing())
@@ -225,6 +226,7 @@ TIMES = element(9, np.arange(12.0).tobytes())
 TIME = variable((6, 0), struct.pack("<ii", 12, 1), b"time", TIMES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "content",
     [
@@ -249,6 +251,7 @@ def test_a_damaged_matlab_file_is_one_line_even_where_it_crashes_scipys_reader(c
     assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["log.mat", "log.parquet"])
 def test_the_libraries_that_can_crash_are_never_loaded_by_the_caller(kind, tmp_path):
     WRITERS[kind](tmp_path / kind, swing())
@@ -341,6 +344,7 @@ def test_a_blank_line_after_each_line_is_no_obstacle(tmp_path, monkeypatch):
     refused(tmp_path / "log.csv", "log.csv, line 83|log.csv, line 85")
 
 
+@pytest.mark.slow
 @linux
 @pytest.mark.parametrize("kind", ["mcap", "bag", "messages"])
 def test_a_compressed_bag_that_would_fill_the_memory_is_refused(kind, tmp_path):

@@ -318,6 +318,7 @@ def test_structs_nested_without_end_are_refused(tmp_path):
     refused(tmp_path / "log.mat", "more than 20 deep")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["npz", "mat"])
 def test_a_file_made_to_fill_the_memory_is_refused_before_it_does(kind, tmp_path):
     path, zeros = tmp_path / f"log.{kind}", np.zeros((6_000_000, 2))

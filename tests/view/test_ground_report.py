@@ -55,6 +55,7 @@ def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, est
     assert len(pictures) == 2
 
 
+@pytest.mark.slow
 def test_without_plates_nothing_is_compared(estimate, logs):
     _, table, *_ = ground_blocks(estimate, [logs[1].recording])
     assert table.rows[0][5] == "–"

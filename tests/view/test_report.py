@@ -39,6 +39,7 @@ def test_the_report_is_a_valid_page_that_loads_nothing(page):
     check(page.html())
 
 
+@pytest.mark.slow
 def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_value(page, swing):
     _, estimate = swing
     tree = check(page.html())
@@ -154,6 +155,7 @@ def test_residuals_that_depend_on_velocity_are_named_with_a_hint(swing):
     assert trend_notes(estimate).lines[0].startswith("No residual depends on velocity or angle")
 
 
+@pytest.mark.slow
 def test_a_leg_without_friction_terms_has_no_friction_section(swing):
     data, _ = swing
     rigid = exoid.identify(data.leg, data.train, (Offset(),))

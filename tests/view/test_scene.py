@@ -324,6 +324,7 @@ def test_notebooks_show_the_page_in_a_frame():
     assert '"' not in html.split('srcdoc="')[1].removesuffix('"></iframe>')
 
 
+@pytest.mark.slow
 def test_nothing_of_meshcats_server_is_imported():
     program = (
         "import sys, exoid; assert 'exoid.view' not in sys.modules\n"

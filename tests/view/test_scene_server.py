@@ -134,6 +134,7 @@ def test_a_port_in_use_is_named_and_the_default_gives_way(drawn):
         drawn.serve(70000)
 
 
+@pytest.mark.slow
 def test_the_command_listens_on_loopback_until_ctrl_c_and_ends_cleanly():
     command = [sys.executable, "-m", "exoid.cli", "view", "bleex", "--no-browser", "--port", "0", "--json"]
     program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
@@ -157,6 +158,7 @@ def test_the_command_listens_on_loopback_until_ctrl_c_and_ends_cleanly():
     assert (running.returncode, out, err) == (0, "", "ended\n")
 
 
+@pytest.mark.slow
 def test_connections_that_send_nothing_are_few_and_are_closed(drawn):
     with SceneServer(drawn.html, drawn.pose, 0, patience=0.5) as served:
         before = threading.active_count()

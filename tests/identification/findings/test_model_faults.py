@@ -9,6 +9,7 @@ from logs import clean, kinds, late, of_kind, with_column
 import exoid
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
 @pytest.mark.parametrize("delay", [0.005, 0.02, 0.05])
 def test_late_torques_are_found_with_their_delay(name, delay):
@@ -48,6 +49,7 @@ def test_another_delay_is_refused():
         exoid.identify(*clean(), delay="later")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [0, 1, 2])
 def test_a_torque_of_the_wrong_sign_is_named(joint):
     leg, log = clean()
@@ -67,6 +69,7 @@ def test_an_angle_of_the_wrong_sign_is_named(joint):
     assert finding.joint == leg.joint_names[joint]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantities", [("tau",), ("q",), ("tau", "q")])
 def test_swapped_joints_are_named(quantities):
     leg, log = clean()

@@ -137,6 +137,7 @@ def test_compensated_exactly_or_less_v_never_increases_and_the_leg_stops_within_
     assert not run.cycle.exists
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "swing"), [("× 1.2", 5.0), ("× 1.5", 15.0)])
 def test_compensated_too_much_the_leg_never_stops(regulations, share, swing):
     """More than 5° peak to peak, and V rises again and again: the claim of stability needs exact friction."""

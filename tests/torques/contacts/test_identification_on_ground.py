@@ -56,6 +56,7 @@ def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
     assert np.sqrt(np.mean(deviations(exo, estimate) ** 2)) < 1.6
 
 
+@pytest.mark.slow
 def test_the_report_says_which_links_rested(estimate):
     assert [support.name for support in estimate.supports] == ["left_foot and right_foot", "left_foot", "right_foot"]
     assert "loop_1" in str(estimate)
@@ -242,12 +243,14 @@ def test_validation_of_another_motion(exo, estimate, feet):
     assert found.verdict == "predicts"
 
 
+@pytest.mark.slow
 def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     both, left, right = stance
     logs = [both.recording, wrongly(left, "right_foot", True, 1), right.recording]
     assert "slipping-contact" in {finding.kind for finding in exoid.check(exo, logs, terms=TERMS)}
 
 
+@pytest.mark.slow
 def test_a_known_payload_is_no_part_of_the_machine(exo):
     load = exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3))
     options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5, "payloads": (load,)}
