@@ -152,7 +152,7 @@ class Machine:
             reading = read_angle(self.scene.sensors, rig.q, self._rng)
             error = target.q - rig.q
             before, self._torque = self._torque, command(target, reading, rig.v)
-            samples.append((reading, self._noise.torque(0.5 * (before + self._torque), self._rng), error))
+            samples.append((reading, read_torque(self._noise, 0.5 * (before + self._torque), self._rng), error))
             for _ in range(steps):
                 rig.step(self._torque, still)
             self._done += 1
