@@ -201,7 +201,7 @@ def gravity_support(
         >>> import numpy as np
         >>> leg = exoid.load_leg("cuhk")
         >>> law = gravity_support(leg, share=0.6)
-        >>> state = State(np.array([0.5, 0.8]), np.zeros(2))
+        >>> state = exoid.control.State(np.array([0.5, 0.8]), np.zeros(2))
         >>> np.allclose(law.torque(state, None), 0.6 * leg.gravity([0.5, 0.8])[0])
         True
     """
