@@ -19,7 +19,7 @@ from exoid.experiments.fourier import from_coefficients
 from exoid.online import RecursiveEstimator
 from exoid.rig import PlanarStepper, Plant, ProportionalDerivative, Sensors, Target
 from exoid.rig.controllers import Reference
-from exoid.rig.sensors import read_angle
+from exoid.rig.sensors import read_angle, read_torque
 
 SETTLING = 1.0
 """Time from which on readings count [s]."""
