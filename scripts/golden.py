@@ -148,6 +148,7 @@ for words in (
     *("plan cuhk --noise 0.3 --velocity 2 --duration 10 --starts 1 --seed 3 -o plan.csv",),
     *("plan bleex --assess bleex_swing:train --noise 0.5", "track est.json --period 2", "reproduce cuhk"),
     *("track est.json --dry-run bleex_swing:test", "study cuhk --replicates 3", "wear cuhk --period 2.5"),
+    *("reproduce bleex", "reproduce stance"),
 ):
     JOURNEYS[f"exoid {words}"] = partial(command, *words.split(), "--json")
 for words, file in (
@@ -330,6 +331,87 @@ def _() -> Any:  # noqa: ANN401
     for q, tau in zip(log.q, log.tau, strict=True):
         online.update(q, None, None, tau)
     return of(online.estimate)
+
+
+@journey("observer kalman")
+def _() -> Any:  # noqa: ANN401
+    data = exoid.datasets.bleex_swing()
+    found = control.KalmanObserver(
+        estimate(), bandwidth=16.0, rate=100.0, noise=control.SensorNoise.of(data.train)
+    ).run(data.test)
+    return found.torque, found.std
+
+
+@journey("laws with memory and limits")
+def _() -> Any:  # noqa: ANN401
+    laws = {
+        "admittance": control.admittance(estimate("cuhk"), 0.5, 2.0, 10.0, reach=0.8),
+        "assist": control.assist_as_needed(estimate("cuhk"), 80.0, 4.0, learning=40.0),
+        "limited": control.Limited(control.gravity_friction_pd(estimate("cuhk"), **PD), limit=(30.0, 12.0), slew=400.0),
+    }
+    gait, torques_of = healthy_gait(period=2.0), {}
+    for name, law in laws.items():
+        rng, last = np.random.default_rng(4), np.zeros(2)
+        memory = control.stateful(law).begin(control.State(gait.at(0.0).q, np.zeros(2)))
+        rows = []
+        for t in np.arange(0.0, 1.0, 1.0 / law.rate):
+            target = gait.at(t)
+            pushed = 5.0 * np.array([np.sin(7.0 * t), np.cos(5.0 * t)])
+            q, v = target.q + 0.02 * rng.standard_normal(2), target.v + 0.1 * rng.standard_normal(2)
+            last, memory = control.stateful(law).step(memory, control.State(q, v, last, interaction=pushed), target)
+            rows.append(last)
+        torques_of[name] = np.array(rows)
+    return torques_of
+
+
+@journey("friction and temperature")
+def _() -> Any:  # noqa: ANN401
+    leg, log = logged("cuhk")
+    warm = 25.0 + 15.0 * (log.time - log.time[0]) / np.ptp(log.time)
+    tau = log.tau - 0.02 * np.tanh(np.gradient(log.q, log.time, axis=0) / 0.02) * (warm[:, None] - 25.0)
+    log = replace(log, tau=tau, temperature=np.column_stack([warm, warm]))
+    terms = (exoid.Coulomb(), exoid.Viscous(), torques.TemperatureFriction(smoothing=0.015))
+    return of(exoid.identify(leg, log, terms, check=False))
+
+
+@journey("own offsets of two logs")
+def _() -> Any:  # noqa: ANN401
+    leg, log = logged("cuhk")
+    other = replace(logged("cuhk", 1)[1], tau=logged("cuhk", 1)[1].tau + np.array([0.8, -0.4]))
+    terms = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
+    found = exoid.identify(leg, {"Monday": log, "Tuesday": other}, terms, own=("offset",), check=False)
+    return {key: of(found[key]) for key in ("Monday", "Tuesday")}
+
+
+@journey("on line with a payload half way")
+def _() -> Any:  # noqa: ANN401
+    leg, log = logged("bleex")
+    v = np.gradient(log.q, log.time, axis=0)
+    a = np.gradient(v, log.time, axis=0)
+    half = len(log.time) // 2
+    heavier = np.array([0.8 * (name == "X2") + 0.2 * (name == "J2") for name in leg.parameter_names])
+    more = leg.regressor(log.q, v, a) @ heavier
+    tau = log.tau + more * (np.arange(len(log.time)) >= half)[:, None]
+    online = RecursiveEstimator(leg, rate=log.sample_rate, cutoff=8.0)
+    for q, torque in zip(log.q, tau, strict=True):
+        online.update(q, None, None, torque)
+    return of(online.estimate)
+
+
+@journey("log as mat and mot")
+def _() -> Any:  # noqa: ANN401
+    from scipy.io import savemat  # noqa: PLC0415 - only this journey
+
+    prepare_folder()
+    _, log = logged("cuhk")
+    names = [f"{key}_{joint}" for key in ("q", "tau") for joint in log.joint_names]
+    table = np.column_stack([log.q, log.tau])
+    savemat("log.mat", {"time": log.time, **dict(zip(names, table.T, strict=True))})
+    head = f"log\nversion=1\nnRows={len(table)}\nnColumns={len(names) + 1}\ninDegrees=no\nendheader\n"
+    lines = ["\t".join(map(repr, map(float, (t, *row)))) for t, row in zip(log.time, table, strict=True)]
+    Path("log.mot").write_text(head + "\t".join(["time", *names]) + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    read = [exoid.Recording.from_file(f"log.{ending}", joint_names=log.joint_names) for ending in ("mat", "mot")]
+    return [(each.time, each.q, each.tau) for each in read]
 
 
 @journey("numeric base parameters of an arm")
