@@ -1,6 +1,6 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
-from . import wearer
+from . import wearer as wearer
 from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
@@ -79,5 +79,4 @@ __all__ = [
     "stateful",
     "track",
     "transparent",
-    "wearer",
 ]
