@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, ExoidError
 
-from .units import is_unit, refuse_other_unit, zero_of
+from .quantities import is_unit, refuse_other_unit, zero_of
 
 SYNTAX = "write NAME=HEADER, NAME=HEADER:SCALE, NAME=HEADER:SCALE:ZERO, and :UNIT behind them"
 

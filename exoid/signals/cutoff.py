@@ -1,4 +1,4 @@
-"""Cut-off frequency of the zero-phase preparation by the noise of the angles."""
+"""Cut-off frequency of the zero-phase preparation by the noise of the angles, and the size of noise."""
 
 from __future__ import annotations
 
@@ -13,6 +13,20 @@ from exoid._typing import FloatArray
 from .poses import Poses
 from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
 from .recording import Recording
+
+GAIN = 70.0
+"""Variance of the fourth differences of white noise of variance one, 1² + 4² + 6² + 4² + 1²."""
+
+
+def robust_std(x: FloatArray) -> FloatArray:
+    """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|."""
+    return np.asarray(1.4826 * np.median(np.abs(x), axis=0))
+
+
+def white_noise(signals: FloatArray) -> FloatArray:
+    """Standard deviation of white noise in smooth signals, by their fourth differences."""
+    return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(GAIN))
+
 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""

@@ -11,8 +11,7 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
-from .base_pose import POSE_COLUMNS, BasePose
-from .pose_motion import STANDARD_GRAVITY, twice_imaginary
+from .base_pose import POSE_COLUMNS, STANDARD_GRAVITY, BasePose, twice_imaginary
 from .preparation import Preparation
 from .recording import Recording
 

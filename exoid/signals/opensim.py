@@ -15,12 +15,11 @@ from exoid.errors import ExoidError
 
 from . import timebase
 from .base_motion import BaseMotion
-from .base_pose import turn_upright
+from .base_pose import STANDARD_CUTOFF, turn_upright
 from .column import Column
 from .opensim_forces import UP, read_opensim_forces
-from .pose_motion import STANDARD_CUTOFF
 from .readers import ReadOptions, Table
-from .readers.kinds import open_table
+from .readers.formats import open_table
 from .recording import Recording
 
 if TYPE_CHECKING:

@@ -10,9 +10,7 @@ from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
 from .couplings import Cable, CouplingFriction, CouplingInertia, CouplingSpring
-from .load_friction import LoadFriction
-from .stribeck import Stribeck
-from .temperature import TemperatureFriction
+from .friction import LoadFriction, Stribeck, TemperatureFriction
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .internal_state import InternalState
-from .presliding import Presliding
+from .internal_state import InternalState, Presliding
 from .term import JointMotion, NonlinearParameter, Term, number
 
 SLOW = 0.05

@@ -19,7 +19,7 @@ from log_writers import WRITERS, messages, write_bag, write_bag1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
-from exoid.signals.readers.bounds import MOST_COLUMNS
+from exoid.signals.readers.table import MOST_COLUMNS
 from exoid.tools.reader_process import bounds, child, memory
 from exoid.tools.reader_process.child import read_in_child
 

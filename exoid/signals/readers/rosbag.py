@@ -14,9 +14,8 @@ from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import most_memory, refuse_expansion, size_on_disk
+from exoid.tools.reader_process.bounds import most_memory, reading, refuse_expansion, size_on_disk
 from exoid.tools.reader_process.child import Content, read_in_child
-from exoid.tools.reader_process.reading import reading
 
 from .options import ReadRequest, as_json
 from .table import ArrayTable, needs

@@ -18,8 +18,22 @@ from exoid.signals.quantities import QUANTITIES
 from exoid.signals.source import Source
 from exoid.tools.reader_process.bounds import refuse_expansion
 
-from .bounds import refuse_columns
 from .options import ReadRequest
+
+MOST_COLUMNS = 10_000
+"""Largest number of columns of a log; humanoids have some hundreds."""
+
+MOST_BLANK_LINES = 1_000_000
+"""Largest number of blank lines and comments beyond one for each line with data."""
+
+
+def refuse_columns(count: int, file: str) -> None:
+    """Refuse a file with more columns than any log has."""
+    if count > MOST_COLUMNS:
+        raise UnreadableInputError(
+            f"{count} columns, more than {MOST_COLUMNS}", where=file, remedy="write the columns of one leg's joints"
+        )
+
 
 MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.field, quantity.prefix)}
 """Quantity of the columns of a matrix, by its name."""

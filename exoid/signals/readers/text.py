@@ -17,8 +17,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.signals.source import Source
 
-from .bounds import MOST_BLANK_LINES, refuse_columns
 from .options import ReadRequest
+from .table import MOST_BLANK_LINES, refuse_columns
 
 # Beginnings of lines above the data that are read
 PAYLOAD = "# payload:"  # a payload, such as `# payload: knee:3.0@0,0,-0.3`

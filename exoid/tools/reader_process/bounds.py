@@ -1,7 +1,9 @@
-"""Bounds of files: what a reader may need in memory and time, given the size of the file."""
+"""Bounds on what a file may hold, and errors of libraries that read files."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from exoid.errors import ExoidError
@@ -47,3 +49,17 @@ def refuse_expansion(memory: int, path: Path, file: str) -> None:
             where=file,
             remedy="check where the file comes from; write it without compression if it is valid",
         )
+
+
+@contextmanager
+def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
+    """Turn any exception that a library raises on a damaged file into one line."""
+    try:
+        yield
+    except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
+        raise
+    except MemoryError:
+        raise ExoidError(f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy) from None
+    except BaseException as problem:  # panics of polars are not of class Exception
+        what = " ".join(str(problem).split())[:200] or type(problem).__name__
+        raise ExoidError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 from exoid.errors import ExoidError
 
 from .bounds import READER_MEMORY, most_memory, most_seconds, size_on_disk
-from .memory import MOST_KEPT
-from .watch import Watch
+from .memory import MOST_KEPT, Watch
 
 START = (
     "import sys; sys.path[:] = sys.argv[2:]; "

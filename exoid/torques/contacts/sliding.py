@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
+from exoid.signals.cutoff import robust_std
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import link_placements
-from exoid.signals.noise_size import robust_std
 
 from .imu import ENDS
-from .placements import level_rotation
-from .standing_base import standing_reading
+from .standing_base import level_rotation, standing_reading
 
 SLIDING, TILTING = 0.03, 0.15
 """A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""

@@ -19,9 +19,8 @@ from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
-from .placements import level_rotation
 from .sliding import Slip, low_passed, sliding, slipping
-from .standing_base import standing_base
+from .standing_base import level_rotation, standing_base
 
 EDGE = 0.1
 """Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
