@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .drive import Drive, check_constant, is_gear_ratio, is_positive
 
@@ -48,7 +48,7 @@ class SeriesElastic(Drive):
         spread = float(np.ptp(deflection)) if deflection.size else 0.0
         # Largest range of a spring's deflection that is believed [rad]
         if spread > 1.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the spring's deflection θ_m / ratio − q spans {spread:.3g} rad",
                 remedy="check ratio, sign and unit of the motor angle, which is in rad in front of the gear",
             )

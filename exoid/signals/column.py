@@ -117,11 +117,6 @@ def column_in(headers: Collection[str], column: str | Column, name: str, file: s
         raise BadArgumentError(f"--column {name}={error.what}", where=file, remedy=error.remedy) from None
 
 
-def as_text(column: str | Column) -> str:
-    """Write the header, followed by what the command line wrote behind it."""
-    return column if isinstance(column, str) else (column._text or column.header)
-
-
 def _behind(header: str, parts: list[str], text: str) -> Column:
     """Read scale, zero and unit behind a header."""
     numbers: list[float] = []

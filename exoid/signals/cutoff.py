@@ -108,8 +108,10 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     allowed = ratio <= 0.02**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
-    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in powers))
-    return float(next(long_enough, highest_cutoff(min(each.rate for each in powers))))
+    for cutoff in CUTOFFS[lowest:].tolist():  # the ends of the filters leave half of each recording
+        if all(cutoff < 0.4 * each.rate and 4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
+            return cutoff
+    return highest_cutoff(min(each.rate for each in powers))
 
 
 def highest_cutoff(rate: float) -> float:
@@ -141,9 +143,3 @@ def _segment_power(q: FloatArray, rate: float, derivatives: int) -> FloatArray:
     weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
     total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
     return np.stack([np.multiply.outer(np.cumsum(weight)[below], noise), total.T])
-
-
-def _is_long(power: AccelerationPower, cutoff: float) -> bool:
-    """Tell whether the ends of the filters leave half of a recording."""
-    distorted = 2 * ZeroPhase(cutoff).edge(power.rate) if cutoff < 0.4 * power.rate else power.samples
-    return distorted <= 0.5 * power.samples

@@ -150,19 +150,16 @@ def refuse_contradictions(
     Raises:
         ExoidError: A contact is inverted or never there while the link is loaded, or the force is in kN.
     """
-    interval = float(np.median(np.diff(time)))
-    for link, contact in contacts.items():
-        if link in wrenches:
-            force = np.linalg.norm(wrenches[link].force, axis=1)
-            _refuse_contradiction(link, contact, force, interval, where)
+    for link in (link for link in contacts if link in wrenches):
+        _refuse_contradiction(link, contacts[link], np.linalg.norm(wrenches[link].force, axis=1), time, where)
 
 
-def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, interval: float, where: str) -> None:
+def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time: FloatArray, where: str) -> None:
     # A link is certainly loaded beyond 50 N, and nobody stands on it below a median of 5 N. A load of less than 1 s
     # without any contact may be touch-down and lift-off.
     with_contact = float(np.median(force[contact])) if contact.any() else np.nan
     without = float(np.median(force[~contact])) if not contact.all() else np.nan
-    missed = np.count_nonzero(force > 50.0) * interval
+    missed = np.count_nonzero(force > 50.0) * float(np.median(np.diff(time)))
     if not contact.any() and missed > 1.0:
         raise UnreadableInputError(
             f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",

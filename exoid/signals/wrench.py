@@ -218,7 +218,7 @@ class WrenchFrame(NamedTuple):
         except ValueError:
             point = ()
         if axes not in AXES or (point is not None and len(point) != 3):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{text!r} is no axes and point of a wrench",
                 remedy=f"write {' or '.join(AXES)}, and behind it perhaps @X,Y,Z in m",
             )
@@ -240,8 +240,8 @@ def frame_of_link(text: str) -> tuple[str, WrenchFrame]:
     """Read ``LINK:AXES`` or ``LINK:AXES@X,Y,Z``."""
     link, colon, frame = text.rpartition(":")
     if not colon or not link.strip():
-        raise ExoidError(f"{text!r} does not say the axes of a wrench", remedy=f"write {FORM}")
+        raise BadArgumentError(f"{text!r} does not say the axes of a wrench", remedy=f"write {FORM}")
     try:
         return link.strip(), WrenchFrame.from_text(frame)
     except ExoidError as error:
-        raise ExoidError(error.what, remedy=f"write {FORM}") from None
+        raise BadArgumentError(error.what, remedy=f"write {FORM}") from None

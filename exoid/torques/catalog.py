@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, overload
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
@@ -32,7 +32,9 @@ Kind = TypeVar("Kind", bound=type[Term])
 def _check(kind: type[Term]) -> None:
     """Refuse anything that is not a type of term."""
     if not (isinstance(kind, type) and issubclass(kind, Term)):
-        raise ExoidError(f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term")
+        raise BadArgumentError(
+            f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term"
+        )
     refuse_unwritable_class(KEY, kind)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .term import JointMotion, NonlinearParameter, number
 from .terms import DryFriction
@@ -31,7 +31,7 @@ class Stribeck(DryFriction):
         """Check that all settings make sense."""
         super().__post_init__()
         if not isinstance(self.velocity, NonlinearParameter) and not 0.0 < self.velocity < np.inf:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or NonlinearParameter"
             )
 
@@ -133,14 +133,14 @@ class TemperatureFriction(DryFriction):
         super().__post_init__()
         # [°C]
         if isinstance(self.reference, bool) or not -273.15 < self.reference < math.inf:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"TemperatureFriction(reference={self.reference})", remedy="a temperature in °C, such as 25"
             )
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the columns z (T − T0) and q̇ (T − T0)."""
         if motion.temperature is None:
-            raise ExoidError(
+            raise BadArgumentError(
                 "TemperatureFriction needs the temperature of its joint",
                 remedy="give the temperature, or identify without this term at the temperature of use",
             )

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from exoid import ExoidError
-from exoid.signals import zero_phase
+from exoid.signals import MovingAverage, zero_phase
 from exoid.signals.filters.low_pass import design_frequency, edge_length, noise_bandwidth
-from exoid.signals.filters.moving_average import exponential_moving_average
 
 
 def response(frequency, rate, cutoff, order):
@@ -157,13 +156,13 @@ def test_the_noise_bandwidth_is_the_power_of_the_impulse_response(rate, cutoff, 
 def test_the_moving_average_answers_a_step_in_closed_form():
     alpha, k = 0.2, np.arange(1, 41)
     step = np.concatenate([[0.0], np.ones(40)])
-    np.testing.assert_allclose(exponential_moving_average(step, alpha)[1:], 1.0 - (1.0 - alpha) ** k, rtol=1e-12)
+    np.testing.assert_allclose(MovingAverage(alpha).filter(step, 1.0)[1:], 1.0 - (1.0 - alpha) ** k, rtol=1e-12)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.8])
 def test_the_moving_average_delays_a_ramp_by_its_documented_lag(alpha):
     ramp = np.arange(600.0)
-    lag = ramp - exponential_moving_average(ramp, alpha)
+    lag = ramp - MovingAverage(alpha).filter(ramp, 1.0)
     assert lag[-1] == pytest.approx((1.0 - alpha) / alpha, rel=1e-9)
 
 
@@ -174,10 +173,10 @@ def test_the_moving_average_is_its_recursion_started_at_the_first_sample(alpha, 
     expected = x.copy()
     for k in range(1, 30):
         expected[k] = alpha * x[k] + (1.0 - alpha) * expected[k - 1]
-    np.testing.assert_allclose(exponential_moving_average(x, alpha), expected, atol=1e-12)
+    np.testing.assert_allclose(MovingAverage(alpha).filter(x, 1.0), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("alpha", [0.0, -0.1, 1.1, np.nan])
 def test_a_weight_outside_zero_to_one_is_refused(alpha):
     with pytest.raises(ExoidError, match="weight of the newest sample"):
-        exponential_moving_average(np.zeros(20), alpha)
+        MovingAverage(alpha).filter(np.zeros(20), 1.0)

@@ -10,7 +10,6 @@ import pytest
 from exoid import ExoidError
 from exoid.signals import FiniteDifference, MovingAverage, Recording, ZeroPhase, motion_edge, zero_phase
 from exoid.signals.differentiation import central_difference, second_difference
-from exoid.signals.filters.moving_average import exponential_moving_average
 from exoid.signals.preparation_names import PREPARATIONS
 
 FREQUENCIES = 2.0 * np.pi * np.array([0.3, 0.7, 1.3, 2.1])
@@ -195,9 +194,9 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
     log, way = recording(200.0), MovingAverage(0.25)
     v = truth(log.time)[1]
     kinematics = way.kinematics(dataclasses.replace(log, v=v))
-    np.testing.assert_array_equal(kinematics.q, exponential_moving_average(log.q, 0.25))
-    np.testing.assert_array_equal(kinematics.v, exponential_moving_average(v, 0.25))
-    np.testing.assert_array_equal(way.filter(log.tau, 200.0), exponential_moving_average(log.tau, 0.25))
+    np.testing.assert_array_equal(kinematics.q, MovingAverage(0.25).filter(log.q, 1.0))
+    np.testing.assert_array_equal(kinematics.v, MovingAverage(0.25).filter(v, 1.0))
+    np.testing.assert_array_equal(way.filter(log.tau, 200.0), MovingAverage(0.25).filter(log.tau, 1.0))
     assert way.filter_columns(log.tau, 200.0) is log.tau
     assert 0.75**kinematics.valid.start <= 1e-3 < 0.75 ** (kinematics.valid.start - 1)
 

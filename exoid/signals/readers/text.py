@@ -148,7 +148,13 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
     refuse_columns(len(header), file)
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
-    said = _said(text, rows[0][0] if rows else number)
+    said = {}
+    if any(word in text for word in SAID):
+        data_line = rows[0][0] if rows else number
+        above = [line.strip() for line in text.split("\n", data_line)[: data_line - 1]]
+        said = {
+            word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID
+        }
     return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, said)
 
 
@@ -159,14 +165,6 @@ def refuse_repeated(header: Sequence[str], file: str) -> None:
             raise UnreadableInputError(
                 f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one", file=file, column=name
             )
-
-
-def _said(text: str, data_line: int) -> dict[str, tuple[str, ...]]:
-    """Take what lines before the data say, by their beginning."""
-    if not any(word in text for word in SAID):
-        return {}
-    above = [line.strip() for line in text.split("\n", data_line)[: data_line - 1]]
-    return {word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID}
 
 
 def _commas(line: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 
 MOST_MEMORY = 2**27
 """Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
@@ -44,7 +44,7 @@ def refuse_expansion(memory: int, path: Path, file: str) -> None:
         return
     size = size_on_disk(path)
     if memory > most_memory(size):
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
             where=file,
             remedy="check where the file comes from; write it without compression if it is valid",
@@ -59,7 +59,9 @@ def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
     except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except MemoryError:
-        raise ExoidError(f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy) from None
+        raise UnreadableInputError(
+            f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy
+        ) from None
     except BaseException as problem:  # panics of polars are not of class Exception
         what = " ".join(str(problem).split())[:200] or type(problem).__name__
-        raise ExoidError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
+        raise UnreadableInputError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
