@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError, within
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.differentiation import central_difference, smooth_motion
+from exoid.signals.external import ReadOnlyDict
 from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling
@@ -94,11 +94,7 @@ class Actuators:
         if twice:
             raise BadArgumentError(f"two drives of {', '.join(twice)}", remedy="describe each joint once")
         ordered = {joint: mounted[joint] for joint in leg.joint_names if joint in mounted}
-        return cls(leg.joint_names, leg.joint_labels, MappingProxyType(ordered), MappingProxyType(couplings))
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the mappings as dicts, for the workers of other processes."""
-        return _rebuilt, (self.joint_names, self.joint_labels, dict(self.drives), dict(self.couplings))
+        return cls(leg.joint_names, leg.joint_labels, ReadOnlyDict(ordered), ReadOnlyDict(couplings))
 
     def __repr__(self) -> str:
         """Write one line."""
@@ -399,9 +395,3 @@ def _of_leg(drives: Mapping[str, Drive | Coupling], leg: Leg) -> dict[str, Drive
             remedy="describe the drives of the joints of the leg",
         )
     return found
-
-
-def _rebuilt(
-    names: tuple[str, ...], labels: tuple[str, ...], drives: dict[str, Drive], couplings: dict[str, Coupling]
-) -> Actuators:
-    return Actuators(names, labels, MappingProxyType(drives), MappingProxyType(couplings))

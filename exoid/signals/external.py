@@ -16,18 +16,18 @@ from .wrench import Wrench
 V = TypeVar("V")
 
 
-class ByLink(dict[str, V]):
-    """Read-only mapping from links to what acts on them, which pickle can send to other processes."""
+class ReadOnlyDict(dict[str, V]):
+    """Read-only dictionary, such as of wrenches by link, which pickle can send to other processes."""
 
     __slots__ = ()
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
         """Refuse a change."""
-        raise TypeError("wrenches and contacts of a recording cannot be changed; use dataclasses.replace")
+        raise TypeError("it cannot be changed; use dataclasses.replace")
 
     __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
 
-    def __reduce__(self) -> tuple[type[ByLink[V]], tuple[dict[str, V]]]:
+    def __reduce__(self) -> tuple[type[ReadOnlyDict[V]], tuple[dict[str, V]]]:
         """Pickle as a call of the constructor, as items cannot be set."""
         return type(self), (dict(self),)
 
@@ -52,8 +52,8 @@ def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> Exter
         _refuse_length(len(wrench), samples, f"the wrench on {link}", where)
     touching = _mapping(contacts, "contacts", '{"left_foot": bools}', where)
     return {
-        "wrenches": ByLink(measured),
-        "contacts": ByLink({link: _contact(values, link, samples, where) for link, values in touching.items()}),
+        "wrenches": ReadOnlyDict(measured),
+        "contacts": ReadOnlyDict({link: _contact(values, link, samples, where) for link, values in touching.items()}),
     }
 
 

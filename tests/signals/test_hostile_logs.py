@@ -294,15 +294,6 @@ def test_an_archive_that_expands_far_beyond_what_measurements_do_is_refused(tmp_
     refused(tmp_path / "log.npz", "not plausible for measurements")
 
 
-def test_small_integers_count_as_the_numbers_that_they_become(tmp_path):
-    samples = bounds.MOST_MEMORY // 16 + 1
-    with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("time.npy", header((samples,), "|u1") + bytes(samples))
-        archive.writestr("q.npy", header((samples, 1), "|u1") + bytes(samples))
-        archive.writestr("joint_names.npy", header((1,), "<U3") + "hip".encode("utf-32-le"))
-    refused(tmp_path / "log.npz", "not plausible for measurements")
-
-
 def test_measurements_compress_far_less_than_the_limit(tmp_path):
     """Angles of a 16-bit encoder and torques with noise, as a logger writes them."""
     rng, time_ = np.random.default_rng(0), np.arange(50_000) / 1000.0

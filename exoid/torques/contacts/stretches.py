@@ -100,7 +100,11 @@ def split(leg: Leg, recording: Recording) -> Split:
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     for links, where in _patterns(unknown, len(recording)):
         inside = counted & usual & where
-        usable = inside & _solvable(leg, links, slow)
+        rows = eliminate(leg, links, slow) if links else None
+        usable = inside.copy()
+        if rows is not None:  # a closed chain that leaves no row, or a stretched one
+            left = rows.loop is None or rows.loop.shape[2] > 0
+            usable &= rows.fit & left
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
@@ -165,16 +169,6 @@ def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[
         (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
         for k, pattern in enumerate(patterns)
     ]
-
-
-def _solvable(leg: Leg, links: Sequence[str], q: FloatArray) -> NDArray[np.bool_]:
-    """Samples whose rows without the unknown wrenches are well defined."""
-    if not links:
-        return np.ones(len(q), dtype=np.bool_)
-    found = eliminate(leg, links, q)
-    if found.loop is not None and not found.loop.shape[2]:
-        return np.zeros(len(q), dtype=np.bool_)
-    return found.fit
 
 
 def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
