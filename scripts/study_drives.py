@@ -27,7 +27,8 @@ import numpy as np
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators, Coupling, actuators_from_data, actuators_to_data, read_actuators
+from exoid.actuators import Actuators, Coupling, read_actuators
+from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.experiments import Harmonics
 from exoid.leg.description import describe
 from exoid.rig import (

@@ -17,7 +17,7 @@ import exoid
 from exoid.cli import main, progress
 from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.signals.preparation_names import PREPARATIONS
-from exoid.signals.readers.by_ending import READERS
+from exoid.signals.readers.formats import READERS
 from exoid.torques.catalog import TERMS
 
 progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero

@@ -3,13 +3,11 @@
 from .actuators import Actuators
 from .arm_table import MomentArmTable
 from .attachments import Attachment, Attachments, MomentArm, MountedAttachments
-from .coupling import Coupling
+from .coupling import Coupling, motor_terms
 from .drive import Drive
-from .drive_data import actuators_from_data, actuators_to_data, describe_actuators
 from .file import read_actuators, write_actuators
 from .linear import LinearActuator
 from .motor import Motor
-from .motor_terms import motor_terms
 from .series_elastic import SeriesElastic
 
 __all__ = [
@@ -24,9 +22,6 @@ __all__ = [
     "Motor",
     "MountedAttachments",
     "SeriesElastic",
-    "actuators_from_data",
-    "actuators_to_data",
-    "describe_actuators",
     "motor_terms",
     "read_actuators",
     "write_actuators",

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
+from exoid.errors import BadArgumentError, UnreadableInputError, within
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.differentiation import central_difference, smooth_motion
+from exoid.signals.external import ReadOnlyDict
 from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling
@@ -67,7 +67,7 @@ class Actuators:
         """
         if isinstance(drives, Actuators):
             if drives.joint_names != leg.joint_names:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"actuators of {', '.join(drives.joint_names)} for a leg of {', '.join(leg.joint_names)}",
                     remedy="describe the drives of this leg",
                 )
@@ -80,25 +80,21 @@ class Actuators:
                 couplings[given] = drive.on(leg)
                 continue
             if given not in names:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"a drive of {given!r}, which the leg does not have",
                     remedy=f"its joints are {', '.join(leg.joint_names)}",
                 )
             joint = names[given]
             if joint in mounted:
-                raise ExoidError(f"two drives of {joint}", remedy="describe each joint once")
+                raise BadArgumentError(f"two drives of {joint}", remedy="describe each joint once")
             with within(joint):
                 mounted[joint] = drive.on(leg, joint)
         coupled = [joint for coupling in couplings.values() for joint in coupling.joints]
         twice = [joint for joint in leg.joint_names if coupled.count(joint) + (joint in mounted) > 1]
         if twice:
-            raise ExoidError(f"two drives of {', '.join(twice)}", remedy="describe each joint once")
+            raise BadArgumentError(f"two drives of {', '.join(twice)}", remedy="describe each joint once")
         ordered = {joint: mounted[joint] for joint in leg.joint_names if joint in mounted}
-        return cls(leg.joint_names, leg.joint_labels, MappingProxyType(ordered), MappingProxyType(couplings))
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the mappings as dicts, for the workers of other processes."""
-        return _rebuilt, (self.joint_names, self.joint_labels, dict(self.drives), dict(self.couplings))
+        return cls(leg.joint_names, leg.joint_labels, ReadOnlyDict(ordered), ReadOnlyDict(couplings))
 
     def __repr__(self) -> str:
         """Write one line."""
@@ -218,7 +214,7 @@ class Actuators:
         without = [joint for one in parts for joint in one.joints if joint not in columns]
         without = without or [joint for one in parts for joint in one.joints if not recording.measured[columns[joint]]]
         if without or recording.tau is None:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"no torque of {', '.join(without)} in the recording",
                 where=_source(recording),
                 remedy="give a recording with the torques of all joints that have a drive",
@@ -260,7 +256,7 @@ class Actuators:
             places = [self.joint_names.index(joint) for joint in one.joints]
             with within(one.name):
                 if one.needs_temperature:
-                    raise ExoidError(
+                    raise BadArgumentError(
                         "the torque constant of the motor depends on temperature, which is not known here",
                         remedy="take that of one temperature: motor.at_temperature(40.0)",
                     )
@@ -354,7 +350,7 @@ def _source(recording: Recording) -> str:
     return recording.source.name if recording.source else ""
 
 
-def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> ExoidError:
+def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> UnreadableInputError:
     """Make the error about a recording that has neither torque nor what the drives need."""
     needed = [
         f"{PREFIXES[one.channel]}_{recording.joint_names[columns[joint]]}" for one in parts for joint in one.joints
@@ -373,10 +369,12 @@ def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Map
 def _checked(drives: object) -> Mapping[str, Drive | Coupling]:
     """Check that drives are given by the names of joints."""
     if not isinstance(drives, Mapping) or not drives:
-        raise ExoidError(f"actuators are {drives!r}", remedy='give a drive for each joint: {"left_hip": Motor(...)}')
+        raise BadArgumentError(
+            f"actuators are {drives!r}", remedy='give a drive for each joint: {"left_hip": Motor(...)}'
+        )
     for joint, drive in drives.items():
         if not isinstance(joint, str) or not isinstance(drive, Drive | Coupling):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"actuators have {drive!r} at {joint!r}",
                 remedy='give a drive for the name of each joint: {"left_hip": exoid.actuators.Motor(...)}',
             )
@@ -392,14 +390,8 @@ def _of_leg(drives: Mapping[str, Drive | Coupling], leg: Leg) -> dict[str, Drive
         if not (set(drive.joints) <= others if isinstance(drive, Coupling) else name in others)
     }
     if not found:
-        raise ExoidError(
+        raise BadArgumentError(
             f"drives of {', '.join(drives)}, and none of {', '.join(leg.joint_names)}",
             remedy="describe the drives of the joints of the leg",
         )
     return found
-
-
-def _rebuilt(
-    names: tuple[str, ...], labels: tuple[str, ...], drives: dict[str, Drive], couplings: dict[str, Coupling]
-) -> Actuators:
-    return Actuators(names, labels, MappingProxyType(drives), MappingProxyType(couplings))

@@ -10,7 +10,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 
 from .attachments import MomentArm
 
@@ -72,7 +72,7 @@ class MomentArmTable(MomentArm):
     def _inside(self, q: FloatArray) -> FloatArray:
         low, high = float(q.min(initial=np.inf)), float(q.max(initial=-np.inf))
         if low < self.angle[0] - BEYOND or high > self.angle[-1] + BEYOND:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"angles from {low:.4g} to {high:.4g} rad, and the moment arm was measured from {self.angle[0]:.4g} to "
                 f"{self.angle[-1]:.4g} rad",
                 remedy="measure the moment arm over the whole motion, or use less of the recording",

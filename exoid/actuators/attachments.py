@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
 from .drive import is_number
@@ -119,7 +119,7 @@ class Attachments(MomentArm):
         if sorted(joints) != [model.parents[moving], moving]:
             between = _between(model, *joints)
             named = ", ".join(str(model.names[k]) for k in between) or "no joint"
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{self.first.link} and {self.second.link} are separated by {named}, and the actuator is at {joint}",
                 remedy="attach it to the links above and below that one joint; an actuator across several joints is "
                 "none of exoid's",
@@ -133,9 +133,11 @@ class Attachments(MomentArm):
         mounted = MountedAttachments(self, *_squared_length(model, moving, above, below))
         turned = np.linspace(-math.pi, math.pi, 361)
         if mounted.length(turned).min() < SHORTEST:
-            raise ExoidError(f"the attachment points at {joint} meet at some angle", remedy="check their coordinates")
+            raise BadArgumentError(
+                f"the attachment points at {joint} meet at some angle", remedy="check their coordinates"
+            )
         if np.abs(mounted.arm(turned)).max() < SHORTEST:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the attachment points give no moment arm about {joint}: one of them is on its axis",
                 remedy="check their coordinates, which are in the frames of the links",
             )
@@ -188,11 +190,13 @@ def _attachment(given: object) -> Attachment:
         if isinstance(link, str) and isinstance(numbers, Sequence) and len(numbers) == 3:
             if all(is_number(x) and abs(x) <= FARTHEST for x in numbers):
                 return Attachment(link, (float(numbers[0]), float(numbers[1]), float(numbers[2])))
-            raise ExoidError(
+            raise BadArgumentError(
                 f"attachment point {list(numbers)} on {link}",
                 remedy=f"give x, y, z in m in the frame of the link, each at most {FARTHEST:g} m",
             )
-    raise ExoidError(f"an attachment is {given!r}", remedy='give link and point [m]: ("thigh", (0.05, 0.0, -0.1))')
+    raise BadArgumentError(
+        f"an attachment is {given!r}", remedy='give link and point [m]: ("thigh", (0.05, 0.0, -0.1))'
+    )
 
 
 def _place(leg: Leg, attachment: Attachment) -> pin.Frame:
@@ -202,7 +206,9 @@ def _place(leg: Leg, attachment: Attachment) -> pin.Frame:
     sides = dict(zip(leg.link_labels, leg.link_names, strict=True))
     name = attachment.link if attachment.link in names else sides.get(attachment.link, attachment.link)
     if name not in names:
-        raise ExoidError(f"no link {attachment.link!r} for an attachment point", remedy=f"links are {', '.join(names)}")
+        raise BadArgumentError(
+            f"no link {attachment.link!r} for an attachment point", remedy=f"links are {', '.join(names)}"
+        )
     return bodies[names.index(name)]
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid.signals import Recording
+from exoid.signals.external import ReadOnlyDict
 
 from .actuators import Actuators
 from .drive import UnknownConstant
@@ -40,7 +40,7 @@ def with_constants(actuators: Actuators, values: Mapping[str, float]) -> Actuato
         if name in values:
             drive = drives[actuators.joint_names[joint]]
             drives[actuators.joint_names[joint]] = replace(drive, **{constant.field: values[name]})  # type: ignore[type-var]
-    return replace(actuators, drives=MappingProxyType(drives))
+    return replace(actuators, drives=ReadOnlyDict(drives))
 
 
 def at_start(actuators: Actuators) -> Actuators:

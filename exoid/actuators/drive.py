@@ -149,11 +149,6 @@ def is_positive(value: float) -> bool:
     return value > 0.0
 
 
-def is_gear_ratio(value: float) -> bool:
-    """Whether a constant is not zero."""
-    return value != 0.0
-
-
 def refuse_beyond(drive: Drive, name: str, reading: FloatArray, remedy: str) -> None:
     """Refuse readings far beyond the largest that a drive can have, its constant of that name: their unit is wrong."""
     limit = getattr(drive, name)

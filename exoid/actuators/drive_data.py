@@ -40,21 +40,8 @@ REQUIRED = {
 
 
 def actuators_from_data(data: Table, leg: Leg, *, transmissions: bool = True) -> Actuators:
-    """Mount the drives of a file on a leg; drives of the robot's other joints are left out.
-
-    Ratio and efficiency of a motor that the file does not give are those of the ``<transmission>`` in the URDF.
-
-    Args:
-        data: A table for each joint, and for each coupling, by its name.
-        leg: The leg.
-        transmissions: Whether to look at the ``<transmission>`` elements of the URDF.
-
-    Returns:
-        The actuators.
-
-    Raises:
-        ExoidError: A table has a wrong key or value, or a drive does not fit the leg: names table and key.
-    """
+    """Mount the drives of a file on a leg; drives of the robot's other joints are left out."""
+    # Ratio and efficiency of a motor that the file does not give are those of the `<transmission>` in the URDF.
     if not isinstance(data, Mapping) or not data:
         raise UnreadableInputError(
             "there are no drives", remedy='write a table for each joint: [left_hip] type = "motor" …'
@@ -69,30 +56,13 @@ def actuators_from_data(data: Table, leg: Leg, *, transmissions: bool = True) ->
 
 
 def actuators_to_data(actuators: Actuators) -> dict[str, Any]:
-    """Turn actuators into what files hold.
-
-    Args:
-        actuators: The actuators.
-
-    Returns:
-        A table for each joint and each coupling, of which :func:`actuators_from_data` makes the same actuators.
-
-    Raises:
-        ExoidError: A drive is not of exoid, so that no file can hold it.
-    """
+    """Turn actuators into what files hold: a table for each joint and each coupling, by its name."""
     every: dict[str, Drive | Coupling] = {**actuators.drives, **actuators.couplings}
     return {name: _table(drive) for name, drive in every.items()}
 
 
 def describe_actuators(actuators: Actuators) -> list[str]:
-    """Describe each drive in a line.
-
-    Args:
-        actuators: The actuators.
-
-    Returns:
-        A line for each joint with a drive, and for each coupling: its type and constants.
-    """
+    """Describe each drive and each coupling in a line: its type and constants."""
     return [f"{name}: {_written(table)}" for name, table in actuators_to_data(actuators).items()]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
 from .attachments import SHORTEST, MomentArm
@@ -74,7 +74,7 @@ class LinearActuator(Drive):
         arm = self.moment_arm.arm(q)
         if (np.abs(arm) < SHORTEST).any():
             dead = float(q[int(np.abs(arm).argmin())])
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the actuator has no moment arm at {dead:.4g} rad (dead centre), so that no force makes a torque",
                 remedy="keep the motion away from this angle",
             )

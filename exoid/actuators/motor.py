@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .drive import Drive, UnknownConstant, check_constant, is_gear_ratio, is_number, is_positive, refuse_beyond
+from .drive import Drive, UnknownConstant, check_constant, is_number, is_positive, refuse_beyond
 
 SLOW = 0.02
 """Velocity over which the efficiency changes from one direction of power to the other [rad/s]."""
@@ -74,7 +74,7 @@ class Motor(Drive):
         """Check the constants."""
         for name in ("torque_constant", "max_current"):
             check_constant(self, name, is_positive, "a positive number, or None")
-        check_constant(self, "ratio", is_gear_ratio, "motor angle per joint angle, not zero", optional=False)
+        check_constant(self, "ratio", bool, "motor angle per joint angle, not zero", optional=False)
         for name in ("efficiency", "back_efficiency"):
             share = "a share above 0 and up to 1, such as 0.85 for 85 %"
             check_constant(self, name, lambda value: 0.0 < value <= 1.0, share)

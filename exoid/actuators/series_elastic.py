@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
-from .drive import Drive, check_constant, is_gear_ratio, is_positive
+from .drive import Drive, check_constant, is_positive
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class SeriesElastic(Drive):
     def __post_init__(self) -> None:
         """Check the constants."""
         check_constant(self, "stiffness", is_positive, "a positive number of N·m/rad", optional=False)
-        check_constant(self, "ratio", is_gear_ratio, "motor angle per joint angle, not zero", optional=False)
+        check_constant(self, "ratio", bool, "motor angle per joint angle, not zero", optional=False)
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """τ = k (θ_m / ratio − q)."""
@@ -48,7 +48,7 @@ class SeriesElastic(Drive):
         spread = float(np.ptp(deflection)) if deflection.size else 0.0
         # Largest range of a spring's deflection that is believed [rad]
         if spread > 1.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the spring's deflection θ_m / ratio − q spans {spread:.3g} rad",
                 remedy="check ratio, sign and unit of the motor angle, which is in rad in front of the gear",
             )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 from lxml import etree
@@ -28,29 +27,21 @@ class Transmission(NamedTuple):
 
 def read_transmissions(description: Description) -> dict[str, Transmission]:
     """Read the transmissions of one joint in a URDF; those of several joints, such as differentials, are left out."""
-    root = description.parse()
     found: dict[str, Transmission] = {}
-    for each in _simple(root, description):
-        if each.joint in found:
-            raise UnreadableInputError(
-                f"two transmissions of joint {each.joint!r}", where=description.name, remedy="describe it once"
-            )
-        found[each.joint] = each
-    return found
-
-
-def _simple(root: etree._Element, description: Description) -> Iterator[Transmission]:
-    """Transmissions of one joint."""
-    for element in root.iterchildren("transmission"):
-        name = element.get("name", "")
-        where = f"{description.name}, transmission {name!r}"
+    for element in description.parse().iterchildren("transmission"):
+        where = f"{description.name}, transmission {element.get('name', '')!r}"
         joints = [str(child.get("name", "")) for child in element.iterchildren("joint")]
         if len(joints) != 1:
             continue
         if joints[0] not in description.child_links:
             raise UnreadableInputError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
+        if joints[0] in found:
+            raise UnreadableInputError(
+                f"two transmissions of joint {joints[0]!r}", where=description.name, remedy="describe it once"
+            )
         ratio, efficiency = (_number(element, tag, where) for tag in ("mechanicalReduction", "efficiency"))
-        yield Transmission(joints[0], ratio, efficiency)
+        found[joints[0]] = Transmission(joints[0], ratio, efficiency)
+    return found
 
 
 def _number(element: etree._Element, tag: str, where: str) -> float | None:

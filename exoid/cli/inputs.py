@@ -90,7 +90,7 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
 
 def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
     """Turn "left_foot:link@0,0,-0.08" into axes and points by link."""
-    from exoid.signals.wrench_frame import frame_of_link  # noqa: PLC0415
+    from exoid.signals.wrench import frame_of_link  # noqa: PLC0415
 
     frames: dict[str, WrenchFrame] = {}
     for text in texts or ():

@@ -14,7 +14,7 @@ from exoid.experiments import follow_log
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
-from exoid.signals.source_location import SourceLocation
+from exoid.signals.source import SourceLocation
 from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import DataTable, to_text

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import actuators_from_data, actuators_to_data
+from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg

@@ -16,9 +16,9 @@ from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench
+from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.signals.moving_base import base_during
-from exoid.signals.noise_size import white_noise
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.standing_base import standing_base
 from exoid.torques.contacts.stretches import Stretch, contact_of

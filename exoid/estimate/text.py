@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import describe_actuators
+from exoid.actuators.drive_data import describe_actuators
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge

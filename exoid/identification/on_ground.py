@@ -15,7 +15,7 @@ from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
-from exoid.signals.noise_size import robust_std
+from exoid.signals.cutoff import robust_std
 from exoid.torques import TorqueModel
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes

@@ -68,20 +68,19 @@ def read_memory(path: str | os.PathLike[str], leg: Leg) -> tuple[Settings, Memor
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise UnreadableInputError(f"no memory of schema {SCHEMA!r}", where=where, remedy=remedy, file=where)
     try:
-        if data["leg"] != _leg(leg):
-            raise BadArgumentError(
-                f"the memory is of {data['leg']['name']}, and not of this leg",
-                where=where,
-                remedy="resume with the leg of the saved estimator, or begin anew",
-                file=where,
-            )
-        settings = _settings_from(data["settings"], leg)
-        return settings, _memory_from(data["memory"], settings)
-    except BadArgumentError:
-        raise
+        name = data["leg"]["name"]
+        if data["leg"] == _leg(leg):
+            settings = _settings_from(data["settings"], leg)
+            return settings, _memory_from(data["memory"], settings)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, ExoidError) as error:
         what = f"damaged: {type(error).__name__} {error}"
         raise UnreadableInputError(what, where=where, remedy=remedy, file=where) from error
+    raise BadArgumentError(
+        f"the memory is of {name}, and not of this leg",
+        where=where,
+        remedy="resume with the leg of the saved estimator, or begin anew",
+        file=where,
+    )
 
 
 def _leg(leg: Leg) -> dict[str, Any]:

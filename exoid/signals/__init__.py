@@ -4,10 +4,10 @@ from . import datasets
 from .base_motion import BaseMotion
 from .base_pose import BasePose, turn_upright
 from .column import Column
-from .contact_checks import refuse_contradictions
 from .contacts import contacts_from_switch, contacts_from_wrench, settled
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, motion_edge
+from .external import refuse_contradictions
 from .filters.low_pass import zero_phase
 from .filters.parallel import ParallelFilter
 from .link_wrenches import link_placement, refuse_unknown_links, wrenches_on_links
@@ -21,8 +21,7 @@ from .recording import Recording
 from .recordings import Recordings
 from .source import Source
 from .torque_delay import without_torque_delay
-from .wrench import Wrench
-from .wrench_frame import WrenchFrame
+from .wrench import Wrench, WrenchFrame
 
 __all__ = [
     "Approaches",

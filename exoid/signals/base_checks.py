@@ -13,8 +13,7 @@ from exoid.leg.torso import TorsoMotion
 
 from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
-from .base_pose import BasePose, refuse_jumps
-from .pose_motion import STANDARD_GRAVITY
+from .base_pose import STANDARD_GRAVITY, BasePose, refuse_jumps
 
 CONCLUSIVE = 0.7
 """Least share of the power of the direction's rate that a coefficient explains, before it counts."""

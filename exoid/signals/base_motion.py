@@ -11,10 +11,9 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks, timebase
-from .base_pose import BasePose, turn_upright
-from .pose_motion import STANDARD_CUTOFF, motion_of_pose
-from .sampled import Sampled, means
-from .source_location import SourceLocation
+from .base_pose import STANDARD_CUTOFF, BasePose, motion_of_pose, turn_upright
+from .source import SourceLocation
+from .timebase import Sampled, means
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""

@@ -12,7 +12,7 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.leg.torso import TorsoMotion
 
-from .source_location import Evidence, SourceLocation
+from .source import Evidence, SourceLocation
 
 FEWEST_SAMPLES = 10
 """Smallest number of samples of a recording."""

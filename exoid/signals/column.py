@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, ExoidError
 
-from .units import is_unit, refuse_other_unit, zero_of
+from .quantities import is_unit, refuse_other_unit, zero_of
 
 SYNTAX = "write NAME=HEADER, NAME=HEADER:SCALE, NAME=HEADER:SCALE:ZERO, and :UNIT behind them"
 
@@ -115,11 +115,6 @@ def column_in(headers: Collection[str], column: str | Column, name: str, file: s
         return _behind(header, column._text[len(header) :].split(":")[1:], column._text)
     except ExoidError as error:
         raise BadArgumentError(f"--column {name}={error.what}", where=file, remedy=error.remedy) from None
-
-
-def as_text(column: str | Column) -> str:
-    """Write the header, followed by what the command line wrote behind it."""
-    return column if isinstance(column, str) else (column._text or column.header)
 
 
 def _behind(header: str, parts: list[str], text: str) -> Column:

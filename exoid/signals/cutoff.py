@@ -1,4 +1,4 @@
-"""Cut-off frequency of the zero-phase preparation by the noise of the angles."""
+"""Cut-off frequency of the zero-phase preparation by the noise of the angles, and the size of noise."""
 
 from __future__ import annotations
 
@@ -13,6 +13,20 @@ from exoid._typing import FloatArray
 from .poses import Poses
 from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
 from .recording import Recording
+
+GAIN = 70.0
+"""Variance of the fourth differences of white noise of variance one, 1² + 4² + 6² + 4² + 1²."""
+
+
+def robust_std(x: FloatArray) -> FloatArray:
+    """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|."""
+    return np.asarray(1.4826 * np.median(np.abs(x), axis=0))
+
+
+def white_noise(signals: FloatArray) -> FloatArray:
+    """Standard deviation of white noise in smooth signals, by their fourth differences."""
+    return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(GAIN))
+
 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
@@ -94,8 +108,10 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     allowed = ratio <= 0.02**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
-    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in powers))
-    return float(next(long_enough, highest_cutoff(min(each.rate for each in powers))))
+    for cutoff in CUTOFFS[lowest:].tolist():  # the ends of the filters leave half of each recording
+        if all(cutoff < 0.4 * each.rate and 4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
+            return cutoff
+    return highest_cutoff(min(each.rate for each in powers))
 
 
 def highest_cutoff(rate: float) -> float:
@@ -127,9 +143,3 @@ def _segment_power(q: FloatArray, rate: float, derivatives: int) -> FloatArray:
     weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
     total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
     return np.stack([np.multiply.outer(np.cumsum(weight)[below], noise), total.T])
-
-
-def _is_long(power: AccelerationPower, cutoff: float) -> bool:
-    """Tell whether the ends of the filters leave half of a recording."""
-    distorted = 2 * ZeroPhase(cutoff).edge(power.rate) if cutoff < 0.4 * power.rate else power.samples
-    return distorted <= 0.5 * power.samples

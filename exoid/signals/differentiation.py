@@ -154,24 +154,19 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
 
 
 def derive(
-    recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
+    recording: Recording, smooth: Callable[[FloatArray], FloatArray], ends: tuple[int, int], accuracy: Accuracy
 ) -> Kinematics:
-    """Smooth the recorded quantities and derive the others from q."""
-    # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
-    # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
-    rate, q = recording.sample_rate, smooth(recording.q)
-    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
-    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
-    return Kinematics(q, v, a, valid)
-
-
-def inner_samples(recording: Recording, head: int, tail: int) -> slice:
-    """Rows between the ends; a recording without such rows is refused."""
-    samples = len(recording)
+    """Smooth the recorded quantities and derive the others from q; rows at both ends are not valid."""
+    (head, tail), samples = ends, len(recording)
     if samples <= head + tail:
         raise UnreadableInputError(
             f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
             where=recording.source.name if recording.source else "",
             remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",
         )
-    return slice(head, samples - tail)
+    # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
+    # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
+    rate, q = recording.sample_rate, smooth(recording.q)
+    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
+    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
+    return Kinematics(q, v, a, slice(head, samples - tail))

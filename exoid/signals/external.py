@@ -8,7 +8,7 @@ from typing import Any, NoReturn, TypedDict, TypeVar
 import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, UnreadableInputError
 
 from . import checks, timebase
 from .wrench import Wrench
@@ -16,18 +16,18 @@ from .wrench import Wrench
 V = TypeVar("V")
 
 
-class ByLink(dict[str, V]):
-    """Read-only mapping from links to what acts on them, which pickle can send to other processes."""
+class ReadOnlyDict(dict[str, V]):
+    """Read-only dictionary, such as of wrenches by link, which pickle can send to other processes."""
 
     __slots__ = ()
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
         """Refuse a change."""
-        raise TypeError("wrenches and contacts of a recording cannot be changed; use dataclasses.replace")
+        raise TypeError("it cannot be changed; use dataclasses.replace")
 
     __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
 
-    def __reduce__(self) -> tuple[type[ByLink[V]], tuple[dict[str, V]]]:
+    def __reduce__(self) -> tuple[type[ReadOnlyDict[V]], tuple[dict[str, V]]]:
         """Pickle as a call of the constructor, as items cannot be set."""
         return type(self), (dict(self),)
 
@@ -52,8 +52,8 @@ def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> Exter
         _refuse_length(len(wrench), samples, f"the wrench on {link}", where)
     touching = _mapping(contacts, "contacts", '{"left_foot": bools}', where)
     return {
-        "wrenches": ByLink(measured),
-        "contacts": ByLink({link: _contact(values, link, samples, where) for link, values in touching.items()}),
+        "wrenches": ReadOnlyDict(measured),
+        "contacts": ReadOnlyDict({link: _contact(values, link, samples, where) for link, values in touching.items()}),
     }
 
 
@@ -130,4 +130,54 @@ def _refuse_length(length: int | tuple[int, ...], samples: int, what: str, where
         shape = f"{length} samples" if isinstance(length, int) else f"shape {length}"
         raise BadArgumentError(
             f"{what} has {shape}, and the recording {samples}", where=where, remedy="give one row per time stamp"
+        )
+
+
+def refuse_contradictions(
+    time: FloatArray, wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray], where: str = ""
+) -> None:
+    """Refuse contacts that contradict the wrench on the same link.
+
+    It is meant for whole logs, and readers of files call it: in a short slice around one mislabelled step the contact
+    may really be wrong.
+
+    Args:
+        time: Time stamps [s], (N,).
+        wrenches: Wrenches by link.
+        contacts: Contacts by link, (N,) each.
+        where: Name of the file.
+
+    Raises:
+        ExoidError: A contact is inverted or never there while the link is loaded, or the force is in kN.
+    """
+    for link in (link for link in contacts if link in wrenches):
+        _refuse_contradiction(link, contacts[link], np.linalg.norm(wrenches[link].force, axis=1), time, where)
+
+
+def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time: FloatArray, where: str) -> None:
+    # A link is certainly loaded beyond 50 N, and nobody stands on it below a median of 5 N. A load of less than 1 s
+    # without any contact may be touch-down and lift-off.
+    with_contact = float(np.median(force[contact])) if contact.any() else np.nan
+    without = float(np.median(force[~contact])) if not contact.all() else np.nan
+    missed = np.count_nonzero(force > 50.0) * float(np.median(np.diff(time)))
+    if not contact.any() and missed > 1.0:
+        raise UnreadableInputError(
+            f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
+            where=where,
+            remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
+        )
+    if without > 50.0 and with_contact < 0.2 * without:
+        raise UnreadableInputError(
+            f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
+            f"{without:.3g} N where it is 0",
+            where=where,
+            remedy="invert it: contacts={...: ~contact}",
+            command=f"invert it: --column contact_{link}=HEADER:-1:1",
+        )
+    if with_contact < 5.0:
+        raise UnreadableInputError(
+            f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: its force looks like kN",
+            where=where,
+            remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",
+            command=f"give its unit: --column wrench_{link}_fx=HEADER:kN, and so for the others",
         )

@@ -14,8 +14,7 @@ from .csv_writer import LogPart
 from .external import External
 from .readers import Table
 from .readers.text import WRENCH
-from .wrench import WRENCH_PARTS, Wrench
-from .wrench_frame import WrenchFrame, as_frames, frame_of_link
+from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, as_frames, frame_of_link
 
 POINT_PARTS = ("px", "py", "pz")
 """Coordinates of a point that moves, in the laboratory [m]."""

@@ -18,12 +18,11 @@ from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column, column_in
 from .external_log import external_columns, is_external, read_external, wrench_headers
-from .quantities import QUANTITIES
+from .quantities import QUANTITIES, refuse_silent_unit
 from .readers import ReadOptions, Table
 from .readers.opensim import TRANSLATIONS
 from .readers.text import PAYLOAD
-from .source_location import SourceLocation
-from .units import refuse_silent_unit
+from .source import SourceLocation
 
 PARTIAL = tuple(f"{quantity.prefix}_" for quantity in QUANTITIES if quantity.partial)
 ANGULAR = tuple(f"{quantity.prefix}_" for quantity in QUANTITIES if quantity.angular)

@@ -11,8 +11,7 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
-from .base_pose import POSE_COLUMNS, BasePose
-from .pose_motion import STANDARD_GRAVITY, twice_imaginary
+from .base_pose import POSE_COLUMNS, STANDARD_GRAVITY, twice_imaginary
 from .preparation import Preparation
 from .recording import Recording
 
@@ -26,20 +25,13 @@ def base_during(recording: Recording, preparation: Preparation) -> MovingBase | 
     even = recording.resampled()
     if even.base is None:
         return even.torso
-    if even.base.pose is not None:
-        return _of_pose(even, even.base.pose, preparation)
-    signals = Recording(
-        even.time, even.base.columns, joint_names=BASE_COLUMNS, source=even.source, largest_angle=math.inf
-    )
-    smooth, slope, _, _ = preparation.kinematics(signals)
-    at_sensor = BaseKinematics(smooth[:, :3], slope[:, :3], smooth[:, 3:])
-    return at_sensor.moved(-even.base.position)
-
-
-def _of_pose(recording: Recording, pose: BasePose, preparation: Preparation) -> BaseKinematics:
-    """Derive the motion of the base from its pose, differentiated as joint angles are."""
-    signals = Recording(recording.time, pose.columns, joint_names=POSE_COLUMNS, largest_angle=math.inf)
+    pose = even.base.pose
+    names, columns = (BASE_COLUMNS, even.base.columns) if pose is None else (POSE_COLUMNS, pose.columns)
+    signals = Recording(even.time, columns, joint_names=names, source=even.source, largest_angle=math.inf)
     smooth, slope, curvature, _ = preparation.kinematics(signals)
+    if pose is None:
+        at_sensor = BaseKinematics(smooth[:, :3], slope[:, :3], smooth[:, 3:])
+        return at_sensor.moved(-even.base.position)
     size = np.linalg.norm(smooth[:, 3:], axis=1, keepdims=True)
     h, rate, change = (part[:, 3:] / size for part in (smooth, slope, curvature))
     force = curvature[:, :3] + (0.0, 0.0, STANDARD_GRAVITY)

@@ -11,16 +11,15 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 
 from . import timebase
 from .base_motion import BaseMotion
-from .base_pose import turn_upright
+from .base_pose import STANDARD_CUTOFF, turn_upright
 from .column import Column
 from .opensim_forces import UP, read_opensim_forces
-from .pose_motion import STANDARD_CUTOFF
 from .readers import ReadOptions, Table
-from .readers.kinds import open_table
+from .readers.formats import open_table
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -87,7 +86,7 @@ def read_opensim(
         ... )  # doctest: +SKIP
     """
     if (forces is None) != (not links):
-        raise ExoidError(
+        raise UnreadableInputError(
             "forces and links belong together",
             where=os.fsdecode(path),
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
@@ -133,7 +132,7 @@ def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
 def _pelvis_of(table: Table) -> PelvisPose:
     for name in ("time", *PELVIS_TURNS, *PELVIS_PLACES):
         if name not in table.header:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"no column {name!r}",
                 where=table.file,
                 remedy="export all six coordinates of the pelvis, or leave it out: pelvis=False",
@@ -141,7 +140,9 @@ def _pelvis_of(table: Table) -> PelvisPose:
     numbers = table.numbers(["time", *PELVIS_TURNS, *PELVIS_PLACES])
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers).all(axis=1)))
-        raise ExoidError(f"{table.row_name} {row} of the pelvis has no number", where=table.file, remedy="fill the gap")
+        raise UnreadableInputError(
+            f"{table.row_name} {row} of the pelvis has no number", where=table.file, remedy="fill the gap"
+        )
     degrees = getattr(table, "in_degrees", False)
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)

@@ -15,9 +15,9 @@ from . import checks, timebase
 from .base_pose import turn_upright
 from .filters.low_pass import zero_phase
 from .readers import Table
-from .readers.kinds import open_table
+from .readers.formats import open_table
 from .recording import Recording
-from .source_location import SourceLocation
+from .source import SourceLocation
 from .wrench import Wrench
 
 UP = (0.0, 1.0, 0.0)

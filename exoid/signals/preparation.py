@@ -6,12 +6,14 @@ import math
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Protocol
 
+import numpy as np
+import scipy  # its parts load when they are first used
+
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
+from .differentiation import Kinematics, derive, motion_edge, smooth_motion
 from .filters.low_pass import TOLERANCE, design_frequency, zero_phase
-from .filters.moving_average import exponential_moving_average
 from .filters.parallel import ParallelFilter
 from .recording import Recording
 
@@ -168,9 +170,8 @@ class ZeroPhase(Preparation):
         """Smooth at the kinematics cut-off, and derive."""
         recording = recording.resampled()
         rate = recording.sample_rate
-        cutoff = self.kinematics_cutoff_at(rate)
-        valid = inner_samples(recording, self.edge(rate), self.edge(rate))
-        return derive(recording, lambda x: smooth_motion(x, rate, cutoff, self.order), valid, accuracy=4)
+        cutoff, edge = self.kinematics_cutoff_at(rate), self.edge(rate)
+        return derive(recording, lambda x: smooth_motion(x, rate, cutoff, self.order), (edge, edge), accuracy=4)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``."""
@@ -215,8 +216,7 @@ class Smoothed(Preparation):
         recording = recording.resampled()
         rate = recording.sample_rate
         edge = motion_edge(rate, self.cutoff, self.order)
-        valid = inner_samples(recording, edge, edge)
-        return derive(recording, lambda x: smooth_motion(x, rate, self.cutoff, self.order), valid, accuracy=4)
+        return derive(recording, lambda x: smooth_motion(x, rate, self.cutoff, self.order), (edge, edge), accuracy=4)
 
 
 @dataclass(frozen=True)
@@ -230,8 +230,7 @@ class FiniteDifference(Preparation):
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Differentiate the angles."""
-        recording = recording.resampled()
-        return derive(recording, lambda x: x, inner_samples(recording, 1, 1), accuracy=2)
+        return derive(recording.resampled(), lambda x: x, (1, 1), accuracy=2)
 
 
 @dataclass(frozen=True)
@@ -259,14 +258,15 @@ class MovingAverage(Preparation):
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive."""
-        recording = recording.resampled()
         settled = 1 if self.alpha == 1.0 else math.ceil(math.log(TOLERANCE) / math.log(1.0 - self.alpha))
-        valid = inner_samples(recording, settled, 1)
-        return derive(recording, lambda x: exponential_moving_average(x, self.alpha), valid, accuracy=2)
+        return derive(recording.resampled(), lambda x: self.filter(x, recording.sample_rate), (settled, 1), accuracy=2)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Smooth torques like the angles."""
-        return exponential_moving_average(x, self.alpha)
+        """Smooth torques like the angles, y_k = α x_k + (1 − α) y_{k−1} from y_0 = x_0."""
+        smoothed, _ = scipy.signal.lfilter(
+            [self.alpha], [1.0, self.alpha - 1.0], x, axis=0, zi=(1 - self.alpha) * x[:1]
+        )
+        return np.asarray(smoothed, dtype=np.float64)
 
     def independent_fraction(self, rate: float) -> float:
         """Compute Σ h² of the average, α / (2 − α)."""

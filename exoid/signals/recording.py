@@ -16,19 +16,18 @@ from exoid.tools.tables import html_table
 
 from . import checks, timebase
 from .base_log import log_of_base
-from .column import Column, as_text
-from .contact_checks import refuse_contradictions
+from .column import Column
 from .csv_writer import LogPart, write_parts
-from .external import interpolate, select_rows
+from .external import interpolate, refuse_contradictions, select_rows
 from .external_log import log_of_external
 from .log import read_log
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
 from .readers import ReadOptions
-from .readers.kinds import open_table
+from .readers.formats import open_table
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns
-from .source_location import SourceLocation
+from .source import SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -427,7 +426,10 @@ class Recording(RecordingData):
         kind: str | None = None,
     ) -> Recording:
         refuse_unknown_options(options)
-        headers = {name: as_text(column) for name, column in (columns or {}).items()}
+        headers = {
+            name: column if isinstance(column, str) else (column._text or column.header)  # as the command line wrote it
+            for name, column in (columns or {}).items()
+        }
         table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
         recording = cls(**read_log(table, joint_names, columns, options))
         refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)

@@ -18,8 +18,7 @@ from .base_checks import refuse_unfit_base
 from .base_motion import BaseMotion
 from .external import External, as_external, refuse_world_axes_without_pose
 from .quantities import QUANTITIES
-from .source import Source
-from .source_location import SourceLocation
+from .source import Source, SourceLocation
 from .wrench import Wrench
 
 

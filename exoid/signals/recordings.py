@@ -15,7 +15,7 @@ from exoid.errors import UnreadableInputError
 from .column import Column
 from .poses import Poses
 from .readers import ReadOptions
-from .readers.by_ending import READERS
+from .readers.formats import READERS
 from .readers.options import refuse_unknown_options
 from .recording import Recording
 

@@ -1,19 +1,19 @@
-"""Wrench: force and moment that the surroundings exert on a link during a recording."""
+"""Wrench: force and moment that the surroundings exert on a link, their units and the axes a log has them in."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 from . import checks, timebase
-from .sampled import Sampled, means
-from .source_location import SourceLocation
-from .wrench_checks import refuse_wrong_units
+from .source import SourceLocation
+from .timebase import Sampled, means
 
 WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Components of a wrench: force [N] and moment [N·m]."""
@@ -136,3 +136,112 @@ class Wrench(Sampled):
         point = "a moving point" if self.moving_point else f"({', '.join(f'{x:.4g}' for x in self.point.tolist())}) m"
         largest = np.linalg.norm(self.force, axis=1).max(initial=0.0)
         return f"Wrench({len(self)} samples, {axes}, about {point}; force up to {largest:.4g} N)"
+
+
+def refuse_wrong_units(force: FloatArray, moment: FloatArray, point: FloatArray, axes: str) -> None:
+    """Refuse forces, moments and points of a size that only another unit explains."""
+    # The line of a force f with moment m is |f × m| / |f|² from the point. Its median, over the samples with at least
+    # half of the largest force, is centimetres on a foot: 1000 times as much in N·mm, or with a force in kN.
+    size = np.linalg.norm(force, axis=1)
+    largest = float(size.max(initial=0.0))
+    if largest > 2e4:  # a runner of 150 kg has 5 kN
+        raise UnreadableInputError(
+            f"a wrench has a force of {largest:.4g} N in row {int(size.argmax())} (limit 20000 N)",
+            remedy="give forces in N; a file's unit is given by exoid.signals.Column(..., unit='mN')",
+            command="give its unit: --column wrench_<link>_fz=HEADER:mN, and so for x and y",
+        )
+    moments = np.linalg.norm(moment, axis=1)
+    if moments.max(initial=0.0) > 2e4:  # 1 kN that is 10 m from the origin of the laboratory has 10 kN·m
+        raise _moment_error(
+            f"a wrench has a moment of {moments.max():.4g} N·m in row {int(moments.argmax())} (limit 20000 N·m)"
+        )
+    away = np.linalg.norm(np.atleast_2d(point), axis=1).max(initial=0.0)
+    farthest = {"link": 5.0, "world": 100.0}[axes]
+    if away > farthest:
+        raise UnreadableInputError(
+            f"the point of a wrench is {away:.4g} m from the origin of its axes (limit {farthest:g} m)",
+            remedy="give the point in m",
+        )
+    if largest < 0.2:  # it has no line: a plate in kN reads at least as much under a wearer
+        return
+    loaded = size >= 0.5 * largest
+    arm = np.linalg.norm(np.cross(force[loaded], moment[loaded]), axis=1) / size[loaded] ** 2
+    if (middle := float(np.median(arm))) > 20.0:
+        raise _moment_error(
+            f"the force of a wrench acts {middle:.4g} m from its point (median), with up to {largest:.4g} N"
+        )
+
+
+def _moment_error(what: str) -> UnreadableInputError:
+    return UnreadableInputError(
+        f"{what}: moments look like N·mm, or forces like kN",
+        remedy="give forces in N and moments in N·m; a file's unit is given by exoid.signals.Column(..., unit='N·mm')",
+        command="give their units: --column wrench_<link>_mx=HEADER:N·mm, or --column wrench_<link>_fx=HEADER:kN, and "
+        "so for the others",
+    )
+
+
+FORM = "LINK:AXES or LINK:AXES@X,Y,Z, such as left_foot:link@0,0,-0.08 or left_foot:world"
+
+
+class WrenchFrame(NamedTuple):
+    """Axes of a wrench in a log, and the point that its moment is about.
+
+    Attributes:
+        axes: "link" for those of the URDF link, "world" for those of the laboratory.
+        point: The point [m], (3,); None for the origin, or for columns ``wrench_<link>_px…z``.
+
+    Example:
+        >>> WrenchFrame.from_text("world@0.5,0.2,0")
+        WrenchFrame(axes='world', point=(0.5, 0.2, 0.0))
+    """
+
+    axes: str
+    point: tuple[float, ...] | None = None
+
+    @staticmethod
+    def from_text(text: str) -> WrenchFrame:
+        """Read ``AXES`` or ``AXES@X,Y,Z``.
+
+        Args:
+            text: The text.
+
+        Returns:
+            The frame.
+
+        Raises:
+            ExoidError: The text has another form.
+        """
+        axes, at, coordinates = (part.strip() for part in text.partition("@"))
+        try:
+            point = tuple(float(part) for part in coordinates.split(",")) if at else None
+        except ValueError:
+            point = ()
+        if axes not in AXES or (point is not None and len(point) != 3):
+            raise BadArgumentError(
+                f"{text!r} is no axes and point of a wrench",
+                remedy=f"write {' or '.join(AXES)}, and behind it perhaps @X,Y,Z in m",
+            )
+        return WrenchFrame(axes, point)
+
+    def __str__(self) -> str:
+        return self.axes if self.point is None else f"{self.axes}@{','.join(repr(float(x)) for x in self.point)}"
+
+
+def as_frames(frames: Mapping[str, WrenchFrame | str]) -> dict[str, WrenchFrame]:
+    """Read the frames that are given as text."""
+    return {
+        link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
+        for link, frame in frames.items()
+    }
+
+
+def frame_of_link(text: str) -> tuple[str, WrenchFrame]:
+    """Read ``LINK:AXES`` or ``LINK:AXES@X,Y,Z``."""
+    link, colon, frame = text.rpartition(":")
+    if not colon or not link.strip():
+        raise BadArgumentError(f"{text!r} does not say the axes of a wrench", remedy=f"write {FORM}")
+    try:
+        return link.strip(), WrenchFrame.from_text(frame)
+    except ExoidError as error:
+        raise BadArgumentError(error.what, remedy=f"write {FORM}") from None

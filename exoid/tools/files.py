@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 
 NAME_KEPT = 40
 """Characters of a file's name that stand in the name of its temporary file; names are limited to 255 bytes."""
@@ -99,7 +99,7 @@ def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
         return
     for name in inputs:
         if _reads(name, Path(path)):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"is an input ({name}), which the output would replace" if str(name) != str(path) else REPLACES,
                 where=str(path),
                 remedy="give the output another name",
@@ -115,7 +115,7 @@ def refuse_content(path: str | os.PathLike[str], sha256: Collection[str]) -> Non
         content = target.read_bytes()
         found = {hashlib.sha256(each).hexdigest() for each in (content, content.removeprefix(BYTE_ORDER_MARK))}
     if not found.isdisjoint(sha256):
-        raise ExoidError(REPLACES, where=str(path), remedy="give the output another name")
+        raise BadArgumentError(REPLACES, where=str(path), remedy="give the output another name")
 
 
 def make_folder(folder: str | os.PathLike[str]) -> Path:
@@ -130,7 +130,7 @@ def make_folder(folder: str | os.PathLike[str]) -> Path:
         reason = error.what
     else:
         return path
-    raise ExoidError(
+    raise BadArgumentError(
         f"cannot write files into this folder ({reason})",
         where=str(folder),
         remedy="name a new folder, or one with write permission",
@@ -200,10 +200,10 @@ def _written(path: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except OSError as problem:
-        raise ExoidError(
+        raise BadArgumentError(
             f"cannot be written: {problem.strerror or problem}",
             where=str(path),
             remedy="write into an existing folder for which you have permission, on a disk with free space",
         ) from None
     except ValueError as problem:  # a null byte in the name
-        raise ExoidError(f"cannot be written: {problem}", where=repr(path), remedy="give another name") from None
+        raise BadArgumentError(f"cannot be written: {problem}", where=repr(path), remedy="give another name") from None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 """Form of a name: it has no comma and no space, which separate names on the command line."""
@@ -44,14 +44,14 @@ class Registry(Mapping[str, T], Generic[T]):
     def register(self, name: str, thing: T) -> T:
         """Register an object under a name."""
         if not isinstance(name, str) or not NAME.fullmatch(name):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{name!r} is no name for a {self.what}",
                 remedy=f'write {self.call}("name", ...) with letters, digits, ".", "_" and "-"',
             )
         self._check(thing)
         known = self._registered.get(name)
         if known is not None and known is not thing and not _redefined(known, thing):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the {self.what} {name!r} exists: {_described(known)}",
                 remedy=f"give {_described(thing)} another name",
             )
@@ -65,7 +65,7 @@ class Registry(Mapping[str, T], Generic[T]):
         if name in self:
             return self._load(name)
         source = f" (the file has it from the module {origin})" if origin else ""
-        raise ExoidError(
+        raise BadArgumentError(
             f"no {self.what} {name!r}{source}",
             remedy=f"use some of {', '.join(self)}; to make another one known, install the package that provides it, "
             f"or import it and call {self.call}({name!r}, ...)",
@@ -120,7 +120,7 @@ class Registry(Mapping[str, T], Generic[T]):
         offer, *others = self._offers[name]
         rivals = [other.distribution for other in others if other.target != offer.target]
         if rivals:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the {self.what} {name!r} is offered by {offer.distribution} and by {', '.join(rivals)}",
                 remedy="uninstall all but one",
             )
@@ -128,7 +128,7 @@ class Registry(Mapping[str, T], Generic[T]):
             return self.register(name, offer.load())
         except (Exception, SystemExit) as error:  # any error of the package's code
             why = error.what if isinstance(error, ExoidError) else f"{type(error).__name__}: {error}"
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the {self.what} {name!r} of {offer.distribution} ({offer.target}) cannot be loaded: {why}",
                 remedy=f"mend or uninstall {offer.distribution.split()[0]}",
             ) from error

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .registry import Registry
 
@@ -21,9 +21,11 @@ T = TypeVar("T")
 def refuse_unwritable_class(key: str, kind: type) -> None:
     """Check that objects of a class can be written by name and settings."""
     if not is_dataclass(kind):
-        raise ExoidError(f"{kind.__name__} is no dataclass", remedy="decorate it with @dataclass(frozen=True)")
+        raise BadArgumentError(f"{kind.__name__} is no dataclass", remedy="decorate it with @dataclass(frozen=True)")
     if any(field.name == key for field in fields(kind)):
-        raise ExoidError(f"{kind.__name__} has a field {key!r}", remedy=f"rename it: in files {key!r} has another use")
+        raise BadArgumentError(
+            f"{kind.__name__} has a field {key!r}", remedy=f"rename it: in files {key!r} has another use"
+        )
 
 
 def named_default(registry: Registry[type[T]], name: str) -> T:
@@ -32,7 +34,7 @@ def named_default(registry: Registry[type[T]], name: str) -> T:
     try:
         return kind()
     except TypeError as error:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the {registry.what} {name!r} cannot be made without settings ({error})",
             remedy=f"pass {kind.__name__}(...) to exoid.identify in Python",
         ) from error
@@ -43,7 +45,7 @@ def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type 
     kind = type(thing)
     name = registry.name_of(kind)
     if name is None:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{kind.__name__} has no name in files",
             remedy=f'give it one: {registry.call}("name", {kind.__name__})',
         )
@@ -64,7 +66,7 @@ def named_from_json(
     except TypeError as error:
         known = ", ".join(field.name for field in fields(kind) if field.init) or "none"  # type: ignore[arg-type]
         version = f"; install the version of {origin} that wrote the file" if origin else ""
-        raise ExoidError(
+        raise BadArgumentError(
             f"the {registry.what} {name!r} does not take {settings} ({error})",
             remedy=f"its settings are {known}{version}",
         ) from error
@@ -98,7 +100,7 @@ def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa:
     if value is None or type(value) in (bool, int) or (type(value) is str and _is_unicode(value)):
         return value
     beside = "" if nested is None else f", {nested.__name__}"
-    raise ExoidError(
+    raise BadArgumentError(
         f"{where}{reprlib.repr(value)}) cannot be written to a file",
         remedy=f"let settings be finite numbers, text, True, False, None{beside}, or tuples of these",
     )

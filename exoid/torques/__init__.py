@@ -3,12 +3,9 @@
 from .catalog import DEFAULT_TERMS, register_term
 from .coupled_term import CoupledTerm, JointsMotion
 from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
-from .internal_state import InternalState
-from .load_friction import LoadFriction
+from .friction import LoadFriction, Stribeck, TemperatureFriction
+from .internal_state import InternalState, Presliding
 from .model import Regrouped, TorqueModel
-from .presliding import Presliding
-from .stribeck import Stribeck
-from .temperature import TemperatureFriction
 from .term import JointMotion, Motion, NonlinearParameter, Term
 from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, overload
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
 from .couplings import Cable, CouplingFriction, CouplingInertia, CouplingSpring
-from .load_friction import LoadFriction
-from .stribeck import Stribeck
-from .temperature import TemperatureFriction
+from .friction import LoadFriction, Stribeck, TemperatureFriction
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
@@ -34,7 +32,9 @@ Kind = TypeVar("Kind", bound=type[Term])
 def _check(kind: type[Term]) -> None:
     """Refuse anything that is not a type of term."""
     if not (isinstance(kind, type) and issubclass(kind, Term)):
-        raise ExoidError(f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term")
+        raise BadArgumentError(
+            f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term"
+        )
     refuse_unwritable_class(KEY, kind)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .term import JointMotion, LoadedMotion, Term
 
@@ -75,7 +75,7 @@ class CoupledTerm(Term):
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Refuse the motion of one joint."""
-        raise ExoidError(
+        raise BadArgumentError(
             f"{type(self).__name__} needs the motion of {', '.join(self.joints or ())} at once",
             remedy="form its columns through a TorqueModel",
         )
@@ -86,11 +86,11 @@ class CoupledTerm(Term):
         self.joint_indices(names, labels)
         places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
         if len(set(places)) < len(places):
-            raise ExoidError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")
+            raise BadArgumentError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")
         if self.loaded or self.needs_temperature or self.internal_state is not None:
             on = "load" if self.loaded else "temperature"
             needs = f"depends on the {on}" if self.loaded or self.needs_temperature else "has memory"
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{type(self).__name__} {needs}, which a term of several joints cannot",
                 remedy="let it depend on positions, velocities and accelerations, or use a term of one joint",
             )
@@ -106,7 +106,7 @@ class CoupledTerm(Term):
         """Refuse anything but a tuple of several different names."""
         joints = self.joints
         if not isinstance(joints, tuple) or len(joints) < 2 or len({*joints}) < len(joints):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{type(self).__name__}(joints={joints!r})",
                 remedy='name the joints that it couples, each once, such as joints=("hip", "knee")',
             )

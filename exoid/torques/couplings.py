@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .coupled_term import CoupledTerm, JointsMotion
 from .term import JointMotion, NonlinearParameter, number
@@ -47,13 +47,13 @@ class CoordinateTerm(CoupledTerm):
         ratios, joints = self.ratios, self.joints or ()
         numbers = isinstance(ratios, tuple) and all(isinstance(r, (int, float)) and math.isfinite(r) for r in ratios)
         if not numbers or len(ratios) != len(joints) or 0.0 in ratios:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{type(self).__name__}(joints={joints!r}, ratios={ratios!r})",
                 remedy="give one finite ratio for each joint, such as ratios=(1.0, -0.5), and leave out joints that do "
                 "not move the coordinate",
             )
         if self.name is not None and not (isinstance(self.name, str) and self.name.isidentifier()):
-            raise ExoidError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
+            raise BadArgumentError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
 
     def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
         """Name its parameters by the coordinate, or by the joints."""
@@ -117,7 +117,9 @@ class Cable(CoordinateTerm):
         if not isinstance(slack, (int, float, NonlinearParameter)) or (
             not isinstance(slack, NonlinearParameter) and not math.isfinite(slack)
         ):
-            raise ExoidError(f"Cable(slack={slack!r})", remedy="give a finite number in rad, or NonlinearParameter")
+            raise BadArgumentError(
+                f"Cable(slack={slack!r})", remedy="give a finite number in rad, or NonlinearParameter"
+            )
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
@@ -156,7 +158,9 @@ class CouplingFriction(CoordinateTerm):
         for field in ("smoothing", "reversal_speed"):
             value = getattr(self, field)
             if not isinstance(value, (int, float)) or not 0.0 <= value < math.inf:
-                raise ExoidError(f"CouplingFriction({field}={value!r})", remedy="a velocity in rad/s, zero or positive")
+                raise BadArgumentError(
+                    f"CouplingFriction({field}={value!r})", remedy="a velocity in rad/s, zero or positive"
+                )
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
         """Select the samples at which the coordinate turns round."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
@@ -33,7 +33,6 @@ from .term import (
     random_temperature,
     term_blocks,
 )
-from .wrenches import wrench_torque
 
 BLOCK = 32768
 """Samples whose terms are filled in at once."""
@@ -99,10 +98,12 @@ class TorqueModel:
         names = self.every_name
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
-            raise ExoidError(f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint")
+            raise BadArgumentError(
+                f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint"
+            )
         if any(term.nonlinear for term in self.terms):
             settings = nonlinear_settings(self.terms, self.leg.joint_names, self.leg.joint_labels)
-            raise ExoidError(
+            raise BadArgumentError(
                 f"nonlinear parameters have no value yet: {', '.join(setting.name for setting in settings)}",
                 remedy="give them numbers, or let exoid.identify find them",
             )
@@ -110,7 +111,7 @@ class TorqueModel:
             object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid, separate=self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
-            raise ExoidError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
+            raise BadArgumentError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
 
     @classmethod
     def at_start(cls, leg: Leg, terms: Sequence[Term], separate: Sequence[str] = ()) -> TorqueModel:
@@ -376,7 +377,15 @@ class TorqueModel:
             Torque of each row, (N, n) or (N, b + n).
         """
         rows = np.hstack([np.zeros((len(tau), self.leg.base_rows)), tau]) if self.leg.base_rows else tau
-        return rows + wrench_torque(self.leg, motion.q, wrenches) if wrenches else rows
+        for link, wrench in wrenches.items():
+            if wrench.axes != "link":
+                raise BadArgumentError(
+                    f"the wrench on {link} is in axes of the laboratory",
+                    remedy="turn it into those of the link: exoid.signals.wrenches_on_links(leg, recording)",
+                )
+            jacobian = self.leg.frame_jacobian(motion.q, link, wrench.point)
+            rows = rows + np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
+        return rows
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Tell which rows have a measured side: those of the base always, as nothing drives it.

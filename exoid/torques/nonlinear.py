@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import NamedTuple
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .term import NonlinearParameter, Term
 
@@ -31,7 +31,7 @@ def nonlinear_settings(
             for joints in term.places(names, labels):
                 setting = NonlinearSetting(f"{symbol}_{term.label(joints, labels)}", unit, free)
                 if found.setdefault(setting.name, setting) != setting:
-                    raise ExoidError(
+                    raise BadArgumentError(
                         f"{setting.name} is {found[setting.name].free} in one term and {free} in another",
                         remedy="it is one quantity: give both the same start and bounds",
                     )
@@ -62,7 +62,7 @@ def _free_settings(term: Term) -> Iterator[tuple[str, str, str, NonlinearParamet
         value = getattr(term, field.name)
         if isinstance(value, NonlinearParameter):
             if field.name not in term.nonlinear_symbols:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{type(term).__name__}({field.name}={value}): the term has no symbol for this setting",
                     remedy="give a number, or let nonlinear_symbols of the term name symbol and unit of the setting",
                 )

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.model import with_dynamic_parameters
 from exoid.leg.payload import Payload
@@ -51,7 +51,7 @@ def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
     joints |= {name: place for names in named for place, name in enumerate(names, start=first)}
     for payload in payloads:
         if payload.joint not in joints:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a payload on {payload.joint!r}, which the leg does not have",
                 where=leg.description.name,
                 remedy=f"its joints are {', '.join(leg.joint_names)}, its links {', '.join(leg.bodies)}",

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.torso import MovingBase, TorsoMotion
@@ -109,7 +109,7 @@ class NonlinearParameter:
     def __post_init__(self) -> None:
         """Check the order."""
         if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
                 remedy="0 < lower ≤ start ≤ upper, and lower < upper",
             )
@@ -118,7 +118,7 @@ class NonlinearParameter:
 def number(value: float | NonlinearParameter) -> float:
     """Return the value of a setting."""
     if isinstance(value, NonlinearParameter):
-        raise ExoidError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
+        raise BadArgumentError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
     return value
 
 
@@ -288,7 +288,7 @@ class Term(ABC):
         known = {**dict(zip(labels, range(len(labels)), strict=True)), **{n: i for i, n in enumerate(names)}}
         missing = [joint for joint in self.joints if joint not in known]
         if missing:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{type(self).__name__} acts on {', '.join(missing)}, which the leg does not have",
                 remedy=f"its joints are {', '.join(names)}",
             )
@@ -358,14 +358,16 @@ def needed_temperature(
     try:
         found = np.full(v.shape, np.nan) if temperature is None else np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ExoidError(f"temperature is no array of numbers ({error})", remedy="pass °C, as many as of q") from None
+        raise BadArgumentError(
+            f"temperature is no array of numbers ({error})", remedy="pass °C, as many as of q"
+        ) from None
     if found.shape != v.shape:
-        raise ExoidError(f"temperature of shape {found.shape}", remedy=f"pass °C of shape {v.shape}, as of q")
+        raise BadArgumentError(f"temperature of shape {found.shape}", remedy=f"pass °C of shape {v.shape}, as of q")
     for block in needing:
         for joint in block.joints:
             if not np.isfinite(found[:, joint]).all():
                 name = joint_names[joint]
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{type(block.term).__name__} needs the temperature of {name}, which is missing",
                     remedy=f"record it in a column temp_{name} [°C], pass temperature=, or let the term act on other "
                     "joints (joints=)",

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
-from .internal_state import InternalState
-from .presliding import Presliding
+from .internal_state import InternalState, Presliding
 from .term import JointMotion, NonlinearParameter, Term, number
 
 SLOW = 0.05
@@ -58,17 +57,17 @@ class DryFriction(Term):
         for name, unit in (("smoothing", "a velocity in rad/s"), ("presliding", "an angle in rad")):
             value = getattr(self, name)
             if not isinstance(value, NonlinearParameter) and not 0.0 <= value < np.inf:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or NonlinearParameter"
                 )
         for name in ("dead_band", "reversal_speed"):
             if not 0.0 <= getattr(self, name) < np.inf:
-                raise ExoidError(
+                raise BadArgumentError(
                     f"{type(self).__name__}({name}={getattr(self, name)})",
                     remedy="a velocity in rad/s, zero or positive",
                 )
         if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{type(self).__name__} has a nonlinear smoothing, which presliding replaces",
                 remedy="leave out one of the two",
             )
@@ -229,7 +228,7 @@ class Stiffness(Term):
     def __post_init__(self) -> None:
         """Check the degree."""
         if not isinstance(self.degree, int) or not 0 <= self.degree <= 8:
-            raise ExoidError(f"stiffness of degree {self.degree}", remedy="use a whole number between 0 and 8")
+            raise BadArgumentError(f"stiffness of degree {self.degree}", remedy="use a whole number between 0 and 8")
 
     @property
     def symbols(self) -> tuple[str, ...]:

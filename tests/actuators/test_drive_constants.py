@@ -8,15 +8,9 @@ import pytest
 from unchecked import identify
 
 import exoid
-from exoid.actuators import (
-    Actuators,
-    Attachments,
-    LinearActuator,
-    Motor,
-    actuators_from_data,
-    actuators_to_data,
-)
+from exoid.actuators import Actuators, Attachments, LinearActuator, Motor
 from exoid.actuators.constants import at_start, unknown_constants, with_constants
+from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
 from exoid.signals import Poses, Recording, Recordings

@@ -20,11 +20,10 @@ from exoid.actuators import (
     MomentArmTable,
     Motor,
     SeriesElastic,
-    actuators_from_data,
-    actuators_to_data,
     read_actuators,
     write_actuators,
 )
+from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.actuators.transmission import read_transmissions
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")

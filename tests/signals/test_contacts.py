@@ -50,25 +50,6 @@ def test_an_impact_does_not_raise_the_thresholds():
     assert np.array_equal(contacts_from_wrench(foot(hit)), contacts_from_wrench(foot(800.0 * STEPS)))
 
 
-@pytest.mark.parametrize(
-    ("wrench", "options", "message"),
-    [
-        (foot(800.0 * STEPS), {"touch": 0.05, "lift": 0.1}, "thresholds touch=0.05 and lift=0.1"),
-        (foot(800.0 * STEPS), {"touch": 0.05, "lift": 0.05}, "thresholds"),
-        (foot(800.0 * STEPS), {"touch": 80.0, "lift": 40.0}, "shares of the largest force"),
-        (foot(0.0 * STEPS, noise=2.0), {}, "nobody stands on the link"),
-        (foot(-800.0 * STEPS), {}, "it points into the ground"),
-        (foot(800.0 * STEPS), {"up": (1.0, 0.0, 0.0)}, "nobody stands on the link"),
-        (foot(400.0 + 300.0 * STEPS), {}, "normal force stays above 3"),
-        (foot(800.0 * STEPS), {"up": (0.0, 0.0, 0.0)}, "up has no direction"),
-    ],
-)
-def test_forces_that_never_cross_a_threshold_are_refused(wrench, options, message):
-    with pytest.raises(ExoidError, match=message) as error:
-        contacts_from_wrench(wrench, **options)
-    assert error.value.remedy
-
-
 # --- From a switch ----------------------------------------------------------------------------------------------------
 
 
@@ -95,23 +76,6 @@ def test_a_contact_lasts_until_the_other_threshold(values):
     assert (contact[1:] == contact[:-1])[between].all()
 
 
-@pytest.mark.parametrize(
-    ("values", "on", "off", "message"),
-    [
-        (STEPS, 2.0, 0.5, "never pressed: readings of 0 to 1, and on=2"),
-        (1.0 + STEPS, 1.5, 0.5, "never released"),
-        (STEPS, 0.5, 0.5, "thresholds on=0.5 and off=0.5"),
-        (np.where(TIME > 3.0, np.nan, STEPS), 0.5, 0.2, "reading 3001 of a foot switch is nan"),
-        (STEPS[:, None], 0.5, 0.2, "readings of a foot switch has shape"),
-        ([], 0.5, 0.2, "never pressed"),
-    ],
-)
-def test_switches_that_say_nothing_are_refused(values, on, off, message):
-    with pytest.raises(ExoidError, match=message) as error:
-        contacts_from_switch(values, on, off)
-    assert error.value.remedy
-
-
 # --- Margins ----------------------------------------------------------------------------------------------------------
 
 
@@ -124,13 +88,6 @@ def test_settled_samples_have_contact_on_both_sides_for_the_margin(values, margi
     for k in range(len(values)):
         around = range(k - margin, k + margin + 1)
         assert found[k] == all(0 <= i < len(values) and contact[i] for i in around)
-
-
-def test_a_margin_without_time_is_refused():
-    with pytest.raises(ExoidError, match=r"a margin of -0\.1 s"):
-        settled(STEPS > 0.0, TIME, -0.1)
-    with pytest.raises(ExoidError, match="contact has shape"):
-        settled(STEPS[1:] > 0.0, TIME, 0.1)
 
 
 # --- Contradictions ---------------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import os
 import tempfile
@@ -57,19 +56,6 @@ def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):
     np.testing.assert_array_equal(recording.tau[3], [3.0, -3.5])
     assert recording.v is None
     assert recording.a is None
-
-
-def test_the_file_is_evidence(log):
-    path = log([HEADER, *ROWS])
-    source = Recording.from_csv(str(path)).source
-    assert source.name == "log.csv"
-    assert source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def test_joint_names_choose_and_order_the_columns(log):
-    recording = Recording.from_csv(log([HEADER, *ROWS]), joint_names=["knee"])
-    assert recording.joint_names == ("knee",)
-    np.testing.assert_array_equal(recording.tau[:, 0], [float(f"{-k}.5") for k in range(12)])
 
 
 def test_columns_map_foreign_headers(log):
@@ -208,11 +194,6 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monk
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_writing_into_a_missing_folder_is_refused(tmp_path, log):
-    with pytest.raises(ExoidError, match=r"cannot be written: there is no such folder.*existing folder"):
-        Recording.from_csv(log([HEADER, *ROWS])).to_csv(tmp_path / "nowhere" / "log.csv")
-
-
 # --- what is refused: the file ------------------------------------------------------------------------------
 
 
@@ -226,26 +207,6 @@ def test_a_missing_file_a_directory_and_a_device_are_refused(tmp_path):
 def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     refused(tmp_path / "pipe.csv", "not a regular file")
-
-
-@pytest.mark.parametrize(
-    ("content", "match"),
-    [
-        (b"", r"log\.csv: the file is empty"),
-        (b"\n  \r\n", "the file is empty"),
-        (b"# nothing here\n", "no lines with data"),
-        (b"\x93NUMPY\x01\x00v\x00{'descr'", "binary, not text"),
-        ("time,q_hip\n0,1\n".encode("utf-16"), "binary, not text.*UTF-8"),
-        (b"time,q_hip\n0,1\n0,\xff\n", r"log\.csv, line 3: byte 0xff is not UTF-8"),
-        (b"0.0,0.1\n0.1,0.2\n", r"log\.csv, line 1: no header line"),
-        (b"# made today\n0.0,0.1\n0.1,0.2\n", r"log\.csv, line 2: no header line"),
-        (b"time,q_hip\n", r"log\.csv: too few samples: 0"),
-        (b"time,q_hip\n" + b"\n".join(b"%d,0.1" % k for k in range(9)), "too few samples: 9"),
-        (b"time,q_hip,q_hip\n" + b"0,1,2\n" * 10, r"log\.csv: 2 columns are headed 'q_hip'"),
-    ],
-)
-def test_a_file_that_is_no_log_is_refused_by_name(log, content, match):
-    refused(log(content), match)
 
 
 def test_two_columns_of_one_name_that_nobody_reads_do_no_harm(log):
@@ -264,112 +225,19 @@ def test_a_missing_time_or_angle_column_is_refused_with_the_closest_and_with_wha
     refused(log([HEADER.replace("q_", "pos_"), *ROWS]), r"no column 'q_<joint>'.*the file has: time, pos_hip")
 
 
-def test_a_header_asked_for_by_the_mapping_must_exist(log):
-    message = refused(log([HEADER, *ROWS]), r"no column 'q_hipp'", columns={"q_hip": "q_hipp"})
-    assert "to be read as q_hip" in message
-    assert "closest: q_hip" in message
-
-
 def test_a_wide_file_is_not_listed_in_full(log):
     lines = ["time," + ",".join(f"signal{k}" for k in range(50)), *(["0" + ",0" * 50] * 12)]
     message = refused(log(lines), r"\(51 in all\)")
     assert "signal30" not in message
 
 
-@pytest.mark.parametrize("quantity", ["v", "a"])
-def test_a_quantity_given_for_some_joints_only_is_refused(log, quantity):
-    lines = [f"time,q_hip,q_knee,{quantity}_hip", *(f"{0.01 * k},0.1,0.1,0.1" for k in range(12))]
-    refused(log(lines), rf"no column '{quantity}_knee' \(other joints have one")
-    assert len(Recording.from_csv(log(lines), joint_names=("hip",))) == 12
-
-
-@pytest.mark.parametrize(
-    ("columns", "match"),
-    [
-        ({"angle_hip": "q_hip"}, "'angle_hip', which is not an exoid column.*time, q_<joint>"),
-        ({"tau_hpi": "tau_hip"}, "'tau_hpi', but no column gives the angle.*hip, knee"),
-        ({"q_a": "q_hip", "q_b": "q_hip"}, "'q_hip' is to be read as q_a and q_b"),
-    ],
-)
-def test_a_mapping_that_makes_no_sense_is_refused(log, columns, match):
-    refused(log([HEADER, *ROWS]), match, columns=columns)
-
-
-@pytest.mark.parametrize(
-    ("options", "match"),
-    [
-        ({"angle_unit": "degrees"}, "angle_unit is 'degrees'"),
-        ({"joint_names": "hip"}, r"the string 'hip'.*\('hip',\)"),
-        ({"joint_names": ()}, "joint_names is empty"),
-        ({"joint_names": ("hip", "hip")}, "occurs 2 times"),
-    ],
-)
-def test_options_that_make_no_sense_are_refused(log, options, match):
-    refused(log([HEADER, *ROWS]), match, **options)
-
-
 # --- what is refused: the cells -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("cell", "match"),
-    [
-        ("nan", "nan is not a finite number.*drop those rows"),
-        ("-inf", "-inf is not a finite number"),
-        ("1e999", "inf is not a finite number"),
-        ("", "the cell is empty.*drop that row"),
-        ("off", "'off' is not a number"),
-        ("1_0", "'1_0' is not a number"),
-        ("٣", "'٣' is not a number"),
-        ('"0,5"', "'0,5' is not a number.*decimal point"),
-        ("1e300", r"1e\+300 is not plausible for a leg"),
-    ],
-)
-def test_a_cell_that_is_no_finite_number_is_named_by_line_and_column(log, cell, match):
-    lines = ["# a comment moves the lines", *changed(5, f"0.06,0.1,0.1,{cell},0.1")]
-    refused(log(lines), rf"log\.csv, line 6, column tau_hip: {match}")
 
 
 def test_a_column_with_a_foreign_header_is_named_by_both(log):
     lines = changed(5, "0.06,0.1,nan,1,0.1")
     lines[0] = HEADER.replace("q_knee", "pos2")
     refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
-
-
-@pytest.mark.parametrize(
-    ("row", "width"), [("0.06,0.1,0.1,1", 4), ("0.06,0.1,0.1,1,2,3", 6), ('0.06,"0.1,0.1",1,2', 4)]
-)
-def test_a_ragged_row_is_refused_by_line(log, row, width):
-    refused(
-        log(changed(5, row)),
-        rf"log\.csv, line 5: {width} cells, but the header has 5 columns.*decimal commas",
-    )
-
-
-def test_a_quotation_mark_that_does_not_close_is_refused(log):
-    lines = ["time,q_hip,note", *(f"{0.01 * k},0.1,ok" for k in range(12))]
-    lines[4] = '0.03,0.1,"ok'
-    refused(log(lines), r"log\.csv: a quotation mark")
-
-
-@pytest.mark.parametrize(("stamp", "kind"), [("0.04", "is repeated"), ("0.01", "runs backwards")])
-def test_disordered_time_is_refused_by_line(log, stamp, kind):
-    lines = ["", *changed(5, f"{stamp},0.1,0.1,1,1")]
-    refused(log(lines), rf"log\.csv, line 6: time {kind}: {stamp} s after 0\.04 s.*split a log")
-
-
-def test_degrees_in_the_file_are_refused_by_line_with_the_remedy(log):
-    message = refused(log(changed(7, "0.10,0.1,40,1,1")), r"log\.csv, line 7, column q_knee: an angle of 40 rad")
-    assert 'angle_unit="deg"' in message
-    assert len(Recording.from_csv(log(changed(7, "0.10,0.1,40,1,1")), largest_angle=50.0)) == 12
-
-
-def test_velocity_in_degrees_is_refused_by_file(log):
-    lines = [
-        "time,q_hip,v_hip",
-        *(f"{0.02 * k},{math.sin(0.06 * k)},{171.9 * math.cos(0.06 * k)}" for k in range(99)),
-    ]
-    refused(log(lines), r"log\.csv: v of joint hip is 57\.\d times .* v looks like degrees")
 
 
 def test_a_gap_in_time_is_refused_by_line_unless_resampling_is_off(log):

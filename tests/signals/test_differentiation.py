@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exoid import ExoidError
 from exoid.signals.differentiation import central_difference, second_difference
 
 RATE = 40.0
@@ -68,10 +67,3 @@ def test_columns_are_differenced_one_by_one(difference):
     out = difference(x, RATE)
     assert out.shape == x.shape
     np.testing.assert_allclose(out[:, 1, 2], difference(x[:, 1, 2], RATE), rtol=1e-12)
-
-
-@pytest.mark.parametrize(("difference", "accuracy", "needed"), [(central_difference, 2, 3), (second_difference, 4, 6)])
-def test_too_few_samples_for_the_stencil_are_refused(difference, accuracy, needed):
-    assert difference(np.zeros(needed), RATE, accuracy).shape == (needed,)
-    with pytest.raises(ExoidError, match=rf"{needed - 1} samples are too few .* over {needed}"):
-        difference(np.zeros(needed - 1), RATE, accuracy)

@@ -172,64 +172,6 @@ def write(path, **changes):
     return path
 
 
-@pytest.mark.parametrize(
-    ("changes", "message", "command"),
-    [
-        (
-            {"wrench_left_foot_my": None},
-            "the wrench on left_foot lacks wrench_left_foot_my",
-            "--column wrench_left_foot_my=",
-        ),
-        (
-            {"wrench_left_foot_px": TIME},
-            "lacks wrench_left_foot_py, wrench_left_foot_pz",
-            "--column wrench_left_foot_py=",
-        ),
-        ({"contact_left_foot": 0.5 * STANCE}, "column contact_left_foot: a contact of 0.5 in sample 0", "in Python"),
-        ({"contact_left_foot": np.where(STANCE, 1.0, np.nan)}, "line 5, column contact_left_foot: nan is not", "drop"),
-        ({"wrench_left_foot_fz": np.where(STANCE, 500.0, np.nan)}, "line 5, column wrench_left_foot_fz: nan", "drop"),
-        ({"wrench_left_foot_fz": np.full(N, np.nan)}, "line 2, column wrench_left_foot_fz: nan", "drop"),
-        (
-            {"wrench_left_foot_mx": np.full(N, 1e5)},
-            "log.csv, wrench on left_foot: a wrench has a moment",
-            "HEADER:N·mm",
-        ),
-        ({"wrench_left_foot_fz": np.full(N, 6e5)}, "log.csv, wrench on left_foot: a wrench has a force", "HEADER:mN"),
-        ({"comment": "# wrench: left_foot:plate"}, "line '# wrench:': 'plate' is no axes", "LINK:AXES"),
-        ({"comment": "# wrench: left_foot"}, "does not say the axes of a wrench", "LINK:AXES"),
-        ({"comment": "# wrench: left_foot:link@0,0"}, "'link@0,0' is no axes and point", "LINK:AXES@X,Y,Z"),
-        ({"comment": "# wrench: left_foot:link@nan,0,0"}, "wrench on left_foot, row 0, column px: nan", "drop"),
-        (
-            {"comment": "# wrench: left_foot:link\n# wrench: left_foot:world"},
-            "two frames of the wrench on left_foot: link and world",
-            "one line",
-        ),
-    ],
-)
-def test_mistakes_in_a_log_name_file_and_column(tmp_path, changes, message, command):
-    with pytest.raises(ExoidError) as error:
-        Recording.from_csv(write(tmp_path / "log.csv", **changes))
-    assert message in str(error.value)
-    assert "log.csv" in error.value.where
-    assert command in error.value.for_command()
-
-
-@pytest.mark.parametrize(
-    ("frames", "comment", "message"),
-    [
-        ({"left_foot": "plate"}, None, "wrench_frames: 'plate' is no axes"),
-        ({"right_foot": "link"}, None, "axes of the wrench on right_foot, which the log does not have"),
-        ({"left_foot": "world"}, "# wrench: left_foot:link", "gives the wrench on left_foot as link, and not as world"),
-    ],
-)
-def test_axes_that_contradict_the_log_are_refused(tmp_path, frames, comment, message):
-    path = write(tmp_path / "log.csv", **({"comment": comment} if comment else {}))
-    with pytest.raises(ExoidError) as error:
-        Recording.from_csv(path, wrench_frames=frames)
-    assert message in str(error.value)
-    assert error.value.remedy
-
-
 def test_a_moving_point_belongs_to_the_laboratory(tmp_path):
     points = dict.fromkeys(("wrench_left_foot_px", "wrench_left_foot_py", "wrench_left_foot_pz"), 0.1 * TIME)
     path = write(tmp_path / "log.csv", **points)
@@ -237,10 +179,3 @@ def test_a_moving_point_belongs_to_the_laboratory(tmp_path):
     for frame in ("link", "world@0,0,0"):
         with pytest.raises(ExoidError, match="the point of the wrench is given by columns wrench_left_foot_px"):
             Recording.from_csv(path, wrench_frames={"left_foot": frame})
-
-
-def test_a_column_that_is_no_component_of_a_wrench_cannot_be_mapped(tmp_path):
-    path = write(tmp_path / "log.csv")
-    for name in ("wrench_left_foot", "wrench_fx", "contact_"):
-        with pytest.raises(ExoidError, match=f"a header is given for '{name}', which is not an exoid column"):
-            Recording.from_csv(path, columns={name: "q_knee"})

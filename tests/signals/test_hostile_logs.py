@@ -19,7 +19,7 @@ from log_writers import WRITERS, messages, write_bag, write_bag1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
-from exoid.signals.readers.bounds import MOST_COLUMNS
+from exoid.signals.readers.table import MOST_COLUMNS
 from exoid.tools.reader_process import bounds, child, memory
 from exoid.tools.reader_process.child import read_in_child
 
@@ -291,15 +291,6 @@ def test_an_archive_that_expands_far_beyond_what_measurements_do_is_refused(tmp_
     with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("time.npy", header((samples,)) + bytes(8 * samples))
         archive.writestr("q.npy", header((samples, 1)) + bytes(8 * samples))
-    refused(tmp_path / "log.npz", "not plausible for measurements")
-
-
-def test_small_integers_count_as_the_numbers_that_they_become(tmp_path):
-    samples = bounds.MOST_MEMORY // 16 + 1
-    with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("time.npy", header((samples,), "|u1") + bytes(samples))
-        archive.writestr("q.npy", header((samples, 1), "|u1") + bytes(samples))
-        archive.writestr("joint_names.npy", header((1,), "<U3") + "hip".encode("utf-32-le"))
     refused(tmp_path / "log.npz", "not plausible for measurements")
 
 

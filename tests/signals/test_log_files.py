@@ -96,12 +96,6 @@ def test_every_kind_may_hold_degrees(kind, tmp_path):
     assert "looks like degrees" in refused(tmp_path / kind, "rad", joint_names=("knee",))
 
 
-def test_csv_is_one_of_the_kinds(tmp_path):
-    swing().to_csv(tmp_path / "log.parquet.csv")
-    again = Recording.from_file(str(tmp_path / "log.parquet.csv"))
-    np.testing.assert_array_equal(again.q, swing().q)
-
-
 @pytest.mark.parametrize("kind", [kind for kind in WRITERS if kind.startswith("log")])
 def test_the_beginning_of_a_file_says_its_kind_not_its_name(kind, tmp_path):
     WRITERS[kind](tmp_path / kind, swing())
@@ -120,13 +114,6 @@ def test_a_file_is_evidence(kind, tmp_path):
         assert source.sha256 == hashlib.sha256(listed.encode()).hexdigest()
     else:
         assert source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def test_uneven_stamps_are_resampled_unless_asked_otherwise(kind, tmp_path):
-    time = (np.arange(40) + 0.1 * (np.arange(40) % 3)) / 100.0
-    WRITERS[kind](tmp_path / kind, swing(time=np.round(time * 1e9) / 1e9, v=None))
-    assert Recording.from_file(tmp_path / kind).is_uniform
-    assert not Recording.from_file(tmp_path / kind, resample=False).is_uniform
 
 
 def test_whatever_the_kind_a_value_that_is_missing_is_named_by_its_place(kind, tmp_path):
@@ -248,14 +235,6 @@ def test_the_caller_names_the_joints_of_matrices_that_have_no_names(tmp_path):
     np.testing.assert_array_equal(mapped.q[:, 0], recording.q[:, 1])
 
 
-def test_joint_names_that_do_not_fit_are_refused(tmp_path):
-    recording = swing()
-    np.savez(tmp_path / "log.npz", time=recording.time, q=recording.q, joint_names=["hip", "knee", "ankle"])
-    refused(tmp_path / "log.npz", "q has 2 columns, but joint_names has 3")
-    np.savez(tmp_path / "log.npz", time=recording.time, q=recording.q, joint_names=[1, 2])
-    refused(tmp_path / "log.npz", "joint_names holds int64, not text")
-
-
 def test_an_array_of_another_length_than_time_is_no_column(tmp_path):
     recording = swing()
     np.savez(tmp_path / "log.npz", time=recording.time, q_hip=recording.q[:-1, 0])
@@ -308,14 +287,6 @@ def test_fields_of_one_struct_among_other_variables_are_mapped_by_their_path(tmp
     columns = {"time": "run.t", "q_hip": "run.pos[0]", "q_knee": "run.pos[1]"}
     again = Recording.from_file(tmp_path / "log.mat", columns=columns)
     np.testing.assert_array_equal(again.q, recording.q)
-
-
-def test_structs_nested_without_end_are_refused(tmp_path):
-    content = {"time": swing().time}
-    for _ in range(30):
-        content = {"s": content}
-    scipy.io.savemat(tmp_path / "log.mat", content)
-    refused(tmp_path / "log.mat", "more than 20 deep")
 
 
 @pytest.mark.slow
@@ -408,18 +379,6 @@ def test_two_publishers_of_one_topic_are_told_apart_by_their_joints(tmp_path):
     again = Recording.from_file(tmp_path / "bag", joint_names=("knee", "hip"))
     np.testing.assert_array_equal(again.q, leg.q[:, ::-1])
     refused(tmp_path / "bag", "no left_wheel beside hip, knee", joint_names=("hip", "left_wheel"))
-
-
-def test_a_joint_named_twice_in_a_message_is_refused(tmp_path):
-    doubled = [(stamp, ("hip", "hip"), *rest) for stamp, _, *rest in messages(swing(a=None))]
-    write_bag(tmp_path / "bag", {"/joint_states": doubled})
-    refused(tmp_path / "bag", "named twice")
-
-
-def test_topic_and_stamps_are_refused_for_other_files(tmp_path):
-    swing().to_csv(tmp_path / "log.csv")
-    refused(tmp_path / "log.csv", "apply to bags", topic="/joint_states")
-    refused(tmp_path / "log.csv", "apply to bags", stamps="received")
 
 
 # What cannot be read

@@ -1,11 +1,9 @@
 """A recording of which only some samples count."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-from exoid import ExoidError, Recording
+from exoid import Recording
 from exoid.signals import Recordings
 
 TIME = np.arange(200) / 100.0
@@ -22,11 +20,6 @@ def test_samples_from_start_to_before_stop_count():
     np.testing.assert_array_equal(np.flatnonzero(masked.mask), [*range(10, 30), *range(100, 140)])
     assert masked.segment_times == ((0.1, 0.29), (1.0, 1.39))
     assert "60 in 2 segments" in repr(masked)
-
-
-def test_a_recording_without_a_mask_has_no_segments():
-    assert walk().mask is None
-    assert walk().segment_times == ()
 
 
 def test_segments_of_segments_are_what_both_have_in_common():
@@ -80,54 +73,3 @@ def test_a_column_of_any_name_and_an_npz_log_can_be_the_mask(tmp_path):
     np.savez(tmp_path / "log.npz", time=TIME, q=log.q, tau=log.tau, joint_names=log.joint_names, swing=swing)
     read = Recording.from_file(tmp_path / "log.npz", mask="swing")
     np.testing.assert_array_equal(read.mask, swing == 1)
-
-
-@pytest.mark.parametrize(
-    ("mask", "message"),
-    [
-        (np.full(200, 2), "values other than 0 and 1"),
-        (np.full(200, np.nan), "values other than 0 and 1"),
-        (["yes"] * 200, "values other than 0 and 1"),
-        (np.ones(199), r"mask has shape \(199,\), expected \(200,\)"),
-        (np.ones((200, 2)), r"mask has shape \(200, 2\)"),
-    ],
-)
-def test_a_mask_that_is_none_is_refused(mask, message):
-    with pytest.raises(ExoidError, match=message):
-        walk(mask=mask)
-
-
-@pytest.mark.parametrize(
-    ("segments", "message"),
-    [
-        ([], "not pairs of start and stop"),
-        ([0.1, 0.3], "not pairs of start and stop"),
-        ([(0.3, 0.1)], "a segment from 0.3 s to 0.1 s"),
-        ([(0.1, np.nan)], "a segment from 0.1 s to nan s"),
-        ([(0.1, 0.3), (5.0, 6.0)], "no sample in the segment from 5 s to 6 s.*lasts from 0 s to 1.99 s"),
-        ([("a", "b")], "not an array of real numbers"),
-    ],
-)
-def test_segments_that_are_none_are_refused(segments, message):
-    with pytest.raises(ExoidError, match=message):
-        walk().segments(segments)
-
-
-def test_a_slice_in_which_nothing_counts_has_no_segments():
-    assert walk().segments([(0.1, 0.3)]).slice(100, 150).segment_times == ()
-
-
-def test_missing_values_are_refused_outside_the_segments_too():
-    """Angles there are needed for the derivatives; a torque there may be any number."""
-    q = walk().q.copy()
-    q[150] = np.nan
-    with pytest.raises(ExoidError, match="row 150, column q_hip"):
-        dataclasses.replace(walk().segments([(0.1, 0.3)]), q=q)
-
-
-def test_a_mask_column_that_is_not_there_or_no_mask_is_named(tmp_path):
-    walk().to_csv(tmp_path / "log.csv")
-    with pytest.raises(ExoidError, match=r"no column 'swing' \(it is to be the mask\).*name a column of 0 and 1"):
-        Recording.from_csv(tmp_path / "log.csv", mask="swing")
-    with pytest.raises(ExoidError, match=r"log.csv, column q_hip: mask has values other than 0 and 1"):
-        Recording.from_csv(tmp_path / "log.csv", mask="q_hip")

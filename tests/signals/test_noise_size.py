@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.signals.noise_size import GAIN, robust_std, white_noise
+from exoid.signals.cutoff import GAIN, robust_std, white_noise
 
 
 def test_outliers_hardly_change_the_robust_standard_deviation():

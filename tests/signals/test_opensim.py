@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from log_writers import write_mot, write_opensim
+from log_writers import write_opensim
 
 import exoid
 from exoid import ExoidError, Recording
@@ -82,20 +82,6 @@ def test_degrees_are_converted_once_whoever_says_so(tmp_path):
         np.testing.assert_allclose(other.q, plain.q, rtol=1e-15)
 
 
-def test_a_negative_scale_reverses_an_angle_in_degrees(tmp_path):
-    write_opensim(tmp_path / "a.mot", TIME, {"knee": ANGLE}, degrees=True)
-    recording = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": Column("knee", scale=-1.0)})
-    np.testing.assert_allclose(recording.q[:, 0], -np.deg2rad(ANGLE), rtol=1e-15)
-
-
-def test_the_command_line_reads_opensim(tmp_path):
-    train = exoid.datasets.bleex_swing().train
-    write_mot(tmp_path / "swing.mot", train)
-    read = Recording.from_file(tmp_path / "swing.mot", train.joint_names)
-    np.testing.assert_allclose(read.q, train.q, rtol=1e-13, atol=1e-15)
-    np.testing.assert_allclose(read.tau, train.tau, rtol=1e-13)
-
-
 def content(rows=12, *, header=("nRows=12", "nColumns=2", "inDegrees=no"), end="endheader", names="time\tknee"):
     lines = ["Coordinates", *header, end, names, *(f"{k / 100}\t{k / 10}" for k in range(rows))]
     return "\n".join(lines) + "\n"
@@ -133,19 +119,6 @@ def test_a_broken_file_ends_in_one_line(tmp_path, text, match):
         Recording.from_file(tmp_path / "bad.mot", columns={"q_knee": "knee"})
     assert "\n" not in str(error.value)
     assert "bad.mot" in str(error.value)
-
-
-def test_more_columns_than_any_robot_has_are_refused(tmp_path):
-    names = "\t".join(f"c{k}" for k in range(10_001))
-    (tmp_path / "wide.mot").write_text(f"a\nendheader\n{names}\n", encoding="utf-8")
-    with pytest.raises(ExoidError, match="10001 columns, more than 10000"):
-        Recording.from_file(tmp_path / "wide.mot", columns={"q_knee": "c1"})
-
-
-def test_millions_of_blank_lines_are_refused(tmp_path):
-    (tmp_path / "blank.sto").write_text("a\n" + "\n" * 1_100_000 + "endheader\ntime\tknee\n", encoding="utf-8")
-    with pytest.raises(ExoidError, match="blank lines"):
-        Recording.from_file(tmp_path / "blank.sto", columns={"q_knee": "knee"})
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -249,23 +222,6 @@ def test_a_plate_without_a_force_needs_no_centre_of_pressure(tmp_path):
     point[np.flatnonzero(loaded)[0]] = np.nan
     write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment))
     with pytest.raises(ExoidError, match=r"grf.mot, line \d+, column ground_force_1_px: nan is not"):
-        read_opensim_forces(tmp_path / "grf.mot")
-
-
-@pytest.mark.parametrize(
-    ("drop", "add", "match"),
-    [
-        ("ground_force_1_vz", {}, r"plate '1' has no force z"),
-        ("ground_force_1_py", {}, r"plate '1' has no point y"),
-        ("ground_torque_1_x", {}, r"plate '1' has no moment x"),
-        (None, {"1_ground_force_vx": TIME}, r"ground_force_1_vx and 1_ground_force_vx are both force x of plate '1'"),
-    ],
-)
-def test_incomplete_and_ambiguous_plates_are_refused(tmp_path, drop, add, match):
-    columns = plate(*step(TIME)) | add
-    columns.pop(drop, None)
-    write_opensim(tmp_path / "grf.mot", TIME, columns)
-    with pytest.raises(ExoidError, match=match):
         read_opensim_forces(tmp_path / "grf.mot")
 
 

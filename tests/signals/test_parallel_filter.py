@@ -58,20 +58,6 @@ def test_sums_of_products_over_every_pace_th_row_are_those_over_all_rows(rate, c
     np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=2e-3)
 
 
-def test_it_is_linear():
-    parallel, x = ParallelFilter(200.0, 8.0, 4), signals(2)
-    rows = range(0, 20_011, parallel.stride)
-    both = parallel(np.array([2.0 * x[0] - 3.0 * x[1]]), rows)[0]
-    np.testing.assert_allclose(both, [2.0, -3.0] @ parallel(x, rows), atol=1e-12)
-
-
-def test_a_record_shorter_than_the_reach_is_filtered_still():
-    parallel = ParallelFilter(500.0, 8.0, 4)
-    assert parallel.reach > 300
-    found = parallel(np.ones((1, 300)), range(0, 300, 7))
-    np.testing.assert_allclose(found, 1.0, atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("rate", "cutoff", "order"), [(1000.0, 2.0, 8), (100.0, 25.0, 4), (200.0, 50.0, 1), (100.0, 49.0, 5)]
 )

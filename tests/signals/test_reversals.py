@@ -72,13 +72,6 @@ def test_the_share_is_the_same_at_every_spacing_of_the_rows(step):
     assert (left**2).sum() == pytest.approx(share * (noise**2).sum(), rel=0.02)
 
 
-def test_no_reversal_changes_nothing():
-    signal = FILTER(np.random.default_rng(3).normal(size=(1, SAMPLES)), ROWS)
-    same, taken, share = without_reversals(signal, reversal_pulses(reversals(), FILTER), ROWS, FILTER)
-    np.testing.assert_array_equal(same, signal)
-    assert (share, taken.shape) == (1.0, (1, 0))
-
-
 def test_rests_are_no_reversals():
     found = around_stops(np.array([reversals((100, 140)), reversals((3000, 6000))]).T, FILTER)
     assert found[:, 0].sum() == 40 + 2 * np.ceil(500.0 / (4.0 * np.pi * 8.0))

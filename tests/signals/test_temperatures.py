@@ -80,21 +80,6 @@ def test_a_header_in_kelvins_is_not_read_as_degrees_in_silence(tmp_path):
         exoid.Recording.from_csv(path, columns={"tau_hip": Column("case [K]", unit="K")})
 
 
-@pytest.mark.parametrize(("values", "why"), [(WARMING + 273.15, "looks like K"), (1000.0 * WARMING, "limits")])
-def test_impossible_temperatures_are_refused_with_their_column(values, why):
-    with pytest.raises(exoid.ExoidError, match=why) as refused:
-        recording(temperature=np.column_stack([NOTHING, values]))
-    assert "temp_knee" in str(refused.value)
-
-
-def test_gaps_and_wrong_shapes_are_refused():
-    gap = np.where(np.arange(40) == 7, np.nan, WARMING)
-    with pytest.raises(exoid.ExoidError, match="temp_knee"):
-        recording(temperature=np.column_stack([NOTHING, gap]))
-    with pytest.raises(exoid.ExoidError, match="temperature"):
-        recording(temperature=WARMING)
-
-
 def test_they_count_in_the_hash_and_in_the_average():
     given = recording(temperature=np.column_stack([NOTHING, WARMING]))
     other = dataclasses.replace(given, temperature=given.temperature + 1.0)

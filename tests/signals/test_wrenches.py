@@ -79,30 +79,6 @@ def test_a_wrench_is_averaged_and_interpolated_about_one_point():
     assert len(averaged) == N // 4
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"axes": "plate"}, "axes 'plate'"),
-        ({"force": np.zeros((N, 2))}, "force of a wrench has shape"),
-        ({"moment": np.zeros((N - 1, 3))}, "moment of a wrench has shape"),
-        ({"moment": np.full((N, 3), np.nan)}, "row 0, column mx: nan is not a finite number"),
-        ({"point": (0.0, 0.0)}, "point of a wrench has shape"),
-        ({"point": (0.0, np.inf, 0.0)}, "column py: inf"),
-        ({"point": np.zeros((N, 3))}, "link axes has shape"),
-        ({"point": np.zeros((N - 1, 3)), "axes": "world"}, "point of a wrench has shape"),
-        ({"point": (50.0, 0.0, -80.0)}, "94.34 m from the origin"),
-        ({"force": np.full((N, 3), 4e5)}, "a force of 6.928e\\+05 N in row 0"),
-        ({"moment": np.full((N, 3), 3e4)}, "moments look like N·mm"),
-        ({"force": "much"}, "force of a wrench is not an array of real numbers"),
-    ],
-)
-def test_a_wrench_that_cannot_be_is_refused(changes, message):
-    whole = {"force": standing().force, "moment": standing().moment, **changes}
-    with pytest.raises(ExoidError, match=message) as error:
-        Wrench(**whole)
-    assert error.value.remedy
-
-
 @pytest.mark.parametrize(("of_force", "of_moment"), [(1e-3, 1.0), (1.0, 1e3), (0.1, 100.0)])
 def test_force_plates_in_kilonewtons_or_newton_millimetres_are_refused(of_force, of_moment):
     wrench = standing()
@@ -138,12 +114,6 @@ def test_wrenches_and_contacts_are_sliced_selected_and_masked_with_the_rest():
     assert "; wrenches: left_foot; contacts: left_foot, right_foot" in repr(whole)
 
 
-def test_a_recording_without_ground_has_empty_mappings():
-    plain = recording(wrenches=None, contacts={})
-    assert dict(plain.wrenches) == dict(plain.contacts) == {}
-    assert "wrenches" not in repr(plain)
-
-
 def test_resampling_interpolates_wrenches_and_shortens_contacts():
     whole = recording()
     fine = whole.resampled(300.0)
@@ -163,26 +133,6 @@ def test_mappings_cannot_be_changed_and_can_be_sent_to_other_processes():
     for twin in (pickle.loads(pickle.dumps(whole)), copy.deepcopy(whole)):
         equal(twin.wrenches["left_foot"], whole.wrenches["left_foot"])
         assert np.array_equal(twin.contacts["left_foot"], whole.contacts["left_foot"])
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"wrenches": [standing()]}, "wrenches is of type list"),
-        ({"wrenches": {"left_foot": np.zeros((N, 6))}}, "the wrench on left_foot is of type ndarray"),
-        ({"wrenches": {"left_foot": standing().rows(slice(9))}}, "left_foot has 9 samples, and the recording 400"),
-        ({"wrenches": {"left,foot": standing()}}, "link name 'left,foot' contains"),
-        ({"contacts": {"left_foot": np.full(N, 0.5)}}, "the contact of left_foot has values other than 0 and 1"),
-        ({"contacts": {"left_foot": np.full(N, np.nan)}}, "values other than 0 and 1"),
-        ({"contacts": {"left_foot": np.ones(N - 1)}}, "the contact of left_foot has 399 samples"),
-        ({"contacts": {"left_foot": np.ones((N, 1))}}, "the contact of left_foot has shape"),
-        ({"contacts": {"": np.ones(N)}}, "link name ''"),
-    ],
-)
-def test_wrenches_and_contacts_that_do_not_fit_are_refused(changes, message):
-    with pytest.raises(ExoidError, match=message) as error:
-        recording(**changes)
-    assert error.value.remedy
 
 
 # --- The pose of the base ---------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.regression.fit import Fit, noise_floor, wls
 from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import RowProblem
-from exoid.signals.noise_size import robust_std
+from exoid.signals.cutoff import robust_std
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""

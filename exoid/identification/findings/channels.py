@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
 from exoid.signals import Recording
-from exoid.signals.noise_size import robust_std
+from exoid.signals.cutoff import robust_std
 from exoid.signals.quantities import UNITS
 
 FROZEN_TORQUE = 0.15

@@ -9,8 +9,8 @@ import numpy as np
 from exoid._typing import BoolArray, FloatArray
 from exoid.estimate.finding import Finding
 from exoid.signals import Recording, ZeroPhase
+from exoid.signals.cutoff import robust_std
 from exoid.signals.differentiation import central_difference
-from exoid.signals.noise_size import robust_std
 
 WINDOW = 4
 """Samples on each side of an interval, through which lines are laid."""

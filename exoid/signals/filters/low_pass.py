@@ -124,14 +124,10 @@ def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[Comple
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
     """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2."""
     midpoints = (np.arange(20_000, dtype=np.float64) + 0.5) * (0.5 * rate / 20_000)
-    return float(np.mean(zero_phase_gain(midpoints, rate, cutoff, order) ** 2))
-
-
-def zero_phase_gain(frequency: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Compute the gain of `zero_phase`, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order))."""
-    ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * design_frequency(rate, cutoff, order) / rate)
+    ratio = np.tan(math.pi * midpoints / rate) / math.tan(math.pi * design_frequency(rate, cutoff, order) / rate)
     with np.errstate(over="ignore"):  # the gain at half the rate is 0
-        return np.asarray(1.0 / (1.0 + ratio ** (2 * order)))
+        gain = 1.0 / (1.0 + ratio ** (2 * order))  # |H|²
+    return float(np.mean(gain**2))
 
 
 def design_frequency(rate: float, cutoff: float, order: int) -> float:

@@ -1,6 +1,6 @@
 """Log file formats: readers that turn each format into a table of named columns."""
 
-from .by_ending import register_format
+from .formats import register_format
 from .options import ReadOptions, ReadRequest
 from .table import ArrayTable, Table
 

@@ -78,23 +78,27 @@ LOGGERS = {
 """Loggers by name."""
 
 
-def logger_of(text: str) -> tuple[Logger, str | None]:
-    """Read ``NAME`` or ``NAME:JOINT``."""
-    name, _, joint = text.partition(":")
-    if name not in LOGGERS:
-        raise UnreadableInputError(
-            f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee"
-        )
-    return LOGGERS[name], joint.strip() or None
-
-
 def in_si(table: Table, request: ReadRequest) -> Table:
     """Turn the log of an actuator into exoid's columns, where the caller names the format or the header shows it."""
     # A header shows it where no columns are mapped and no column is exoid's own.
-    named, joint = (None, None) if (text := request.get("format")) is None else logger_of(text)
-    if named is None and (request.get("columns") or any(name.startswith("q_") for name in table.header)):
+    asked = request.get("format")
+    if not isinstance(table, TextTable):
+        if asked is None:
+            return table
+        raise UnreadableInputError(
+            f"the format {asked!r} is that of a text file",
+            where=table.file,
+            remedy="leave it out: this file says what it is",
+            command="leave out --format",
+        )
+    if asked is None and (request.get("columns") or any(name.startswith("q_") for name in table.header)):
         return table
-    logger = named or _recognised(table)
+    name, _, joint = (asked or "").partition(":")
+    if asked is not None and name not in LOGGERS:
+        raise UnreadableInputError(
+            f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee"
+        )
+    logger = _recognised(table) if asked is None else LOGGERS[name]
     if logger is None:
         return table
     missing = sorted(logger.marks - set(table.header))
@@ -105,7 +109,7 @@ def in_si(table: Table, request: ReadRequest) -> Table:
             remedy="leave out the format, and map the columns",
             command="leave out --format, and map the columns with --column",
         )
-    return _converted(table, logger, _joint(table, logger, joint, request))
+    return _converted(table, logger, joint.strip() or _only_joint(table, logger, request))
 
 
 def _recognised(table: Table) -> Logger | None:
@@ -122,11 +126,9 @@ def _recognised(table: Table) -> Logger | None:
     return found[0] if found else None
 
 
-def _joint(table: Table, logger: Logger, named: str | None, request: ReadRequest) -> str:
-    """Joint of the actuator: the one behind the format, or the only one that is requested."""
+def _only_joint(table: Table, logger: Logger, request: ReadRequest) -> str:
+    """Joint of the actuator where the format does not say it: the only one that is requested."""
     requested = request.get("joint_names")
-    if named is not None:
-        return named
     if requested is not None and not isinstance(requested, str) and len(requested) == 1:
         return requested[0]
     raise UnreadableInputError(
@@ -148,17 +150,3 @@ def _converted(table: Table, logger: Logger, joint: str) -> ArrayTable:
         numbers, lines = numbers[first], None if lines is None else lines[first]
     columns = dict(zip(("time", *found), numbers.T, strict=True))
     return ArrayTable(table.file, table.source, columns, lines, table.row_name)
-
-
-def read_with_format(table: Table, request: ReadRequest) -> Table:
-    """Convert a table of text; refuse a format for any other."""
-    if isinstance(table, TextTable):
-        return in_si(table, request)
-    if request.get("format") is not None:
-        raise UnreadableInputError(
-            f"the format {request['format']!r} is that of a text file",
-            where=table.file,
-            remedy="leave it out: this file says what it is",
-            command="leave out --format",
-        )
-    return table

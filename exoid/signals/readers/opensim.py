@@ -9,8 +9,8 @@ import numpy as np
 
 from exoid.errors import UnreadableInputError
 
-from .bounds import refuse_columns
 from .options import ReadRequest
+from .table import refuse_columns
 from .text import TextTable, read_text, refuse_repeated, split_lines
 
 ROWS, COLUMNS = ("nrows", "datarows"), ("ncolumns", "datacolumns")

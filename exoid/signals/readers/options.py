@@ -9,7 +9,7 @@ from exoid.errors import BadArgumentError
 
 if TYPE_CHECKING:
     from exoid.leg.payload import Payload
-    from exoid.signals.wrench_frame import WrenchFrame
+    from exoid.signals.wrench import WrenchFrame
 
 
 class ReadOptions(TypedDict, total=False):

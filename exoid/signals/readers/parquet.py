@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import refuse_expansion
+from exoid.tools.reader_process.bounds import reading, refuse_expansion
 from exoid.tools.reader_process.child import Content, read_in_child
-from exoid.tools.reader_process.reading import reading
 
-from .bounds import refuse_columns
 from .options import ReadRequest
-from .table import as_column, needs
+from .table import as_column, needs, refuse_columns
 
 REMEDY = "check that the writer closed it; write it again"
 

@@ -14,9 +14,8 @@ from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import most_memory, refuse_expansion, size_on_disk
+from exoid.tools.reader_process.bounds import most_memory, reading, refuse_expansion, size_on_disk
 from exoid.tools.reader_process.child import Content, read_in_child
-from exoid.tools.reader_process.reading import reading
 
 from .options import ReadRequest, as_json
 from .table import ArrayTable, needs
@@ -58,11 +57,7 @@ def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
 def bag_columns(file: str, request: ReadRequest) -> Content:
     """Read the columns in this process, whose memory a compressed bag may fill."""
     with reading(file, "a bag", REMEDY):
-        return Content(_columns(file, request))
-
-
-def _columns(file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
-    messages = list(_messages(Path(file), file, request))
+        messages = list(_messages(Path(file), file, request))
     if not messages:
         raise UnreadableInputError("no joint states in the topic", where=file, remedy="choose another topic")
     joints, messages = _common_joints(messages, file, request)
@@ -72,7 +67,7 @@ def _columns(file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
         values = _matrix(messages, joints, field, file)
         if values is not None:
             columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
-    return columns
+    return Content(columns)
 
 
 def _messages(path: Path, file: str, request: ReadRequest) -> Iterator[_Message]:

@@ -17,8 +17,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.signals.source import Source
 
-from .bounds import MOST_BLANK_LINES, refuse_columns
 from .options import ReadRequest
+from .table import MOST_BLANK_LINES, refuse_columns
 
 # Beginnings of lines above the data that are read
 PAYLOAD = "# payload:"  # a payload, such as `# payload: knee:3.0@0,0,-0.3`
@@ -148,7 +148,13 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
     refuse_columns(len(header), file)
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
-    said = _said(text, rows[0][0] if rows else number)
+    said = {}
+    if any(word in text for word in SAID):
+        data_line = rows[0][0] if rows else number
+        above = [line.strip() for line in text.split("\n", data_line)[: data_line - 1]]
+        said = {
+            word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID
+        }
     return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, said)
 
 
@@ -159,14 +165,6 @@ def refuse_repeated(header: Sequence[str], file: str) -> None:
             raise UnreadableInputError(
                 f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one", file=file, column=name
             )
-
-
-def _said(text: str, data_line: int) -> dict[str, tuple[str, ...]]:
-    """Take what lines before the data say, by their beginning."""
-    if not any(word in text for word in SAID):
-        return {}
-    above = [line.strip() for line in text.split("\n", data_line)[: data_line - 1]]
-    return {word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID}
 
 
 def _commas(line: str) -> str:

@@ -1,10 +1,12 @@
-"""Bounds of files: what a reader may need in memory and time, given the size of the file."""
+"""Bounds on what a file may hold, and errors of libraries that read files."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 
 MOST_MEMORY = 2**27
 """Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
@@ -42,8 +44,24 @@ def refuse_expansion(memory: int, path: Path, file: str) -> None:
         return
     size = size_on_disk(path)
     if memory > most_memory(size):
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
             where=file,
             remedy="check where the file comes from; write it without compression if it is valid",
         )
+
+
+@contextmanager
+def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
+    """Turn any exception that a library raises on a damaged file into one line."""
+    try:
+        yield
+    except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
+        raise
+    except MemoryError:
+        raise UnreadableInputError(
+            f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy
+        ) from None
+    except BaseException as problem:  # panics of polars are not of class Exception
+        what = " ".join(str(problem).split())[:200] or type(problem).__name__
+        raise UnreadableInputError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None

@@ -22,11 +22,10 @@ from typing import IO, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, UnreadableInputError
 
 from .bounds import READER_MEMORY, most_memory, most_seconds, size_on_disk
-from .memory import MOST_KEPT
-from .watch import Watch
+from .memory import MOST_KEPT, Watch
 
 START = (
     "import sys; sys.path[:] = sys.argv[2:]; "
@@ -81,7 +80,7 @@ class Child:
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except (OSError, ValueError) as error:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"the process that reads such files cannot be started ({error})",
                 remedy="free memory or processes, or convert the log to CSV",
             ) from None
@@ -117,7 +116,7 @@ class Child:
         self.usable = bool(reply["stays"])
         if "error" in reply:
             what, where, remedy, command = reply["error"]
-            raise ExoidError(what, where=where, remedy=remedy, command=command)
+            raise UnreadableInputError(what, where=where, remedy=remedy, command=command)
         return Content(arrays, reply["facts"])
 
     def end(self) -> None:
@@ -143,13 +142,15 @@ class Child:
         self.end()
         code = self._process.returncode
         if killed == "memory":
-            return ExoidError("too large for the memory, or damaged", where=file, remedy="check that it is complete")
+            return UnreadableInputError(
+                "too large for the memory, or damaged", where=file, remedy="check that it is complete"
+            )
         if killed == "time":
             what = f"its reader has not ended within {seconds:.0f} s"
         else:
             known = -code in set(signal.Signals) if code < 0 else False
             what = f"its reader died ({signal.Signals(-code).name if known else f'status {code}'})"
-        return ExoidError(
+        return UnreadableInputError(
             f"{what}: the file is damaged, or made to crash programs",
             where=file,
             remedy="check where it comes from; write the log again, or as CSV",

@@ -15,9 +15,9 @@ import numpy as np
 
 from exoid.errors import ExoidError
 
+from .bounds import reading
 from .child import Content
 from .memory import keeps_little, limited_memory
-from .reading import reading
 
 REMEDY = "check that the file is complete"
 

@@ -1,6 +1,6 @@
 """Links on the ground: which rest, what their wrenches leave of the equation, and where the base is."""
 
-from .placements import level_rotation
+from .standing_base import level_rotation
 from .stretches import Split, split
 
 __all__ = [

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
-from exoid.signals.noise_size import white_noise
+from exoid.signals.cutoff import white_noise
 
 from .standing_base import standing_reading
 

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
+from exoid.signals.cutoff import robust_std
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import link_placements
-from exoid.signals.noise_size import robust_std
 
 from .imu import ENDS
-from .placements import level_rotation
-from .standing_base import standing_reading
+from .standing_base import level_rotation, standing_reading
 
 SLIDING, TILTING = 0.03, 0.15
 """A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
@@ -58,14 +57,10 @@ def slipping(leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArr
     # Base rows of a planar machine
     turning = slice(2, 3) if base == 3 else slice(3, 6)
     for (link, flags), (other, also) in combinations(rest.items(), 2):
-        slips |= flags & also & _moves(levers[link] - levers[other], turning)
+        apart = levers[link] - levers[other]  # linear before angular
+        fast = np.linalg.norm(apart[:, : turning.start], axis=1) > SLIDING
+        slips |= flags & also & (fast | (np.linalg.norm(apart[:, turning], axis=1) > TILTING))
     return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips
-
-
-def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
-    """Whether a base that hangs on two links would move at two velocities, linear before angular."""
-    linear, angular = velocity[:, : turning.start], velocity[:, turning]
-    return np.asarray((np.linalg.norm(linear, axis=1) > SLIDING) | (np.linalg.norm(angular, axis=1) > TILTING))
 
 
 def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[str, NDArray[np.bool_]]) -> Slip:
@@ -77,22 +72,19 @@ def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[s
     for link, flags in resting.items():
         away = max(1, round(ENDS * recording.sample_rate))
         inner = scipy.ndimage.binary_erosion(flags, iterations=away)
-        runs = [run for run in _runs(inner) if run.stop - run.start > BASELINE * recording.sample_rate]
+        changes = np.flatnonzero(np.diff(inner, prepend=False, append=False)).reshape(-1, 2).tolist()
+        runs = [slice(*ends) for ends in changes if ends[1] - ends[0] > BASELINE * recording.sample_rate]
         if not runs:
             continue
         aside = _foot_acceleration(leg, recording, base, link)
         speeds = [_velocity(aside[run], recording.sample_rate) for run in runs]
         std = np.maximum(robust_std(np.vstack(speeds)), SLOWEST)
         for run, speed in zip(runs, speeds, strict=True):
-            slides[run] |= _episodes((np.abs(speed) / std).max(axis=1))
+            over = (np.abs(speed) / std).max(axis=1)
+            pieces, _ = scipy.ndimage.label(over > EDGE_OF_SLIP)
+            slides[run] |= np.isin(pieces, np.unique(pieces[over > SEEN]))
         visible = max(visible, SEEN * float(std.max()))
     return Slip(slides, visible)
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[slice]:
-    """Runs of samples that are marked."""
-    change = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
-    return [slice(int(first), int(end)) for first, end in change.reshape(-1, 2)]
 
 
 def _foot_acceleration(leg: Leg, recording: Recording, base: BaseMotion, link: str) -> FloatArray:
@@ -114,12 +106,6 @@ def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
     slow = scipy.ndimage.uniform_filter1d(slow, 1 + half // 2, axis=0)[half:-half]
     time = np.arange(len(speed))
     return np.asarray(speed - np.column_stack([np.interp(time, time[::stride], of_axis) for of_axis in slow.T]))
-
-
-def _episodes(over: FloatArray) -> NDArray[np.bool_]:
-    """Samples around the ones that are clearly too fast, (N,)."""
-    pieces, _ = scipy.ndimage.label(over > EDGE_OF_SLIP)
-    return np.asarray(np.isin(pieces, np.unique(pieces[over > SEEN])))
 
 
 def low_passed(values: FloatArray, rate: float) -> FloatArray:

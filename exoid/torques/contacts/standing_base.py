@@ -15,7 +15,19 @@ from exoid.leg.model import joint_axis
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.link_wrenches import link_placements
 
-from .placements import level_rotation
+
+def level_rotation(leg: Leg, link: str) -> FloatArray:
+    """Orientation of a link where all joint angles are zero and the base is upright: flat on the ground, (3, 3).
+
+    Args:
+        leg: The leg.
+        link: Name of the link in the URDF.
+
+    Returns:
+        Rotation, level axes from link.
+    """
+    return np.asarray(link_placements(leg, np.zeros((1, len(leg.joint_names))), link).rotation[0])
+
 
 CUTOFF = 15.0
 """Cut-off frequency of the motion [Hz], above that of the filter that follows."""

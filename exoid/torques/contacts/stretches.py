@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
@@ -19,9 +19,8 @@ from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
-from .placements import level_rotation
 from .sliding import Slip, low_passed, sliding, slipping
-from .standing_base import standing_base
+from .standing_base import level_rotation, standing_base
 
 EDGE = 0.1
 """Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
@@ -94,21 +93,27 @@ def split(leg: Leg, recording: Recording) -> Split:
     imu = imu_errors(leg, recording, feet) if leg.base_rows else None
     if imu is not None and recording.base is not None:
         recording = replace(recording, base=imu.corrected(recording.base))
-    slip = _slides(leg, recording, feet)
+    slip = Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
+    if recording.base is not None and leg.base_rows and recording.contacts:
+        slip = sliding(leg, recording, recording.base, feet)
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     for links, where in _patterns(unknown, len(recording)):
         inside = counted & usual & where
-        usable = inside & _solvable(leg, links, slow)
+        rows = eliminate(leg, links, slow) if links else None
+        usable = inside.copy()
+        if rows is not None:  # a closed chain that leaves no row, or a stretched one
+            left = rows.loop is None or rows.loop.shape[2] > 0
+            usable &= rows.fit & left
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
             about: dict[str, Any] = {"mask": usable, "base": _base(leg, recording, links, resting)}
             found.append(Stretch(links, replace(recording, **about)))
     if not found:
-        raise ExoidError(
+        raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
-            where=_source(recording),
+            where=recording.source.name if recording.source else "",
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     could = max(1.0, float(np.count_nonzero(counted)))
@@ -136,15 +141,13 @@ def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dic
         flags = contact_of(leg, link, wrench) if link not in rest and link != leg.description.root_link else None
         if flags is not None:
             rest[link] = flags
-    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches and _is_carried(leg, link)}
+    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
+    # On a fixed base, links of other legs are part of the base: forces on them reach no row
+    bent = np.full((1, len(leg.joint_names)), 0.1)
+    unknown = {link: flags for link, flags in unknown.items() if np.abs(leg.contact_jacobian(bent, link)).any()}
     if not links and leg.base_rows:
         unknown[leg.description.root_link] = np.ones(len(recording), dtype=np.bool_)
     return rest, unknown
-
-
-def _is_carried(leg: Leg, link: str) -> bool:
-    """Whether forces on a link reach a row: on a fixed base, links of other legs are part of the base."""
-    return bool(np.abs(leg.contact_jacobian(np.full((1, len(leg.joint_names)), 0.1), link)).max() > 0.0)
 
 
 def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
@@ -168,16 +171,6 @@ def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[
     ]
 
 
-def _solvable(leg: Leg, links: Sequence[str], q: FloatArray) -> NDArray[np.bool_]:
-    """Samples whose rows without the unknown wrenches are well defined."""
-    if not links:
-        return np.ones(len(q), dtype=np.bool_)
-    found = eliminate(leg, links, q)
-    if found.loop is not None and not found.loop.shape[2]:
-        return np.zeros(len(q), dtype=np.bool_)
-    return found.fit
-
-
 def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     """Samples that are further than the edge from a touch-down or lift-off; the ends of a log are none."""
     around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
@@ -194,21 +187,9 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
         return standing_base(leg, recording, feet[0])
     if leg.description.root_link in links:
         return None
-    raise ExoidError(
+    raise UnreadableInputError(
         "the base moves, and no motion of it was recorded while no link rests on the ground",
-        where=_source(recording),
+        where=recording.source.name if recording.source else "",
         remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
         "feet are flat on the ground (contacts=)",
     )
-
-
-def _slides(leg: Leg, recording: Recording, feet: Mapping[str, NDArray[np.bool_]]) -> Slip:
-    """Look for slips that the motion of the base shows, where it was measured."""
-    if recording.base is None or not leg.base_rows or not recording.contacts:
-        return Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
-    return sliding(leg, recording, recording.base, feet)
-
-
-def _source(recording: Recording) -> str:
-    """Name of the file, for errors."""
-    return recording.source.name if recording.source else ""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from exoid.actuators import describe_actuators
+from exoid.actuators.drive_data import describe_actuators
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
 from exoid.estimate.text import assumptions, influences

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.tools.reader_process.bounds import reading
 from exoid.tools.reader_process.child import Content, read_in_child
-from exoid.tools.reader_process.reading import reading
 
 from .visual import hex_colour
 

@@ -8,15 +8,8 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.actuators import (
-    Actuators,
-    Coupling,
-    LinearActuator,
-    MomentArmTable,
-    actuators_from_data,
-    actuators_to_data,
-    read_actuators,
-)
+from exoid.actuators import Actuators, Coupling, LinearActuator, MomentArmTable, read_actuators
+from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 
 DATA = exoid.datasets.bleex_swing()
 LEG = DATA.leg

@@ -1,0 +1,142 @@
+"""Arrays in NumPy archives and in MATLAB files up to version 7: variables, or the fields of one struct."""
+
+from __future__ import annotations
+
+import math
+import warnings
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid.errors import UnreadableInputError
+from exoid.signals.column import header_in
+from exoid.signals.quantities import QUANTITIES
+from exoid.signals.source import Source
+from exoid.tools.reader_process.bounds import reading, refuse_expansion
+from exoid.tools.reader_process.child import Content, read_in_child
+
+from .options import ReadRequest, as_json
+from .table import ArrayTable, refuse_columns
+
+MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.field, quantity.prefix)}
+"""Quantity of the columns of a matrix, by its name."""
+
+REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
+
+
+def read_npz(file: str, request: ReadRequest) -> ArrayTable:
+    """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file."""
+    path = Path(file)
+    with reading(file, "a NumPy archive", REMEDY):
+        with zipfile.ZipFile(path) as archive:
+            refuse_columns(len(archive.infolist()), file)
+            refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)
+        with np.load(path, allow_pickle=False) as data:
+            arrays = {name: np.asarray(data[name]) for name in data.files}
+        return ArrayTable(file, Source.of(path), to_columns(arrays, file, request))
+
+
+MATLAB_REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
+
+
+def read_mat(file: str, request: ReadRequest) -> ArrayTable:
+    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
+    with reading(file, "a MATLAB file", MATLAB_REMEDY):
+        columns = read_in_child(mat_columns, file, request=as_json(request)).arrays
+        rows = len(next(iter(columns.values())))
+        return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
+
+
+def mat_columns(file: str, request: ReadRequest) -> Content:
+    """Read the columns in this process, which scipy's compiled reader may end."""
+    with reading(file, "a MATLAB file", MATLAB_REMEDY), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        content = scipy.io.loadmat(file, appendmat=False, simplify_cells=True, chars_as_strings=True)
+        variables = {name: value for name, value in content.items() if not name.startswith("__")}
+        refuse_expansion(
+            sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), Path(file), file
+        )
+        if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
+            variables = only
+        return Content(to_columns(_flat(variables, file), file, request))
+
+
+def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
+    """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
+    if depth > 20:
+        raise UnreadableInputError("structs are nested more than 20 deep", where=file, remedy=MATLAB_REMEDY)
+    found: dict[str, NDArray[Any]] = {}
+    for name, value in variables.items():
+        if isinstance(value, dict):
+            inner = _flat(value, file, depth + 1)
+            found.update({f"{name}.{field}": array for field, array in inner.items()})
+            continue
+        array = np.asarray(value) if not isinstance(value, list) else np.array(value, dtype=object)
+        if array.dtype.kind == "O" and array.size and all(isinstance(item, str) for item in array.flat):
+            array = np.array([str(item) for item in array.flat])
+        if array.dtype.kind in "biufU":
+            found[name] = array
+    return found
+
+
+def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
+    """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples."""
+    # A matrix q becomes `q_<joint>`, with the joints of the array `joint_names` or of the caller. Any other matrix
+    # becomes `name[0]`, `name[1]`, …. Arrays of another length are left out.
+    time = header_in(arrays, request.get("columns", {}).get("time", "time"))
+    if time not in arrays:
+        exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
+        raise UnreadableInputError(
+            f"no array {time!r} of time stamps; the file has: {exists}",
+            where=file,
+            remedy="rename it in the file or pass columns={'time': <name in the file>}",
+            command="rename it in the file or give its name: --column time=NAME",
+        )
+    samples = arrays[time].size
+    if samples != max(arrays[time].shape, default=1):
+        raise UnreadableInputError(
+            f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample"
+        )
+    if not samples:
+        raise UnreadableInputError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
+    refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()), file)
+    named = arrays.get("joint_names")
+    if named is not None and named.dtype.kind != "U":
+        raise UnreadableInputError(
+            f"joint_names holds {named.dtype}, not text", where=file, remedy="write an array of strings, one per joint"
+        )
+    joints = None if named is None else tuple(str(name).strip() for name in np.atleast_1d(named).reshape(-1))
+    for name, prefix, *_ in QUANTITIES:
+        if name != prefix and {name, prefix} <= arrays.keys() and arrays[name].ndim == arrays[prefix].ndim == 2:
+            raise UnreadableInputError(f"both {name} and {prefix} are there", where=file, remedy="write one of them")
+    columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
+    for name, values in arrays.items():
+        matrix = values[:, np.newaxis] if values.ndim == 1 else values
+        if name in (time, "joint_names") or matrix.ndim != 2 or samples not in matrix.shape or not matrix.size:
+            continue
+        matrix = matrix if len(matrix) == samples else matrix.T
+        labels = _labels(name, matrix.shape[1], joints, request.get("joint_names"), file)
+        columns.update(zip(labels, matrix.T, strict=True))
+    return columns
+
+
+def _labels(
+    name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None, file: str
+) -> Sequence[str]:
+    """Names of the columns of one array."""
+    if name in MATRICES:
+        if named is not None and len(named) != width and not MATRICES[name].of_drive:
+            raise UnreadableInputError(
+                f"{name} has {width} columns, but joint_names has {len(named)}: {', '.join(named[:20])}",
+                where=file,
+                remedy="give every joint one column, (samples, joints)",
+            )
+        joints = named if named is not None else asked
+        if joints is not None and not isinstance(joints, str) and len(joints) == width:
+            return [f"{MATRICES[name].prefix}_{joint}" for joint in joints]
+    return [name] if width == 1 else [f"{name}[{k}]" for k in range(width)]
