@@ -128,7 +128,7 @@ def run_tests(copy: Path, tests: list[str], seconds: float) -> Outcome:
     if done.returncode == 0:
         return Outcome("survived")
     failed = re.findall(r"^(?:FAILED|ERROR) (\S+?\.py\S*)", done.stdout, flags=re.MULTILINE)
-    return Outcome("caught", failed[0] if failed else "cannot be imported")
+    return Outcome("caught", failed[0] if failed else "")
 
 
 def try_mutation(mutation: Mutation, copy: Path, seconds: float) -> Outcome:
@@ -140,8 +140,10 @@ def try_mutation(mutation: Mutation, copy: Path, seconds: float) -> Outcome:
     target.write_text("".join(lines), encoding="utf-8")
     outcome = run_tests(copy, tests_of(mutation, copy), seconds)
     target.write_text(original, encoding="utf-8")
-    if "::" in outcome.test and run_tests(copy, [outcome.test], seconds).verdict != "survived":
-        return Outcome("not decided", f"{outcome.test} fails without the mutation")
+    if outcome.verdict == "caught":
+        test = outcome.test or tests_of(mutation, copy)[0]
+        if run_tests(copy, [test], seconds).verdict != "survived":
+            return Outcome("not decided", f"{test} fails without the mutation")
     return outcome
 
 

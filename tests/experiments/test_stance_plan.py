@@ -25,7 +25,7 @@ from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
 from exoid.rig.ground import Sole
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.contacts.elimination import eliminate
 from exoid.torques.contacts.standing_base import standing_base

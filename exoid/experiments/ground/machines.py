@@ -6,7 +6,7 @@ from exoid.errors import ExoidError
 from exoid.leg.catalog import load_exo
 from exoid.leg.leg import Leg
 from exoid.rig.ground import GroundPlant
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 
 RESISTANCES = {"c0": (2.0, 1.5, 0.5), "d": (0.3, 0.2, 0.1), "Ia": (0.1, 0.1, 0.03)}
 """Coulomb friction [N·m], viscous friction [N·m·s/rad] and rotors [kg·m²] of hip, knee and ankle, an assumption."""

@@ -13,8 +13,7 @@ from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
 from exoid.leg.reduction.planar import GRAVITY
 
-from .plant import GroundPlant
-from .sole import Sole
+from .plant import GroundPlant, Sole
 
 RAIL_JOINTS = ("forward", "pitch")
 """Coordinates of the base that a vertical rail holds."""

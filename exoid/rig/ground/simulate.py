@@ -13,8 +13,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
 from exoid.signals import Wrench
 
-from .engine import Engine
-from .holder import Holder
+from .engine import Engine, Holder
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import Audit, Footing, GroundRun

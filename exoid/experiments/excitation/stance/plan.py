@@ -22,7 +22,7 @@ from exoid.experiments.excitation.text import prediction_text
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import Sole
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
