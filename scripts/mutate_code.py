@@ -102,17 +102,20 @@ def _between(left: ast.expr, right: ast.expr, kind: ast.AST, lines: list[str]) -
 
 
 def tests_of(mutation: Mutation, copy: Path) -> list[str]:
-    """Files with tests of a room, those that import the changed module first, then those elsewhere that import it."""
-    room, stem = mutation.room.replace("/", "."), mutation.path.stem
-    top = mutation.room.split("/")[0]
+    """Files with tests of a room and those elsewhere that import it; those with a name of the changed module first."""
+    room, top = mutation.room.replace("/", "."), mutation.room.split("/")[0]
+    body = ast.parse((ROOT / mutation.path).read_text(encoding="utf-8")).body
+    defined = [node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    names = re.compile(rf"\b({'|'.join([mutation.path.stem, *defined])})\b")
     found = []
     for path in sorted((copy / "tests").rglob("test_*.py")):
-        text = path.read_text(encoding="utf-8")
-        named = re.search(rf"exoid\.{re.escape(room)}\b", text) is not None
-        own = path.relative_to(copy / "tests").parts[0] == top
-        if named or own:
-            found.append((not own, not (named and re.search(rf"\b{stem}\b", text)), not named, path.relative_to(copy)))
-    return [str(path) for *_, path in sorted(found)]
+        text, place = path.read_text(encoding="utf-8"), path.relative_to(copy)
+        own = place.parts[1] == top
+        if own or re.search(rf"exoid\.{re.escape(room)}\b", text):
+            found.append((not own, place))
+        if names.search(text) and "benchmarks" not in place.parts:
+            found.append((-len(set(names.findall(text))) - own, place))
+    return list(dict.fromkeys(str(place) for _, place in sorted(found)))
 
 
 def run_tests(copy: Path, tests: list[str], seconds: float) -> Outcome:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 
 from .actuators import Actuator, Drive
 from .controllers import Controller, Reference, Target
@@ -206,7 +206,7 @@ def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
 
 def _refuse_divergence(v: FloatArray, time: float) -> None:
     if not (np.abs(v) < DIVERGED_SPEED).all():
-        raise ExoidError(
+        raise BadArgumentError(
             f"the rig diverged before {time:.3g} s",
             remedy="lower the gain, add damping or leakage, or shorten the step; check gains and model",
         )

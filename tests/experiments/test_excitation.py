@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation
-from exoid.experiments.excitation.clearance import Clearance
 from exoid.experiments.excitation.fourier import Basis
+from exoid.experiments.excitation.limits import Clearance
 from exoid.experiments.excitation.objective import Objective, Stage
 from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.search import search

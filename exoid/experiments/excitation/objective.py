@@ -15,8 +15,7 @@ from exoid.torques import TorqueModel
 
 from .fourier import Basis, States
 from .limits import MotionLimits
-from .noise import TorqueNoise
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 
 Criterion = Literal["worst", "a", "d"]
 

@@ -19,11 +19,10 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .fourier import FourierMotion, series
 from .limits import MotionLimits
-from .noise import TorqueNoise
 from .objective import Criterion, Objective
 from .poses import choose_poses
 from .precision import Precision, StaticRows, information_of
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 from .search import search
 from .text import prediction_text
 

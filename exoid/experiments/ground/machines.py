@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.catalog import load_exo
 from exoid.leg.leg import Leg
 from exoid.rig.ground import GroundPlant
@@ -30,7 +30,7 @@ def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_fri
         ExoidError: There are no such legs, or no such inertia set.
     """
     if legs not in LEGS:
-        raise ExoidError(f"legs {legs!r}", remedy=f"use one of {', '.join(LEGS)}")
+        raise BadArgumentError(f"legs {legs!r}", remedy=f"use one of {', '.join(LEGS)}")
     machine = load_exo("bleex", inertias, base="floating")
     sides = LEGS[legs]
     if len(sides) == 1:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
@@ -41,12 +41,14 @@ class Sole:
         """Check shape and unit."""
         points = np.array(self.points, dtype=np.float64)
         if points.ndim != 2 or points.shape[1:] != (3,) or len(points) < 2 or not (np.abs(points) <= LARGEST).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"a sole with points of shape {points.shape}",
                 remedy=f"give at least heel and toe in m, (K, 3), at most {LARGEST:g} m from the origin of the link",
             )
         if not 0.0 < self.radius < LARGEST:
-            raise ExoidError(f"a sole with spheres of radius {self.radius:g} m", remedy="give a few millimetres, in m")
+            raise BadArgumentError(
+                f"a sole with spheres of radius {self.radius:g} m", remedy="give a few millimetres, in m"
+            )
         points.flags.writeable = False
         object.__setattr__(self, "points", points)
 
@@ -142,7 +144,7 @@ class GroundPlant:
                 wrong sign.
         """
         if leg.base != "floating":
-            raise ExoidError(
+            raise NotSupportedError(
                 f"a machine on the ground needs a floating base, not {leg.base!r}",
                 where=leg.description.name,
                 remedy='load it with exoid.load_exo("bleex", base="floating") or Leg.from_urdf(..., base="floating")',
@@ -152,14 +154,14 @@ class GroundPlant:
         unknown = sorted(set(values) - named - set(leg.parameter_names))
         if unknown:
             known = ", ".join((*leg.parameter_names, *sorted(named)))
-            raise ExoidError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
+            raise BadArgumentError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
         bodies = [values.get(name, x) for name, x in zip(leg.parameter_names, leg.parameters, strict=True)]
         if set(values) & set(leg.parameter_names):
             leg = leg.with_parameters(bodies)
         each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
         _refuse_values(each, smoothing, ground_friction)
         if not soles:
-            raise ExoidError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
+            raise BadArgumentError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
         for link in soles:
             link_frame(leg.model, leg.description, link)
         return cls(
@@ -233,8 +235,14 @@ class GroundPlant:
 def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
     for symbol, values in each.items():
         if not np.isfinite(values).all() or (symbol in ("c0", "d", "Ia") and (values < 0.0).any()):
-            raise ExoidError(f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0")
+            raise BadArgumentError(
+                f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0"
+            )
     if not 0.0 < smoothing < np.inf:
-        raise ExoidError(f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s")
+        raise BadArgumentError(
+            f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s"
+        )
     if not 0.0 < ground_friction < np.inf:
-        raise ExoidError(f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8")
+        raise BadArgumentError(
+            f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8"
+        )

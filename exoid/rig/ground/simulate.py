@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
@@ -87,7 +87,7 @@ def simulate_on_ground(
         else:
             books.finish(torque, held, ends=now in (0, last), logs=now % every_log == 0)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the machine diverged before {now * rates.step:.3g} s",
                 remedy="lower the gains, slow the motion, or shorten the step",
             )

@@ -11,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.excitation.fourier import Basis, States
 from exoid.experiments.excitation.limits import MotionLimits
-from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import (
     STEPS,
     Demand,
@@ -19,6 +18,7 @@ from exoid.experiments.excitation.objective import (
     box_excesses,
     narrowed_limits,
 )
+from exoid.experiments.excitation.scales import TorqueNoise
 
 from .demands import LIMITS, Demands
 

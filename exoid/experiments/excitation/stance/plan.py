@@ -12,11 +12,10 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.excitation.fourier import FourierMotion, States, series
 from exoid.experiments.excitation.limits import MotionLimits
-from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import Criterion
 from exoid.experiments.excitation.plan import PlannedMotions
 from exoid.experiments.excitation.precision import predict
-from exoid.experiments.excitation.scales import Scales, expected_parameters
+from exoid.experiments.excitation.scales import Scales, TorqueNoise, expected_parameters
 from exoid.experiments.excitation.search import search
 from exoid.experiments.excitation.text import prediction_text
 from exoid.leg.leg import Leg
@@ -26,9 +25,16 @@ from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .demands import LIMITS, Demands
-from .determined import EVERY, missing_support, null_space, stance_scales, undetermined
-from .limits import GroundLimits
+from .demands import (
+    EVERY,
+    LIMITS,
+    Demands,
+    GroundLimits,
+    missing_support,
+    null_space,
+    stance_scales,
+    undetermined,
+)
 from .objective import StanceObjective
 from .support import BOTH, StanceSupport, supports_of
 
