@@ -74,16 +74,7 @@ class TorqueNoise:
         return cls(tuple(each.tolist()), bandwidth)
 
     def per_sample(self, rate: float) -> FloatArray:
-        """Compute the standard deviation of white noise with the same spectral density in the band of the motion.
-
-        Noise of bandwidth b has the spectral density of white noise that is √(rate / 2b) times as large.
-
-        Args:
-            rate: Sampling rate of the log [Hz].
-
-        Returns:
-            Standard deviations [N·m], (n,).
-        """
+        """Compute the standard deviation of white noise of the same spectral density at a rate, σ √(rate / 2b)."""
         return np.asarray(np.array(self.std) * np.sqrt(max(1.0, rate / (2.0 * self.bandwidth))))
 
     def __str__(self) -> str:
@@ -142,15 +133,7 @@ class Scales(NamedTuple):
 
     @classmethod
     def over(cls, expected: FloatArray, W: FloatArray) -> Scales:
-        """Compute the scales over rows of reference states.
-
-        Args:
-            expected: Expected parameters, (P,).
-            W: Regressor at the states, (S, n, P).
-
-        Returns:
-            Scales of all parameters.
-        """
+        """Compute the scales over the regressor at reference states, (S, n, P)."""
         tau = W @ expected
         r_factors = [factorize(np.column_stack([W[:, j], tau[:, j]]), len(W), len(W)) for j in range(tau.shape[1])]
         return cls(expected, parameter_scale(r_factors), np.sqrt((tau**2).mean(axis=0)))

@@ -43,14 +43,7 @@ class GroundMotion:
             )
 
     def at(self, time: FloatArray) -> JointTargets:
-        """Interpolate by cubic splines.
-
-        Args:
-            time: Times [s], (M,).
-
-        Returns:
-            Targets of the joints and of the torso.
-        """
+        """Interpolate by cubic splines at M times."""
         joints, torque, base = (scipy.interpolate.CubicSpline(self.time, x) for x in (self.q, self.torque, self.base))
         return JointTargets(joints(time), joints(time, 1), torque(time), base(time), base(time, 1))
 
@@ -77,17 +70,6 @@ class JointGains:
 
     stiffness: tuple[float, ...] | float
     damping: tuple[float, ...] | float
-
-    def arrays(self, n: int) -> tuple[FloatArray, FloatArray]:
-        """Repeat the gains for n joints.
-
-        Args:
-            n: Number of joints.
-
-        Returns:
-            Stiffness and damping, (n,) each.
-        """
-        return per_joint(self.stiffness, n, "stiffness"), per_joint(self.damping, n, "damping")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from exoid.rig.simulate import DIVERGED_SPEED, Rates
 from exoid.signals import Wrench
 
 from .engine import Engine, Holder
-from .motion import GroundMotion, JointGains, Spring
+from .motion import GroundMotion, JointGains, Spring, per_joint
 from .plant import GroundPlant
 from .run import Audit, Footing, GroundRun
 from .sensors import BaseSteps
@@ -67,7 +67,8 @@ def simulate_on_ground(
     engine = Engine(plant, rates.step, rail=rail)
     engine.place(targets.q[0], targets.base[0])
     holder = None if spring is None else Holder(engine, spring, targets)
-    limit, (stiffness, damping) = plant.leg.limits.effort, gains.arrays(len(engine.q))
+    limit = plant.leg.limits.effort
+    stiffness, damping = (per_joint(getattr(gains, name), len(engine.q), name) for name in ("stiffness", "damping"))
     torque, books = np.zeros(len(engine.q)), _Books(engine, holder)
     for k in range(last - first + 1):
         now = k + first
