@@ -1,11 +1,13 @@
-"""Can the tests see? Change one operator or number of the code at a time, and run the tests of its room.
+"""Can the tests see? Change one operator or number of the core at a time, and run the tests of its room.
 
-    python scripts/mutate_code.py --count 60 --seed 1     # a line for each mutation, then how many were caught
-    python scripts/mutate_code.py --room regression -v    # mutations of one room, with the failing test
+    python scripts/mutate_code.py                              # 60 mutations, a line each; then a table by rooms
+    python scripts/mutate_code.py --room regression --count 8  # mutations of one room
+    python scripts/mutate_code.py --jobs 2 --seconds 300       # two at once; longest time of the tests of each
 
-Each mutation is made in a copy of the repository. It is caught if a test of the same room fails, or runs three times as
-long as without it. A mutation that survives is printed with its line: either a test is missing, or the change has no
-effect (such as a tolerance of 1e-9 that becomes 2e-9); only a reader can tell.
+The seed chooses the mutations, as many in each room. Each is made in a copy of the repository. The tests of its room
+run first, then those elsewhere that import the room, up to the first failure. The test that fails must pass without
+the mutation. A mutation that survives is printed with its line: a test is missing, or the change has no effect, such
+as a tolerance of 1e-9 that becomes 2e-9. Only a reader can tell. One that is left when the time is over counts apart.
 """
 
 from __future__ import annotations
@@ -13,106 +15,150 @@ from __future__ import annotations
 import argparse
 import ast
 import os
+import queue
 import random
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
+from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 
-CORE = (
-    "regression",
-    "identification",
-    "estimate",
-    "leg",
-    "torques",
-    "signals",
-    "actuators",
-    "control",
-    "online",
-    "rig",
-)
-"""Rooms whose numbers a user relies on."""
+CORE = ("leg", "regression", "torques", "signals/filters", "identification")
+"""Rooms between a recording and its estimate."""
 
-SWAPS: dict[type[ast.AST], str] = {
-    **{ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.MatMult: "*"},
-    **{ast.Lt: ">=", ast.Gt: "<=", ast.LtE: ">", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "=="},
-    **{ast.And: "or", ast.Or: "and"},
+OPERATORS: dict[type[ast.AST], tuple[str, str]] = {
+    **{ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"), ast.MatMult: ("@", "*")},
+    **{ast.Lt: ("<", ">="), ast.Gt: (">", "<="), ast.LtE: ("<=", ">"), ast.GtE: (">=", "<")},
+    **{ast.Eq: ("==", "!="), ast.NotEq: ("!=", "=="), ast.And: ("and", "or"), ast.Or: ("or", "and")},
 }
 NAMES = {"min": "max", "max": "min", "zeros": "ones", "ones": "zeros", "any": "all", "all": "any", "sin": "cos"}
-SIGNS = ("+", "-", "*", "/", "@", "<=", ">=", "==", "!=", "<", ">", "and", "or")
 
 
 class Mutation(NamedTuple):
     """One change of one line."""
 
-    path: Path
+    room: str
+    path: Path  # in the repository
     line: int
     before: str
     after: str
 
 
-def mutations(path: Path) -> Iterator[Mutation]:
-    """All mutations of a file."""
+class Outcome(NamedTuple):
+    """What the tests said: "caught", "survived" or "not decided"."""
+
+    verdict: str
+    test: str = ""
+
+
+def mutations(room: str, path: Path) -> Iterator[Mutation]:
+    """All mutations of a file after which it is still Python."""
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     for node in ast.walk(ast.parse(text)):
-        for start, end, new in _changes(node, text):
-            line = lines[start[0] - 1].encode()
-            if start[0] == end[0]:
-                changed = (line[: start[1]] + new.encode() + line[end[1] :]).decode()
-                yield Mutation(path, start[0], line.decode(), changed)
+        for number, start, end, new in _changes(node, lines):
+            line = lines[number - 1].encode()
+            changed = (line[:start] + new.encode() + line[end:]).decode()
+            try:  # before Python 3.12 places within f-strings are wrong
+                ast.parse("\n".join([*lines[: number - 1], changed, *lines[number:]]))
+            except SyntaxError:
+                continue
+            yield Mutation(room, path.relative_to(ROOT), number, line.decode(), changed)
 
 
-def _changes(node: ast.AST, text: str) -> Iterator[tuple[tuple[int, int], tuple[int, int], str]]:
-    """Places of a node, from and to, and what stands there instead."""
-    if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
-        yield from _between(node.left, node.right, SWAPS[type(node.op)], text)
+def _changes(node: ast.AST, lines: list[str]) -> Iterator[tuple[int, int, int, str]]:
+    """Line of a change, its first and last byte, and what stands there instead."""
+    if isinstance(node, ast.BinOp):
+        yield from _between(node.left, node.right, node.op, lines)
     elif isinstance(node, ast.BoolOp):
-        yield from _between(node.values[0], node.values[1], SWAPS[type(node.op)], text)
-    elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in SWAPS:
-        yield from _between(node.left, node.comparators[0], SWAPS[type(node.ops[0])], text)
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, float) and node.end_lineno is not None:
-        start, end = (node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset or 0)
-        yield start, end, repr(node.value + 1 if type(node.value) is int else 2.0 * node.value + (node.value == 0.0))
+        yield from _between(node.values[0], node.values[1], node.op, lines)
+    elif isinstance(node, ast.Compare) and len(node.ops) == 1:
+        yield from _between(node.left, node.comparators[0], node.ops[0], lines)
+    elif isinstance(node, ast.Constant) and type(node.value) in (int, float) and node.end_col_offset is not None:
+        new = node.value + 1 if type(node.value) is int else 2.0 * node.value + (node.value == 0.0)
+        yield node.lineno, node.col_offset, node.end_col_offset, repr(new)
     elif isinstance(node, ast.Attribute | ast.Name) and node.end_col_offset is not None:
         name = node.attr if isinstance(node, ast.Attribute) else node.id
         if name in NAMES and node.end_lineno is not None:
-            end = (node.end_lineno, node.end_col_offset)
-            yield (end[0], end[1] - len(name)), end, NAMES[name]
+            yield node.end_lineno, node.end_col_offset - len(name), node.end_col_offset, NAMES[name]
 
 
-def _between(
-    left: ast.expr, right: ast.expr, new: str, text: str
-) -> Iterator[tuple[tuple[int, int], tuple[int, int], str]]:
+def _between(left: ast.expr, right: ast.expr, kind: ast.AST, lines: list[str]) -> Iterator[tuple[int, int, int, str]]:
     """Place of the operator between two operands of one line."""
-    if left.end_lineno != right.lineno or left.end_col_offset is None:
+    if type(kind) not in OPERATORS or left.end_lineno != right.lineno or left.end_col_offset is None:
         return
-    gap = text.splitlines()[right.lineno - 1].encode()[left.end_col_offset : right.col_offset].decode()
-    for sign in SIGNS:
-        if sign in gap:
-            at = left.end_col_offset + gap.index(sign)
-            yield (right.lineno, at), (right.lineno, at + len(sign)), new
-            return
+    gap = lines[right.lineno - 1].encode()[left.end_col_offset : right.col_offset].decode()
+    old, new = OPERATORS[type(kind)]
+    if old in gap:
+        start = left.end_col_offset + gap.index(old)
+        yield right.lineno, start, start + len(old), new
 
 
-def failing_test(copy: Path, room: str, seconds: float) -> str:
-    """First test of a room that fails in a copy of the repository; empty if none does."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", f"tests/{room}"]
+def tests_of(mutation: Mutation, copy: Path) -> list[str]:
+    """Files with tests of a room and those elsewhere that import it; those with a name of the changed module first."""
+    room, top = mutation.room.replace("/", "."), mutation.room.split("/")[0]
+    body = ast.parse((ROOT / mutation.path).read_text(encoding="utf-8")).body
+    defined = [node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    names = re.compile(rf"\b({'|'.join([mutation.path.stem, *defined])})\b")
+    found = []
+    for path in sorted((copy / "tests").rglob("test_*.py")):
+        text, place = path.read_text(encoding="utf-8"), path.relative_to(copy)
+        own = place.parts[1] == top
+        if own or re.search(rf"exoid\.{re.escape(room)}\b", text):
+            found.append((not own, place))
+        if names.search(text) and "benchmarks" not in place.parts:
+            found.append((-len(set(names.findall(text))) - own, place))
+    return list(dict.fromkeys(str(place) for _, place in sorted(found)))
+
+
+def run_tests(copy: Path, tests: list[str], seconds: float) -> Outcome:
+    """Run tests in a copy of the repository up to the first failure."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
     environment = {**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     try:
         done = subprocess.run(
             command, cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=seconds
         )
     except subprocess.TimeoutExpired:
-        return "runs for ever"
-    failed = [line.split(" - ")[0] for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return "" if done.returncode == 0 else (failed or ["cannot be imported"])[0]
+        return Outcome("not decided", "time is over")
+    if done.returncode == 0:
+        return Outcome("survived")
+    failed = re.findall(r"^(?:FAILED|ERROR) (\S+?\.py\S*)", done.stdout, flags=re.MULTILINE)
+    return Outcome("caught", failed[0] if failed else "")
+
+
+def try_mutation(mutation: Mutation, copy: Path, seconds: float) -> Outcome:
+    """Make a mutation in a copy, test it, and take it back."""
+    target = copy / mutation.path
+    original = target.read_text(encoding="utf-8")
+    lines = original.splitlines(keepends=True)
+    lines[mutation.line - 1] = mutation.after + "\n"
+    target.write_text("".join(lines), encoding="utf-8")
+    outcome = run_tests(copy, tests_of(mutation, copy), seconds)
+    target.write_text(original, encoding="utf-8")
+    if outcome.verdict == "caught":
+        test = outcome.test or tests_of(mutation, copy)[0]
+        if run_tests(copy, [test], seconds).verdict != "survived":
+            return Outcome("not decided", f"{test} fails without the mutation")
+    return outcome
+
+
+def choose(rooms: list[str], count: int, seed: int) -> list[Mutation]:
+    """Draw as many mutations in each room."""
+    rng, chosen = random.Random(seed), []
+    for k, room in enumerate(rooms):
+        share = count // len(rooms) + (k < count % len(rooms))
+        found = [each for path in sorted((ROOT / "exoid" / room).rglob("*.py")) for each in mutations(room, path)]
+        chosen += rng.sample(found, min(share, len(found)))
+    rng.shuffle(chosen)
+    return chosen
 
 
 def main() -> None:
@@ -121,37 +167,32 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=60, help="number of mutations")
     parser.add_argument("--seed", type=int, default=1, help="seed of their choice")
     parser.add_argument("--room", action="append", help=f"rooms to mutate; default {', '.join(CORE)}")
-    parser.add_argument("-v", "--verbose", action="store_true", help="print the test that catches each mutation")
+    parser.add_argument("--seconds", type=float, default=240.0, help="longest time of the tests of a mutation")
+    parser.add_argument("--jobs", type=int, default=1, help="mutations at once")
     options = parser.parse_args()
     rooms = options.room or list(CORE)
-    found = [
-        each for room in rooms for path in sorted((ROOT / "exoid" / room).rglob("*.py")) for each in mutations(path)
-    ]
-    chosen = random.Random(options.seed).sample(found, min(options.count, len(found)))
-    caught, longest = 0, dict[str, float]()
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "exoid"
-        shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".git", "*.pyc", "artefacts", "site"))
-        for number, (path, line, before, after) in enumerate(chosen, 1):
-            room = path.relative_to(ROOT / "exoid").parts[0]
-            if room not in longest:
-                start = time.monotonic()
-                if fault := failing_test(copy, room, 3600.0):
-                    sys.exit(f"tests of {room} fail without any mutation: {fault}")
-                longest[room] = 3.0 * (time.monotonic() - start) + 10.0
-            target = copy / path.relative_to(ROOT)
-            lines = target.read_text(encoding="utf-8").splitlines(keepends=True)
-            original, lines[line - 1] = lines[line - 1], after + "\n"
-            target.write_text("".join(lines), encoding="utf-8")
-            test = failing_test(copy, room, longest[room])
-            lines[line - 1] = original
-            target.write_text("".join(lines), encoding="utf-8")
-            caught += bool(test)
-            if options.verbose or not test:
-                where = f"{path.relative_to(ROOT)}:{line}"
-                print(f"{number:4} {'caught' if test else 'SURVIVED'} {where} {test}")
-                print(f"     - {before.strip()}\n     + {after.strip()}", flush=True)
-    print(f"{caught} of {len(chosen)} mutations caught (seed {options.seed}, rooms {', '.join(rooms)})")
+    table: Counter[tuple[str, str]] = Counter()
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.jobs) as pool:
+        copies: queue.Queue[Path] = queue.Queue()
+        for k in range(options.jobs):
+            ignored = shutil.ignore_patterns(".git", "*.pyc", "artefacts", "site")
+            copies.put(Path(shutil.copytree(ROOT, Path(folder) / str(k), ignore=ignored)))
+
+        def work(mutation: Mutation) -> None:
+            copy = copies.get()
+            outcome = try_mutation(mutation, copy, options.seconds)
+            copies.put(copy)
+            table[mutation.room, outcome.verdict] += 1
+            text = f"{outcome.verdict:12} {mutation.path}:{mutation.line} {outcome.test}"
+            print(f"{text}\n    - {mutation.before.strip()}\n    + {mutation.after.strip()}", flush=True)
+
+        for done in [pool.submit(work, mutation) for mutation in choose(rooms, options.count, options.seed)]:
+            done.result()
+    verdicts = ("caught", "survived", "not decided")
+    print(f"\n{'seed ' + str(options.seed):18}" + "".join(f"{verdict:>13}" for verdict in verdicts))
+    for room in rooms:
+        print(f"{room:18}" + "".join(f"{table[room, verdict]:13}" for verdict in verdicts))
+    print(f"{'all':18}" + "".join(f"{sum(table[room, v] for room in rooms):13}" for v in verdicts))
 
 
 if __name__ == "__main__":

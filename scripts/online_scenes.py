@@ -15,7 +15,7 @@ from exoid.control import State
 from exoid.control.stateful import AnyLaw, Memory, stateful
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.excitation import plan_excitation
-from exoid.experiments.fourier import from_coefficients
+from exoid.experiments.references import from_coefficients
 from exoid.online import RecursiveEstimator
 from exoid.rig import PlanarStepper, Plant, ProportionalDerivative, Sensors, Target
 from exoid.rig.controllers import Reference

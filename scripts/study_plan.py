@@ -24,8 +24,7 @@ import numpy as np
 
 import exoid
 from exoid.experiments import Bench, Harmonics, bleex, cuhk
-from exoid.experiments.bench import stiff_servo
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.experiments.excitation import (
     MotionLimits,
     Plan,

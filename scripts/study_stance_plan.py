@@ -18,7 +18,7 @@ import exoid
 from exoid.experiments.excitation import StancePlan, plan_stance, predict, run_stance
 from exoid.experiments.ground import single_support, squats_and_shifts
 from exoid.rig.ground import GroundPlant, GroundSensors
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 
 STD = (0.5, 0.4, 0.2) * 2
 TORSO = ("M", "X0", "Y0", "J0")

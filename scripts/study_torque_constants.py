@@ -25,8 +25,7 @@ import exoid
 from exoid._typing import FloatArray
 from exoid.actuators import Motor
 from exoid.experiments import Harmonics, cuhk
-from exoid.experiments.bench import Bench, stiff_servo
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import Bench, run_motion, stiff_servo
 from exoid.leg.payload import Payload
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, plant_with_payloads
 

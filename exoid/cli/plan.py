@@ -39,7 +39,7 @@ from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.experiments.excitation import Assessment, MotionLimits, Plan, StancePlan
-    from exoid.experiments.excitation.clearance import Clearance
+    from exoid.experiments.excitation.limits import Clearance
     from exoid.leg.leg import Leg
     from exoid.rig.ground import Sole
 
@@ -97,7 +97,7 @@ class LimitOptions(NamedTuple):
         """Points of the foot, and the ground below them."""
         import numpy as np  # noqa: PLC0415 - help needs no arrays
 
-        from exoid.experiments.excitation.clearance import Clearance  # noqa: PLC0415
+        from exoid.experiments.excitation.limits import Clearance  # noqa: PLC0415
 
         if not self.foot:
             if self.ground is not None:

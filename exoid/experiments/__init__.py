@@ -2,17 +2,15 @@
 
 from . import bleex, cuhk, ground
 from .bench import Bench
-from .followed_log import FollowedLog, follow_log
-from .fourier import fit_harmonics
+from .followed_log import follow_log
 from .gait import gait_for_leg, healthy_gait, norm_gait
 from .intentions import Stumble, Tremor
-from .references import Approach, Harmonics, Hold
+from .references import Approach, Harmonics, Hold, fit_harmonics
 from .static import StaticProtocol, run_static
 
 __all__ = [
     "Approach",
     "Bench",
-    "FollowedLog",
     "Harmonics",
     "Hold",
     "StaticProtocol",

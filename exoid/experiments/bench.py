@@ -1,12 +1,25 @@
-"""Test bench: controller, actuator, sensors and rates of a rig."""
+"""Test bench: controller, actuator, sensors and rates of a rig, and a motion on it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.rig import Actuator, Controller, Plant, ProportionalDerivative, Rates, Sensors
+from exoid.rig import (
+    Actuator,
+    Controller,
+    Plant,
+    ProportionalDerivative,
+    Rates,
+    Reference,
+    Run,
+    Sensors,
+    simulate,
+)
+
+from .limits import refuse_motion_beyond_limits
 
 
 @dataclass(frozen=True)
@@ -35,3 +48,26 @@ def stiff_servo(plant: Plant) -> ProportionalDerivative:
     M = leg.mass_matrix(poses) + np.diag(plant.armature[:, 0])
     inertia = 1.0 / np.diagonal(np.linalg.inv(M), axis1=1, axis2=2).max(axis=0)
     return ProportionalDerivative(100.0**2 * inertia, 2.0 * 100.0 * inertia)
+
+
+def run_motion(
+    plant: Plant,
+    motion: Reference,
+    bench: Bench,
+    duration: float,
+    rng: np.random.Generator,
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Let B virtual rigs follow a motion within the limits of the leg (doc. 1, sec. III-B2; doc. 2, sec. III)."""
+    refuse_motion_beyond_limits(plant.leg, motion, duration)
+    return simulate(
+        plant,
+        motion,
+        bench.controller,
+        bench.actuator,
+        duration,
+        sensors=bench.sensors,
+        rates=bench.rates,
+        seed=rng,
+        progress=progress,
+    )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.signals import Poses
 
 from .references import Harmonics
@@ -49,7 +49,7 @@ class StaticSets:
         """Split measurements at :attr:`all`."""
         ends = np.cumsum([len(self.ankle), len(self.knee), len(self.pairs), len(self.random)])
         if len(poses) != ends[-1]:
-            raise ExoidError(f"{len(poses)} poses instead of {ends[-1]}", remedy="measure each pose once")
+            raise BadArgumentError(f"{len(poses)} poses instead of {ends[-1]}", remedy="measure each pose once")
         ankle, knee, pairs, random = (poses.take(slice(b, e)) for b, e in zip((0, *ends[:-1]), ends, strict=True))
         return ankle, knee, pairs, random
 
@@ -57,7 +57,7 @@ class StaticSets:
 def static_sets(rng: np.random.Generator, poses: int = 100) -> StaticSets:
     """Choose the sets of poses that document 1 describes, and random poses."""
     if poses < 1:
-        raise ExoidError(f"{poses} random poses", remedy="request at least one")
+        raise BadArgumentError(f"{poses} random poses", remedy="request at least one")
     ankle, ankle_set = _ankle_sets()
     knee, knee_set = _knee_sets()
     lower, upper = np.deg2rad([-1.0, -112.0, -36.0]), np.deg2rad([112.0, -9.0, 36.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, TorqueModel, Viscous
 
@@ -67,7 +67,7 @@ def validation_motion() -> Harmonics:
 def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics:
     """Draw multisines of five harmonics of 0.2 Hz within limits of angle and speed; keep the best conditioned."""
     if draws < 1:
-        raise ExoidError(f"the best of {draws} draws", remedy="draw at least one motion")
+        raise BadArgumentError(f"the best of {draws} draws", remedy="draw at least one motion")
     model = TorqueModel(
         leg,
         (

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.signals.datasets import gait_norm
 from exoid.signals.datasets.gait_norms import JOINTS
 
-from .fourier import fit_harmonics, from_coefficients
-from .references import Harmonics
+from .references import Harmonics, fit_harmonics, from_coefficients
 
 MEAN_DEG = np.array([7.4377, 22.5942])
 """Mean a0 of hip and knee flexion [deg]."""
@@ -78,7 +77,7 @@ def joint_roles(leg: Leg, roles: Mapping[str, str]) -> tuple[str, ...]:
     unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
     if unknown or any(role not in JOINTS for role in roles.values()):
         declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())
-        raise ExoidError(
+        raise BadArgumentError(
             f"roles {declared} of the joints {', '.join(leg.joint_names)}",
             where=leg.description.name,
             remedy=f"give each joint one of {', '.join(JOINTS)}",
@@ -86,7 +85,7 @@ def joint_roles(leg: Leg, roles: Mapping[str, str]) -> tuple[str, ...]:
     names = zip(leg.joint_names, leg.joint_labels, strict=True)
     found = tuple(roles.get(name, roles.get(label, label)) for name, label in names)
     if roles and len(set(found)) < len(found):
-        raise ExoidError(
+        raise BadArgumentError(
             f"two joints are one of {', '.join(found)}", where=leg.description.name, remedy="give each another role"
         )
     return found
@@ -111,7 +110,7 @@ def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None =
     """
     labels, chain = joint_roles(leg, roles or {}), leg.chain
     if chain is None or any(label not in JOINTS for label in labels):
-        raise ExoidError(
+        raise NotSupportedError(
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,
             remedy=f"use a planar leg with {', '.join(JOINTS)}, name the role of each joint, or follow a log",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
 
@@ -17,7 +17,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
     """Refuse poses that a joint cannot reach."""
     angles = np.asarray(poses, dtype=np.float64)
     if angles.ndim != 2 or angles.shape[1] != len(leg.joint_names) or not len(angles):
-        raise ExoidError(
+        raise BadArgumentError(
             f"poses of shape {angles.shape}",
             where=leg.description.name,
             remedy=f"pass one row a pose and one column for each of {', '.join(leg.joint_names)}",
@@ -26,7 +26,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
     beyond = np.argwhere(~((angles >= lower - TOLERANCE) & (angles <= upper + TOLERANCE)))  # NaN counts as beyond
     if len(beyond):
         pose, joint = beyond[0]
-        raise ExoidError(
+        raise BadArgumentError(
             f"pose {pose} asks {leg.joint_names[joint]} for {np.rad2deg(angles[pose, joint]):.1f}°",
             where=leg.description.name,
             remedy=f"stay between {np.rad2deg(lower[joint]):.1f}° and {np.rad2deg(upper[joint]):.1f}°",
@@ -36,12 +36,12 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
 def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float, rate: float = 100.0) -> None:
     """Refuse a motion that exceeds the limits of angle or speed."""
     if not 0.0 < duration < np.inf:
-        raise ExoidError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
+        raise BadArgumentError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
     time = np.arange(0.0, duration + 0.5 / rate, 1.0 / rate)
     targets = [reference.at(float(t)) for t in time]
     q, v = np.array([target.q for target in targets]), np.array([target.v for target in targets])
     if q.ndim != 3 or q.shape[1] != len(leg.joint_names):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a motion of shape {q.shape[1:]}",
             where=leg.description.name,
             remedy=f"give one row for each of {', '.join(leg.joint_names)} and one column a rig",
@@ -57,7 +57,7 @@ def _refuse(
     beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN counts as beyond
     if len(beyond):
         k, joint, rig = beyond[0]
-        raise ExoidError(
+        raise BadArgumentError(
             f"the motion asks {leg.joint_names[joint]} for {quantity} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
             f"at {time[k]:.2f} s",
             where=leg.description.name,

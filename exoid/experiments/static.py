@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.torso import TorsoMotion
 from exoid.rig import Plant, Run, simulate
 from exoid.signals import Approaches, Poses
@@ -41,7 +41,7 @@ class StaticProtocol:
         """Check the numbers."""
         positive = (self.distance, self.travel, self.wait)
         if not (all(0.0 < value < np.inf for value in positive) and self.readings >= 1):
-            raise ExoidError(f"{self}", remedy="distance, times and the number of readings are positive")
+            raise BadArgumentError(f"{self}", remedy="distance, times and the number of readings are positive")
 
 
 def run_static(
@@ -104,13 +104,13 @@ def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) 
     slow = plant.leg.limits.velocity < fastest
     if slow.any():
         joint = int(slow.argmax())
-        raise ExoidError(
+        raise BadArgumentError(
             f"the approach asks {plant.leg.joint_names[joint]} for {np.rad2deg(fastest):.0f}°/s, "
             f"its limit is {np.rad2deg(plant.leg.limits.velocity[joint]):.0f}°/s",
             remedy="increase the time of travel, or start closer",
         )
     if protocol.readings > protocol.wait * bench.rates.log:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{protocol.readings} readings at {bench.rates.log:g} Hz take longer than the wait of {protocol.wait:g} s",
             remedy="wait longer, or read fewer",
         )
@@ -121,7 +121,7 @@ def _refuse_unsettled(run: Run, readings: int) -> None:
     unsettled = np.flatnonzero(moved > 1e-4)  # rad
     if len(unsettled):
         worst = int(moved.argmax())
-        raise ExoidError(
+        raise BadArgumentError(
             f"{len(unsettled)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
             "during the readings",
             remedy="wait longer, or add damping to the servo",

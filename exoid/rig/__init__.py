@@ -3,17 +3,15 @@
 from exoid.leg.payload import Payload
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
-from .anthropometry import limb_of
-from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target, WornController
-from .coupled_stepper import CoupledMotors, CoupledStepper
-from .payload import leg_with_payloads, plant_with_payloads, sandbags
+from .bodies import leg_with_payloads, limb_of, plant_with_payloads, sandbags
+from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors
 from .simulate import Rates, simulate
-from .smooth_stepper import SmoothStepper
-from .stepper import PlanarStepper, Step, Stepper
+from .smooth_stepper import CoupledMotors, CoupledStepper, SmoothStepper
+from .stepper import PlanarStepper, Stepper
 from .wearer import Wearer
 
 __all__ = [
@@ -37,11 +35,9 @@ __all__ = [
     "Run",
     "Sensors",
     "SmoothStepper",
-    "Step",
     "Stepper",
     "Target",
     "Wearer",
-    "WornController",
     "leg_with_payloads",
     "limb_of",
     "plant_with_payloads",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -40,7 +40,11 @@ class Reference(Protocol):
 
 
 class Controller(Protocol):
-    """Control law from target and measurement to the command of the actuators."""
+    """Control law from target and measurement to the command of the actuators.
+
+    A law that has ``command_worn(target, q, v, interaction)`` too is called by it where somebody wears the rig:
+    `interaction` is the torque of the wearers on the legs as sensors in the cuffs measure it [N·m], (n, B).
+    """
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the command.
@@ -49,25 +53,6 @@ class Controller(Protocol):
             target: Reference motion at this time.
             q: Measured angles [rad], (n, B).
             v: Measured velocities [rad/s], (n, B).
-
-        Returns:
-            Command in the unit of the actuator, (n, B).
-        """
-        ...
-
-
-@runtime_checkable
-class WornController(Protocol):
-    """Control law that also receives the torque of the wearer, as sensors in the cuffs measure it."""
-
-    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray) -> FloatArray:
-        """Compute the command.
-
-        Args:
-            target: Reference motion at this time.
-            q: Measured angles [rad], (n, B).
-            v: Measured velocities [rad/s], (n, B).
-            interaction: Measured torque of the wearers on the legs [N·m], (n, B).
 
         Returns:
             Command in the unit of the actuator, (n, B).

@@ -29,7 +29,7 @@ class _Joint(NamedTuple):
     b0: float
     viscous: float
     armature: float
-    kinetic: float
+    coulomb: float
     static: float
     lower: float
     upper: float
@@ -90,8 +90,9 @@ class PinocchioStepper(Stepper):
         self._turns = self._model.nq != self._model.nv
         self._at, self._rate, self._force = np.zeros((3, plant.n))
         self._inertia = self._model.armature  # a view of the armature that Pinocchio adds to its mass matrix
-        self._joints = _joints(plant)
-        self._kinetic = [dt * joint.kinetic for joint in self._joints]
+        joints = (*plant.stiffness, *(getattr(plant, name) for name in _Joint._fields[3:]))
+        self._joints = [_Joint(*values) for values in np.array(joints)[..., 0].T.tolist()]
+        self._kinetic = [dt * joint.coulomb for joint in self._joints]
 
     @property
     def q(self) -> FloatArray:  # type: ignore[override]  # the state is in plain floats
@@ -120,39 +121,15 @@ class PinocchioStepper(Stepper):
         Returns:
             Impulse of friction and end stops at each joint [N·m·s].
         """
-        dt, half, last, old = self.dt, 0.5 * self.dt, self._v, self._q
-        at, rate, inertia, effort = self._at, self._rate, self._inertia, self._force
-        force, impulse, slides = [], [], True
-        for i, (b2, b1, b0, viscous, armature, kinetic, _, low, high) in enumerate(self._joints):
-            y = last[i]
-            x = old[i] + half * y
-            resistance = viscous + damping[i]
-            inertia[i] = armature + half * resistance
-            at[i], rate[i] = x, self._ahead[i]
-            net = torque[i] - resistance * y - (b2 * x + b1) * x - b0
-            friction = kinetic if y > 0.0 else -kinetic
-            effort[i] = net - friction
-            force.append(net)
-            impulse.append(dt * friction)
-            if y == 0.0 or x <= low or x >= high:
-                slides = False
-        new = self._slide() if slides else None
-        if new is None:
-            new, impulse = self._stick_or_slip(*self._mass_and_impulse(force))
+        force = self._set_middle(torque, damping)
+        sliding = self._slide(force)
+        new, impulse = self._stick_or_slip(*self._mass_and_impulse(force)) if sliding is None else sliding
         self._move(new)
         return impulse
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
         """Compute the equations of the next step."""
-        half, force = 0.5 * self.dt, []
-        for i, (b2, b1, b0, viscous, armature, *_) in enumerate(self._joints):
-            y = self._v[i]
-            x = self._q[i] + half * y
-            resistance = viscous + damping.item(i)
-            self._inertia[i] = armature + half * resistance
-            self._at[i], self._rate[i] = x, self._ahead[i]
-            force.append(torque.item(i) - resistance * y - (b2 * x + b1) * x - b0)
-        M, impulse = self._mass_and_impulse(force)
+        M, impulse = self._mass_and_impulse(self._set_middle(torque[:, 0].tolist(), damping[:, 0].tolist()))
         return Equations(np.array(M)[..., None], np.array([impulse]).T)
 
     def solve(self, equations: Equations) -> Step:
@@ -169,16 +146,35 @@ class PinocchioStepper(Stepper):
         rotors = 0.5 * float(self.plant.armature[:, 0] @ self.v[:, 0] ** 2)
         return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
-    def _slide(self) -> list[float] | None:
-        """Velocities after the step if every joint keeps sliding in its direction; None otherwise."""
-        dt, new = self.dt, []
+    def _set_middle(self, torque: list[float], damping: list[float]) -> list[float]:
+        """Set angles, rates and inertias of the middle of the step; return the torques without bodies and friction."""
+        half, force = 0.5 * self.dt, []
+        at, rate, inertia = self._at, self._rate, self._inertia
+        for i, (b2, b1, b0, viscous, armature, *_) in enumerate(self._joints):
+            y = self._v[i]
+            x = self._q[i] + half * y
+            resistance = viscous + damping[i]
+            inertia[i] = armature + half * resistance
+            at[i], rate[i] = x, self._ahead[i]
+            force.append(torque[i] - resistance * y - (b2 * x + b1) * x - b0)
+        return force
+
+    def _slide(self, force: list[float]) -> tuple[list[float], list[float]] | None:
+        """Velocities after the step and impulses of friction if all joints keep sliding; None otherwise."""
+        dt, new, impulse = self.dt, [], []
+        for i, (x, y, joint) in enumerate(zip(self._at.tolist(), self._v, self._joints, strict=True)):
+            if y == 0.0 or x <= joint.lower or x >= joint.upper:
+                return None
+            friction = joint.coulomb if y > 0.0 else -joint.coulomb
+            self._force[i] = force[i] - friction
+            impulse.append(dt * friction)
         a = pin.aba(self._model, self._data, self._configuration(), self._rate, self._force).tolist()
-        for x, y in zip(self._v, a, strict=True):
-            z = x + dt * y
-            if not x * z > 0.0:
+        for y, change in zip(self._v, a, strict=True):
+            z = y + dt * change
+            if not y * z > 0.0:
                 return None
             new.append(z)
-        return new
+        return new, impulse
 
     def _move(self, new: list[float]) -> list[float]:
         """Take over the velocities after the step; return the mean velocities."""
@@ -221,11 +217,6 @@ class PinocchioStepper(Stepper):
 
     def _configuration(self) -> FloatArray:
         return configuration(self._model, self._at[None])[0] if self._turns else self._at
-
-
-def _joints(plant: Plant) -> list[_Joint]:
-    rows = (*plant.stiffness, plant.viscous, plant.armature, plant.coulomb, plant.static, plant.lower, plant.upper)
-    return [_Joint(*values) for values in np.array(rows)[..., 0].T.tolist()]
 
 
 def solve_scalar(

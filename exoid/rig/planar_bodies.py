@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 
@@ -38,7 +38,7 @@ class PlanarBodies(NamedTuple):
         """Compute the phasors of B legs."""
         chain = leg.chain
         if chain is None:
-            raise ExoidError(
+            raise NotSupportedError(
                 "only planar legs can be simulated in a batch",
                 where=leg.description.name,
                 remedy="simulate one rig at a time with stepper=PinocchioStepper",

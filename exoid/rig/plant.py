@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.exported import parameter_terms, read_exported
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
@@ -65,18 +65,24 @@ class Plant:
         for name in _array_names():
             values, shape = getattr(self, name), sizes.get(name, (n, count))
             if np.shape(values) != shape or count == 0:
-                raise ExoidError(f"{name} of the plant has shape {np.shape(values)}", remedy=f"it must be {shape}")
+                raise BadArgumentError(
+                    f"{name} of the plant has shape {np.shape(values)}", remedy=f"it must be {shape}"
+                )
             if name not in ("lower", "upper") and not np.isfinite(values).all():
-                raise ExoidError(f"{name} of the plant contains a number that is not finite", remedy="give SI numbers")
+                raise BadArgumentError(
+                    f"{name} of the plant contains a number that is not finite", remedy="give SI numbers"
+                )
         if min(self.coulomb.min(), self.viscous.min(), self.armature.min()) < 0.0:
-            raise ExoidError(
+            raise BadArgumentError(
                 "friction or rotor inertia is negative and would add energy",
                 remedy="change the sign: document 1 counts friction torque on the joint, exoid that of the actuator",
             )
         if not (self.static >= self.coulomb).all():
-            raise ExoidError("static friction is below the kinetic one", remedy="leave cs out, or make it at least c0")
+            raise BadArgumentError(
+                "static friction is below the kinetic one", remedy="leave cs out, or make it at least c0"
+            )
         if not (self.lower < self.upper).all():
-            raise ExoidError("a lower end stop is not below the upper one", remedy="check the limits of the URDF")
+            raise BadArgumentError("a lower end stop is not below the upper one", remedy="check the limits of the URDF")
 
     @classmethod
     def build(
@@ -109,10 +115,14 @@ class Plant:
         known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}
         unknown = sorted(set(values) - known)
         if unknown:
-            raise ExoidError(f"the rig has no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}")
+            raise BadArgumentError(
+                f"the rig has no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}"
+            )
         pitches = np.atleast_1d(np.asarray(pitch, dtype=np.float64))
         if pitches.ndim != 1 or not len(pitches):
-            raise ExoidError(f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them")
+            raise BadArgumentError(
+                f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them"
+            )
         shape = (len(labels), len(pitches))
 
         def each(symbol: str, default: Mapping[str, float] | None = None) -> FloatArray:
@@ -178,7 +188,9 @@ class Plant:
         unknown = sorted({*without} - {*terms.values()})
         if unknown:
             found = ", ".join(dict.fromkeys(terms.values())) or "none"
-            raise ExoidError(f"no terms {', '.join(unknown)} to leave out", where=str(path), remedy=f"it has {found}")
+            raise BadArgumentError(
+                f"no terms {', '.join(unknown)} to leave out", where=str(path), remedy=f"it has {found}"
+            )
         kept = {name: value for name, value in resistances.items() if terms.get(name) not in without}
         _refuse_other_terms(leg, {name: terms[name] for name in kept if name in terms}, str(path))
         return cls.build(leg, kept, pitch=pitch, end_stops=end_stops)
@@ -250,7 +262,7 @@ class Plant:
             ExoidError: There is no plant, or the legs differ.
         """
         if not plants or any(plant.leg is not plants[0].leg for plant in plants):
-            raise ExoidError("the plants do not have the same leg", remedy="build all of them from one Leg")
+            raise BadArgumentError("the plants do not have the same leg", remedy="build all of them from one Leg")
         first = plants[0]
         arrays = {name: np.concatenate([getattr(plant, name) for plant in plants], axis=-1) for name in _array_names()}
         return Plant(leg=first.leg, **arrays)
@@ -274,7 +286,7 @@ def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
     others = {name: term for name, term in terms.items() if (term, name) not in has}
     if others:
         named = tuple(dict.fromkeys(others.values()))
-        raise ExoidError(
+        raise BadArgumentError(
             f"the rig has no {', '.join(f'{name} of the term {term}' for name, term in others.items())}",
             where=where,
             remedy=f"pass without={named!r} to simulate the leg without {'it' if len(named) == 1 else 'them'}",
@@ -286,7 +298,7 @@ def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -
     poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (200, len(armature)))
     M = leg.with_parameters(parameters).mass_matrix(poses) + np.diag(armature)
     if not np.linalg.eigvalsh(M)[:, 0].min() > 0.0:
-        raise ExoidError(
+        raise BadArgumentError(
             "the mass matrix is not positive definite: no rigid bodies have these parameters",
             where=leg.description.name,
             remedy="check the moments of inertia, and whether J is cumulative",

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 
 from .actuators import Actuator, Drive
-from .controllers import Controller, Reference, Target, WornController
+from .controllers import Controller, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors, read_angle, read_interaction, read_torque, read_velocity
@@ -91,8 +91,7 @@ def simulate(
         seed: Seed or generator of the sensor noise.
         stepper: Integrator: :class:`PlanarStepper`, :class:`SmoothStepper`, or :class:`PinocchioStepper` for a single
             rig of any leg.
-        wearer: Wearer of every rig, whose limb starts with the motion of the leg; None for nobody. A
-            :class:`WornController` receives the torque of the wearer.
+        wearer: Wearer of every rig, whose limb starts with the motion of the leg; None for nobody.
         progress: Function that receives the completed share of the run, 0 to 1.
 
     Returns:
@@ -112,7 +111,10 @@ def simulate(
     """
     rates, sensors, rng = rates or Rates(), sensors or Sensors(encoder_counts=np.inf), np.random.default_rng(seed)
     every_control, every_log = rates.steps()
-    dt, count = rates.step, _step_count(duration, rates.step)
+    dt = rates.step
+    if not (np.isfinite(duration) and duration >= 0.5 * dt):
+        raise BadArgumentError(f"a run of {duration:g} s", remedy=f"give a duration of at least {dt:g} s")
+    count = round(duration / dt)
     leg = stepper(plant, *_start(plant, reference, start), dt)
     limb = None if wearer is None else WornStepper(leg, wearer, count)
     rig = limb or leg
@@ -120,8 +122,8 @@ def simulate(
     past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
     samples: list[tuple[FloatArray, ...]] = []
     before, begin, exchanged = rig.v, rig.energy(), np.zeros((3, plant.count))
-    feels = isinstance(controller, WornController) and limb is not None
-    law: Callable[..., FloatArray] = controller.command_worn if feels else controller.command  # type: ignore[attr-defined]
+    worn_law = getattr(controller, "command_worn", None) if limb else None
+    law: Callable[..., FloatArray] = worn_law or controller.command
 
     def commanded(target: Target, *reading: FloatArray) -> FloatArray:
         return _broadcast(law(target, *reading), plant, "command of the controller")
@@ -135,7 +137,7 @@ def simulate(
                 target, (tau, *motion) = reference.at(k * dt), past[0]
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
             if controls:
-                felt = (read_interaction(sensors, limb.interaction(*motion), rng),) if limb and feels else ()
+                felt = (read_interaction(sensors, limb.interaction(*motion), rng),) if limb and worn_law else ()
                 command = commanded(target, *reading, *felt)
             if logs:
                 if not every_control:
@@ -172,13 +174,6 @@ def _exchanged(plant: Plant, drive: Drive, step: Step, dt: float) -> tuple[Float
     return work.sum(axis=0), lost.sum(axis=0), np.abs(work).sum(axis=0)
 
 
-def _step_count(duration: float, step: float) -> int:
-    count = duration / step
-    if not (np.isfinite(count) and count >= 0.5):
-        raise BadArgumentError(f"a run of {duration:g} s", remedy=f"give a duration of at least {step:g} s")
-    return round(count)
-
-
 def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple[FloatArray, FloatArray]:
     """Initial angles and velocities."""
     first = reference.at(0.0)
@@ -211,7 +206,7 @@ def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
 
 def _refuse_divergence(v: FloatArray, time: float) -> None:
     if not (np.abs(v) < DIVERGED_SPEED).all():
-        raise ExoidError(
+        raise BadArgumentError(
             f"the rig diverged before {time:.3g} s",
             remedy="lower the gain, add damping or leakage, or shorten the step; check gains and model",
         )

@@ -24,15 +24,10 @@ from .stick_slip import Friction, solve_stick_slip
 
 
 class Step(NamedTuple):
-    """Result of one step, (n, B) each.
+    """Result of one step, (n, B) each."""
 
-    Attributes:
-        mean_velocity: Mean velocity v̄ [rad/s]; v̄ dt is the change of angle.
-        friction_impulse: Impulse r of friction and end stops [N·m·s].
-    """
-
-    mean_velocity: FloatArray
-    friction_impulse: FloatArray
+    mean_velocity: FloatArray  # mean velocity v̄ [rad/s]; v̄ dt is the change of angle
+    friction_impulse: FloatArray  # impulse r of friction and end stops [N·m·s]
 
 
 class Equations(NamedTuple):
@@ -47,18 +42,12 @@ class Stepper(ABC):
 
     A step has two parts, so that another body may be coupled to the leg in between: the equations, then `solve` or
     `move`, once.
-
-    Attributes:
-        plant: B rigs.
-        dt: Step [s].
-        q: Angles [rad], (n, B).
-        v: Velocities [rad/s], (n, B).
     """
 
     plant: Plant
-    dt: float
-    q: FloatArray
-    v: FloatArray
+    dt: float  # step [s]
+    q: FloatArray  # angles [rad], (n, B)
+    v: FloatArray  # velocities [rad/s], (n, B)
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Advance by dt under the actuator torque τ₀ − damping · v̄, with friction and end stops.
@@ -68,51 +57,25 @@ class Stepper(ABC):
             damping: Damping of the actuators [N·m·s/rad], (n, B).
 
         Returns:
-            Mean velocity and impulse of friction and end stops.
+            Mean velocity and impulse of friction and end stops, (n, B) each.
         """
         return self.solve(self.equations(torque, damping))
 
     @abstractmethod
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mass matrices and impulses.
-        """
+        """Compute the equations of the next step under a torque τ₀ − damping · v̄."""
 
     @abstractmethod
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with friction and end stops.
-
-        Args:
-            equations: Equations of the step.
-
-        Returns:
-            Mean velocity and impulse of friction and end stops.
-        """
+        """Advance by dt: solve the equations with friction and end stops."""
 
     @abstractmethod
     def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities, without friction.
-
-        Args:
-            v: Velocities after the step [rad/s], (n, B).
-
-        Returns:
-            Mean velocity of the step [rad/s], (n, B).
-        """
+        """Advance by dt to known velocities, without friction; return the mean velocities."""
 
     @abstractmethod
     def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included.
-
-        Returns:
-            Energy [J], (B,).
-        """
+        """Compute the mechanical energy, springs and rotors included [J], (B,)."""
 
 
 class RigidBodies(Protocol):

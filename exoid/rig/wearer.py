@@ -11,7 +11,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
 
-from .anthropometry import limb_of
+from .bodies import limb_of
 from .controllers import Reference
 
 IMPEDANCES = ("cuff_stiffness", "cuff_damping", "muscle_stiffness", "muscle_damping")

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation
-from exoid.experiments.excitation.clearance import Clearance
 from exoid.experiments.excitation.fourier import Basis
+from exoid.experiments.excitation.limits import Clearance
 from exoid.experiments.excitation.objective import Objective, Stage
 from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.search import search
@@ -29,7 +29,8 @@ def objective(leg, terms=DEFAULT_TERMS, pitches=(0.0,), limits=None, harmonics=5
     noise = TorqueNoise.of(0.3, scales.typical_torque)
     known = np.zeros((len(model.names),) * 2)
     basis = Basis.make(6.0, harmonics, 24 * harmonics)
-    return Objective(model, basis, np.array(pitches), limits, noise, scales, 30.0, 100.0, known)
+    common = {"basis": basis, "noise": noise, "seconds": 30.0, "rate": 100.0, "prior_information": known}
+    return Objective(model=model, limits=limits, scales=scales, pitches=np.array(pitches), **common)
 
 
 @pytest.fixture(scope="module")

@@ -19,10 +19,10 @@ from exoid.experiments.ground import (
     swing,
     walking,
 )
-from exoid.experiments.ground.feedforward import Bearing, planned_motion
+from exoid.experiments.ground.planned_motion import Bearing, planned_motion
 from exoid.experiments.ground.posture import planar_legs
 from exoid.rig.ground import GroundPlant, JointGains, simulate_on_ground
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 
 EXO, LEG = bleex_machine(), bleex_machine("left")
 WEIGHT = 9.81 * sum(body.mass for body in EXO.leg.model.inertias)

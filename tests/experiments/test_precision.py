@@ -9,7 +9,7 @@ from unchecked import identify
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import Bench, Harmonics, cuhk
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import MotionLimits, Scales, StaticRows, TorqueNoise, assess, plan_excitation, predict
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase

@@ -6,7 +6,7 @@ import pytest
 import exoid
 from exoid.experiments import Approach, Hold, bleex, healthy_gait
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
-from exoid.experiments.excitation.clearance import Clearance
+from exoid.experiments.excitation.limits import Clearance
 
 LEG = exoid.load_leg("cuhk")
 

@@ -6,8 +6,7 @@ import pytest
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import Bench, StaticProtocol, cuhk, run_static
-from exoid.experiments.bench import stiff_servo
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.experiments.excitation.plan_files import write_static_protocol
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 
@@ -75,7 +74,7 @@ def test_bad_protocols_are_refused_before_anything_runs(plant, poses, protocol, 
 
 
 def test_motions_beyond_the_limits_are_refused_before_anything_runs(plant, monkeypatch):
-    monkeypatch.setattr("exoid.experiments.dynamic.simulate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr("exoid.experiments.bench.simulate", lambda *_, **__: pytest.fail("it ran"))
     fast = cuhk.swing(0)
     wild = type(fast)(fast.centre, 10.0 * fast.amplitude, fast.frequency, fast.phase)
     with pytest.raises(ExoidError, match="an angle of"):

@@ -25,7 +25,7 @@ from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
 from exoid.rig.ground import Sole
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.contacts.elimination import eliminate
 from exoid.torques.contacts.standing_base import standing_base
@@ -109,7 +109,9 @@ def test_the_gradient_is_that_of_finite_differences(power):
     basis, limits, scale = Basis.make(10.0, 4, 40), MotionLimits.of(EXO, torque=60.0), np.maximum(np.abs(EXPECTED), 0.5)
     each = tuple(replace(one, torque=limits.torque) for one in each)
     boxes = tuple(one.support.coordinate_limits(limits, 0.3) for one in each)
-    cost = StanceObjective(each, basis, boxes, TorqueNoise.of(STD, np.ones(6)), scale, 20.0, 100.0, np.eye(len(scale)))
+    common = {"basis": basis, "noise": TorqueNoise.of(STD, np.ones(6)), "seconds": 20.0, "rate": 100.0}
+    known, pitches = np.eye(len(scale)), np.zeros(len(FEET))
+    cost = StanceObjective(demands=each, limits=boxes, scale=scale, prior_information=known, pitches=pitches, **common)
     loose = replace(cost, demands=tuple(demands(name) for name in FEET))
     x = 3.0 * loose.draw(np.random.default_rng(2))
     assert all(cost.excesses_of(k, basis.states(part)).any() for k, part in enumerate(cost.coefficients(x)))

@@ -12,7 +12,7 @@ import exoid
 from exoid import ExoidError, Leg, TorsoMotion
 from exoid.control.model import ControlModel
 from exoid.experiments.excitation import assess, plan_excitation
-from exoid.experiments.excitation.clearance import Clearance
+from exoid.experiments.excitation.limits import Clearance
 from exoid.leg.torso import base_kinematics
 
 TOLERANCE = 1e-12

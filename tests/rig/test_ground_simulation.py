@@ -15,7 +15,7 @@ from exoid.experiments.ground import bleex_machine
 from exoid.rig import Rates
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundSensors, JointGains, Sole, Spring, simulate_on_ground
 from exoid.rig.ground.engine import Engine
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 
 PLANT = bleex_machine()
 GAINS = JointGains((2000.0, 2000.0, 1500.0), (60.0, 60.0, 40.0))

@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData, compare
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
-from exoid.rig.anthropometry import limb_of
+from exoid.rig import limb_of
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 from exoid.torques.payloads import payload_parameters

@@ -23,23 +23,14 @@ class States(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FourierMotion:
-    """Periodic motion θ_j(t) = centre_j + Σ_k sine_kj sin kωt + cosine_kj cos kωt, ω = 2π / period.
+    """Periodic motion θ_j(t) = centre_j + Σ_k sine_kj sin kωt + cosine_kj cos kωt, ω = 2π / period."""
 
-    Attributes:
-        centre: Constant term [rad], (n,).
-        sine: Sine coefficients [rad], (K, n).
-        cosine: Cosine coefficients [rad], (K, n).
-        period: Period [s].
-        duration: Duration [s], a whole number of periods.
-        pitch: Tilt of the torso [rad].
-    """
-
-    centre: FloatArray
-    sine: FloatArray
-    cosine: FloatArray
-    period: float
-    duration: float
-    pitch: float = 0.0
+    centre: FloatArray  # constant term [rad], (n,)
+    sine: FloatArray  # sine coefficients [rad], (K, n)
+    cosine: FloatArray  # cosine coefficients [rad], (K, n)
+    period: float  # period [s]
+    duration: float  # duration [s], a whole number of periods
+    pitch: float = 0.0  # tilt of the torso [rad]
 
     def __repr__(self) -> str:
         """Count joints and harmonics; name frequency and duration."""
@@ -49,14 +40,7 @@ class FourierMotion:
         return f"FourierMotion({series}, {self.duration:g} s{tilt})"
 
     def at(self, time: FloatArray) -> States:
-        """Evaluate the motion.
-
-        Args:
-            time: Times [s], (N,).
-
-        Returns:
-            Angles, velocities and accelerations.
-        """
+        """Evaluate the motion at N times."""
         k = 2.0 * np.pi / self.period * np.arange(1.0, len(self.sine) + 1.0)
         s, c = np.sin(np.multiply.outer(time, k)), np.cos(np.multiply.outer(time, k))
         return States(
@@ -66,26 +50,12 @@ class FourierMotion:
         )
 
     def sampled(self, rate: float) -> tuple[FloatArray, States]:
-        """Sample the whole motion, both ends included.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Times [s], (N,), and the motion at these times.
-        """
+        """Sample the whole motion, both ends included, at a rate [Hz]: times and states."""
         time = np.arange(round(self.duration * rate) + 1) / rate
         return time, self.at(time)
 
     def period_samples(self, count: int) -> States:
-        """Sample one period.
-
-        Args:
-            count: Number of samples N, evenly spaced.
-
-        Returns:
-            Angles, velocities and accelerations.
-        """
+        """Sample one period evenly."""
         return self.at(np.arange(count) * self.period / count)
 
     @property

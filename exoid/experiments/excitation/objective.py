@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from exoid.torques import TorqueModel
 
 from .fourier import Basis, States
 from .limits import MotionLimits
-from .noise import TorqueNoise
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 
 Criterion = Literal["worst", "a", "d"]
 
@@ -44,20 +43,20 @@ class Stage(NamedTuple):
     penalty: float  # weight of the penalty
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MotionObjective(ABC):
     """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses, for one motion or several."""
 
-    # The search needs this of a leg whose torso is held at some tilts, and of a machine on some supports.
-
-    # x are the coefficients of one motion for each torso tilt, or for each support.
+    # With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one motion
+    # for each tilt of a torso that is held, or for each support of a machine on the ground.
 
     basis: Basis  # basis functions of the motions
+    noise: TorqueNoise  # torque noise
     seconds: float  # duration of each motion [s]
     rate: float  # rate of the log [Hz]
     prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
+    limit_names: ClassVar[tuple[str, ...]]
     pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
-    limit_names: tuple[str, ...]  # names of the limits, (L,)
-    machine: str  # name of the leg
 
     def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
         """Value and gradient at flattened coefficients."""
@@ -77,6 +76,11 @@ class MotionObjective(ABC):
             value += stage.penalty * excess
             gradient.append(self.basis.coefficient_gradient(slopes).ravel())
         return value, np.concatenate(gradient)
+
+    @property
+    @abstractmethod
+    def machine(self) -> str:
+        """Name of the leg or machine."""
 
     @abstractmethod
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
@@ -109,22 +113,13 @@ class MotionObjective(ABC):
         """Narrow the limits by what the search reserves for values between its samples."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Objective(MotionObjective):
-    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses."""
-
-    # With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one
-    # motion for each torso tilt, (T, m, n).
+    """Objective for a leg whose torso is held at some tilts; poses may be known already."""
 
     model: TorqueModel  # leg and terms
-    basis: Basis  # basis functions of the motions
-    pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
     limits: MotionLimits  # motion limits
-    noise: TorqueNoise  # torque noise
     scales: Scales  # scales of the standard deviations
-    seconds: float  # duration of each motion [s]
-    rate: float  # rate of the log [Hz]
-    prior_information: FloatArray  # information of other data (poses) about scaled parameters, (P, P)
     limit_names = ("angle", "velocity", "acceleration", "torque", "clearance")
 
     @property
@@ -173,7 +168,7 @@ class Objective(MotionObjective):
         return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
 
     @property
-    def machine(self) -> str:  # type: ignore[override]
+    def machine(self) -> str:
         """Name of the leg."""
         return self.model.leg.description.name
 

@@ -19,11 +19,10 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .fourier import FourierMotion, series
 from .limits import MotionLimits
-from .noise import TorqueNoise
 from .objective import Criterion, Objective
 from .poses import choose_poses
 from .precision import Precision, StaticRows, information_of
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 from .search import search
 from .text import prediction_text
 
@@ -193,7 +192,17 @@ def plan_excitation(
     static = choose_poses(model, limits, torque_noise, scales, tilts, poses, rng) if poses else ()
     of_poses = information_of(model, map(StaticRows, static), torque_noise)
     scaled = of_poses.r_factor * scales.scale
-    objective = Objective(model, basis, tilts, limits, torque_noise, scales, seconds, rate, scaled.T @ scaled)
+    objective = Objective(
+        model=model,
+        limits=limits,
+        scales=scales,
+        basis=basis,
+        noise=torque_noise,
+        seconds=seconds,
+        rate=rate,
+        prior_information=scaled.T @ scaled,
+        pitches=tilts,
+    )
     found = search(objective, criterion, starts, rng, progress)
     recordings = [planned_recording(model, scales, motion, rate) for motion in found.motions]
     of_motions = information_of(model, recordings, torque_noise, preparation)

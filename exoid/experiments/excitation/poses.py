@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits
-from .noise import TorqueNoise
 from .precision import READINGS
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 
 
 def choose_poses(
@@ -31,7 +30,7 @@ def choose_poses(
     for tilt in tilts:
         q, columns = _candidates(model, limits, scales, float(tilt), rng)
         if len(q) < count:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"only {len(q)} of 400 poses are within the limits, {count} are requested",
                 where=model.leg.description.name,
                 remedy="widen the limits of angle and torque, or request fewer poses",

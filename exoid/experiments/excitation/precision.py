@@ -23,8 +23,7 @@ from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 
-from .noise import TorqueNoise
-from .scales import Scales
+from .scales import Scales, TorqueNoise
 
 BLOCK = 2**15
 """Number of samples in a block of a long log."""

@@ -1,13 +1,14 @@
-"""Scales for the standard deviations of the parameters."""
+"""Torque noise of a prediction, and scales for the standard deviations of the parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import SIZE, parameter_scale
 from exoid.regression.least_squares import factorize
@@ -18,6 +19,69 @@ from .limits import MotionLimits
 
 STATES = 4000
 """Number of reference states."""
+
+
+@dataclass(frozen=True)
+class TorqueNoise:
+    """Noise of the logged torque signals.
+
+    Attributes:
+        std: Standard deviation at each joint [N·m].
+        bandwidth: Frequency up to which the spectrum is flat [Hz]; inf for white noise. Noise of bandwidth b has 2 b
+            independent samples a second at any rate of the log.
+        assumed: Whether the standard deviations are default values.
+
+    Raises:
+        ExoidError: A standard deviation or the bandwidth is not positive.
+    """
+
+    std: tuple[float, ...]
+    bandwidth: float = np.inf
+    assumed: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not (all(0.0 < std < np.inf for std in self.std) and self.bandwidth > 0.0):
+            raise BadArgumentError(
+                f"torque noise of {self.std} N·m, bandwidth {self.bandwidth:g} Hz",
+                remedy="give a positive standard deviation for each joint, and a positive bandwidth",
+            )
+
+    @classmethod
+    def of(cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf) -> TorqueNoise:
+        """Take given standard deviations, or 2 % of the typical torque of each joint.
+
+        Args:
+            std: Standard deviation [N·m], a number or (n,); None if unknown.
+            typical: Typical torque of each joint [N·m], (n,).
+            bandwidth: Frequency up to which the spectrum is flat [Hz].
+
+        Returns:
+            Noise of n joints.
+
+        Raises:
+            ExoidError: The number of standard deviations is neither one nor n, or a value is not positive.
+        """
+        if std is None:
+            return cls(tuple((0.02 * typical).tolist()), bandwidth, assumed=True)
+        try:
+            each = np.broadcast_to(np.asarray(std, dtype=np.float64), typical.shape)
+        except ValueError as error:
+            raise BadArgumentError(
+                f"torque noise of {np.size(std)} joints for a leg of {len(typical)}",
+                remedy="give one number, or one for each joint",
+            ) from error
+        return cls(tuple(each.tolist()), bandwidth)
+
+    def per_sample(self, rate: float) -> FloatArray:
+        """Compute the standard deviation of white noise of the same spectral density at a rate, σ √(rate / 2b)."""
+        return np.asarray(np.array(self.std) * np.sqrt(max(1.0, rate / (2.0 * self.bandwidth))))
+
+    def __str__(self) -> str:
+        """Write standard deviations and bandwidth."""
+        stds = ", ".join(f"{std:.2g}" for std in self.std)
+        band = "white" if np.isinf(self.bandwidth) else f"up to {self.bandwidth:g} Hz"
+        return f"{stds} N·m ({band}{', assumed' if self.assumed else ''})"
 
 
 class Scales(NamedTuple):
@@ -69,15 +133,7 @@ class Scales(NamedTuple):
 
     @classmethod
     def over(cls, expected: FloatArray, W: FloatArray) -> Scales:
-        """Compute the scales over rows of reference states.
-
-        Args:
-            expected: Expected parameters, (P,).
-            W: Regressor at the states, (S, n, P).
-
-        Returns:
-            Scales of all parameters.
-        """
+        """Compute the scales over the regressor at reference states, (S, n, P)."""
         tau = W @ expected
         r_factors = [factorize(np.column_stack([W[:, j], tau[:, j]]), len(W), len(W)) for j in range(tau.shape[1])]
         return cls(expected, parameter_scale(r_factors), np.sqrt((tau**2).mean(axis=0)))

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .fourier import FourierMotion, States
 from .objective import MotionObjective, Stage
@@ -112,11 +112,11 @@ def _fine(objective: MotionObjective, x: FloatArray) -> States:
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
 
 
-def _no_motion(objective: MotionObjective, x: FloatArray) -> ExoidError:
+def _no_motion(objective: MotionObjective, x: FloatArray) -> BadArgumentError:
     """Error that names the limit which the motion exceeds most."""
     each = [objective.excesses_of(k, _fine(objective, one)) for k, one in enumerate(objective.coefficients(x))]
     worst = objective.limit_names[int(np.argmax(np.sum(each, axis=0)))]
-    return ExoidError(
+    return BadArgumentError(
         f"no motion was found within the limits; the {worst} limit is exceeded most",
         where=objective.machine,
         remedy=f"widen the {worst} limit or the angles, or use more starts",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.catalog import load_exo
 from exoid.leg.leg import Leg
 from exoid.rig.ground import GroundPlant
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 
 RESISTANCES = {"c0": (2.0, 1.5, 0.5), "d": (0.3, 0.2, 0.1), "Ia": (0.1, 0.1, 0.03)}
 """Coulomb friction [N·m], viscous friction [N·m·s/rad] and rotors [kg·m²] of hip, knee and ankle, an assumption."""
@@ -30,7 +30,7 @@ def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_fri
         ExoidError: There are no such legs, or no such inertia set.
     """
     if legs not in LEGS:
-        raise ExoidError(f"legs {legs!r}", remedy=f"use one of {', '.join(LEGS)}")
+        raise BadArgumentError(f"legs {legs!r}", remedy=f"use one of {', '.join(LEGS)}")
     machine = load_exo("bleex", inertias, base="floating")
     sides = LEGS[legs]
     if len(sides) == 1:

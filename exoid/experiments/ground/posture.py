@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ComplexArray, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar_machine import Limb
 from exoid.rig.ground import GroundPlant
@@ -37,7 +37,7 @@ class PlanarLeg:
         upper, lower = abs(self.thigh), abs(self.shank)
         cosine = (np.abs(way) ** 2 - upper**2 - lower**2) / (2.0 * upper * lower)
         if not (np.abs(cosine) < 1.0).all():
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{self.foot} is {np.abs(way).max():.3g} m from the hip, a leg of {upper + lower:.3g} m",
                 remedy="lower the torso, or take smaller shifts",
             )
@@ -65,7 +65,9 @@ def planar_legs(plant: GroundPlant) -> tuple[PlanarLeg, ...]:
     leg = plant.leg
     legs = tuple(_planar_leg(plant, limb) for limb in leg.limbs)
     if not legs:
-        raise ExoidError("the machine is not planar", where=leg.description.name, remedy="use legs in parallel planes")
+        raise NotSupportedError(
+            "the machine is not planar", where=leg.description.name, remedy="use legs in parallel planes"
+        )
     return legs
 
 
@@ -73,7 +75,7 @@ def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
     leg, joints = plant.leg, range(limb.joints.start, limb.joints.stop)
     feet = [link for link in plant.soles if link_frame(leg.model, leg.description, link).body in joints]
     if len(joints) != 3 or len(feet) != 1:
-        raise ExoidError(
+        raise NotSupportedError(
             f"the leg with {', '.join(leg.joint_names[limb.joints])} has {len(feet)} soles",
             where=leg.description.name,
             remedy="scenarios are made for legs with hip, knee, ankle and one sole",

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
 from exoid.rig.ground.simulate import RATES
 
-from .feedforward import Bearing, planned_motion
-from .follow import follow
+from .planned_motion import Bearing, follow, knots, planned_motion, wave
 from .posture import PlanarLeg, centre_of_mass, planar_legs
-from .waves import knots, wave
 
 GAINS = JointGains(stiffness=(2000.0, 2000.0, 1500.0), damping=(60.0, 60.0, 40.0))
 """Gains of the joints while they bear the machine, an assumption: stiff enough to stand."""
@@ -140,7 +138,7 @@ def single_support(
     """
     rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
     if not 0 <= standing < len(legs):
-        raise ExoidError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
+        raise BadArgumentError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
     base, target = _torso(time, stance, rng)
     q = np.zeros((len(time), len(plant.leg.joint_names)))
     stands, swings = legs[standing : standing + 1], [leg for leg in legs if leg is not legs[standing]]
@@ -186,7 +184,7 @@ def _refuse_touching(swings: Sequence[PlanarLeg], base: FloatArray, q: FloatArra
     for leg in swings:
         height = float(leg.points(base, q).imag.min())
         if height < 0.01:  # m
-            raise ExoidError(
+            raise BadArgumentError(
                 f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
                 remedy="raise the torso, or swing less",
             )

@@ -8,10 +8,8 @@ from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
 from exoid.rig.ground.simulate import RATES
 
-from .feedforward import planned_motion
-from .follow import follow
+from .planned_motion import follow, knots, planned_motion, wave
 from .posture import planar_legs
-from .waves import knots, wave
 
 GAINS = JointGains(stiffness=(600.0, 400.0, 200.0), damping=(30.0, 20.0, 8.0))
 """Gains of the joints, an assumption."""

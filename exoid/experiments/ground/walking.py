@@ -8,16 +8,16 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
+from exoid.experiments.gait import gait_for_leg, healthy_gait, norm_gait
+from exoid.experiments.references import Harmonics, fit_harmonics
+from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
 from exoid.rig.ground.simulate import RATES
 
-from .feedforward import Bearing, planned_motion
-from .follow import follow
+from .planned_motion import KNOTS, Bearing, follow, knots, planned_motion, rise
 from .posture import PlanarLeg, planar_legs, total_mass
-from .strides import stride, walking_angles
-from .waves import KNOTS, knots
 
 GAINS = JointGains(stiffness=(1000.0, 800.0, 250.0), damping=(40.0, 30.0, 10.0))
 """Gains of the joints, an assumption: soft enough for a foot that the ground turns."""
@@ -33,6 +33,12 @@ HARNESS = Spring(
 
 NEAR = 0.01
 """Height over which load passes from one point of a sole to another [m]."""
+
+TILT_DEG = (
+    (0.0, 0.08, 0.36, 0.5, 0.6, 0.66, 0.75, 0.85, 0.95, 1.0),
+    (14.0, 0.0, 0.0, -20.0, -60.0, -66.0, -45.0, -10.0, 14.0, 14.0),
+)
+"""Phases of the stride and angles of the sole to the ground [deg], an assumption: heel strike, flat, toe-off, swing."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +89,7 @@ def walking(
             knee, ankle and a sole, or the motion cannot be followed.
     """
     gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
-    q = walking_angles(plant.leg, legs, time, stride(gait.speed, gait.scale, gait.period), gait.period)
+    q = _walking_angles(plant.leg, legs, time, _stride(gait.speed, gait.scale, gait.period), gait.period)
     base = np.zeros((len(time), 3))
     # norms count the flexion of the hip from a pelvis that is tilted forward by 0.19 rad
     base[:, 2] = gait.lean - (0.0 if gait.speed is None else 0.19)
@@ -128,3 +134,29 @@ def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window
     speeds = [np.gradient(place.real.mean(axis=1), 1.0 / KNOTS) * bearing[foot].share for foot, place in places.items()]
     speed = -np.sum(speeds, axis=0) / np.sum([each.share for each in bearing.values()], axis=0)
     return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)
+
+
+def _stride(speed: str | None, scale: float, period: float) -> Harmonics:
+    """Make the flexion of hip, knee and ankle."""
+    if speed is not None:
+        return norm_gait(speed, scale, period)
+    published, phase = healthy_gait(scale, period), np.linspace(0.0, 1.0, 400, endpoint=False)
+    hip, knee = np.array([published.at(p * period).q[:, 0] for p in phase]).T
+    knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
+    tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(phase)
+    ankle = np.deg2rad(scale * tilt) - hip + knee
+    return fit_harmonics(period * phase, np.column_stack([hip, knee, ankle]), period, 8)
+
+
+def _walking_angles(
+    machine: Leg, legs: tuple[PlanarLeg, ...], time: FloatArray, flexion: Harmonics, period: float
+) -> FloatArray:
+    """Let all legs follow a stride, evenly apart, that grows from its mean posture."""
+    q = np.zeros((len(time), len(machine.joint_names)))
+    for number, leg in enumerate(legs):
+        own = Leg.from_description(machine.description, machine.joint_names[leg.joints])
+        motion = gait_for_leg(own, flexion, dict(zip(own.joint_names, ("hip", "knee", "ankle"), strict=True)))
+        argument = motion.frequency * (time + number / len(legs) * period)[:, None, None, None] + motion.phase
+        swing = (motion.amplitude * np.sin(argument)).sum(axis=1)
+        q[:, leg.joints] = (motion.centre + rise(time)[:, None, None] * swing)[..., 0]
+    return q

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid.errors import BadArgumentError
 from exoid.experiments import Bench, StaticProtocol, bleex, run_static
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import bleex_parameters, bleex_resistances
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors

@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_static
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion
 from exoid.identification import identify
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg

@@ -12,8 +12,7 @@ from threadpoolctl import threadpool_limits
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.experiments import Bench
-from exoid.experiments.bench import stiff_servo
-from exoid.experiments.dynamic import run_motion
+from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.identification import identify
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording

@@ -1,4 +1,4 @@
-"""MuJoCo with one machine on flat ground: its state, its steps, and the forces that it computes."""
+"""MuJoCo with one machine on flat ground: its state, its steps, its forces, and the spring that may hold its torso."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import require_mujoco
 from exoid.leg.reduction.planar import GRAVITY
 
+from .motion import JointTargets, Spring
 from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name
 from .plant import GroundPlant
 
@@ -65,7 +67,7 @@ class Engine:
             data.qpos[:3] = base
         else:
             data.qpos[:3] = base[0] * plane.forward + base[1] * plane.up
-            data.qpos[3:7] = quaternion(-plane.lateral, base[2])
+            data.qpos[3:7] = _quaternion(-plane.lateral, base[2])
         self.q[:] = q
 
     def begin(self) -> None:
@@ -170,7 +172,36 @@ class Engine:
         return float(GRAVITY * self.model.body_subtreemass[1])
 
 
-def quaternion(axis: FloatArray, angle: float) -> FloatArray:
+class Holder:
+    """Spring of a run; `wrench` is its force [N] and moment about the point [N·m] on the torso in the last step."""
+
+    def __init__(self, engine: Engine, spring: Spring, targets: JointTargets) -> None:
+        plane, self._point = engine.plant.plane, np.array(spring.point)
+        axes = np.array([plane.forward, plane.lateral, plane.up])
+        self.spring, self._engine, self.wrench = spring, engine, np.zeros((2, 3))
+        self._stiffness, self._damping = (axes.T @ np.diag(x) @ axes for x in (spring.stiffness, spring.damping))
+        base, rate = targets.base, targets.base_rate
+        turned = scipy.spatial.transform.Rotation.from_rotvec(np.outer(base[:, 2], -plane.lateral)).apply(self._point)
+        self._turning = np.outer(rate[:, 2], -plane.lateral)
+        self._place = base[:, :2] @ axes[[0, 2]] + turned
+        self._speed = rate[:, :2] @ axes[[0, 2]] + np.cross(self._turning, turned)
+        self._pitch = base[:, 2]
+
+    def force(self, step: int) -> FloatArray:
+        """Compute the force in a step."""
+        engine, spring = self._engine, self.spring
+        position, rotation = engine.torso
+        twist, arm = engine.twist(), rotation @ self._point
+        force = self._stiffness @ (self._place[step] - position - arm)
+        force += self._damping @ (self._speed[step] - twist[3:] - np.cross(twist[:3], arm))
+        target = _quaternion(-engine.plant.plane.lateral, self._pitch[step])
+        moment = spring.turning_stiffness * engine.turn_to(target)
+        moment += spring.turning_damping * (self._turning[step] - twist[:3])
+        self.wrench = np.array([force, moment])
+        return engine.push(force, moment, position + arm)
+
+
+def _quaternion(axis: FloatArray, angle: float) -> FloatArray:
     """Write a rotation as a quaternion."""
     return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
 

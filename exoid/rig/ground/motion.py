@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,19 +36,14 @@ class GroundMotion:
         shapes = {field.name: getattr(self, field.name).shape for field in fields(self)}
         K = len(self.time)
         if K < 2 or shapes["q"] != shapes["torque"] or shapes["q"][:1] != (K,) or shapes["base"] != (K, 3):
-            raise ExoidError(f"a motion of shapes {shapes}", remedy="give (K,), (K, n), (K, n) and (K, 3)")
+            raise BadArgumentError(f"a motion of shapes {shapes}", remedy="give (K,), (K, n), (K, n) and (K, 3)")
         if not all(np.isfinite(getattr(self, field.name)).all() for field in fields(self)):
-            raise ExoidError("the reference motion is not finite", remedy="keep the feet within reach of the legs")
+            raise BadArgumentError(
+                "the reference motion is not finite", remedy="keep the feet within reach of the legs"
+            )
 
     def at(self, time: FloatArray) -> JointTargets:
-        """Interpolate by cubic splines.
-
-        Args:
-            time: Times [s], (M,).
-
-        Returns:
-            Targets of the joints and of the torso.
-        """
+        """Interpolate by cubic splines at M times."""
         joints, torque, base = (scipy.interpolate.CubicSpline(self.time, x) for x in (self.q, self.torque, self.base))
         return JointTargets(joints(time), joints(time, 1), torque(time), base(time), base(time, 1))
 
@@ -76,17 +71,6 @@ class JointGains:
     stiffness: tuple[float, ...] | float
     damping: tuple[float, ...] | float
 
-    def arrays(self, n: int) -> tuple[FloatArray, FloatArray]:
-        """Repeat the gains for n joints.
-
-        Args:
-            n: Number of joints.
-
-        Returns:
-            Stiffness and damping, (n,) each.
-        """
-        return per_joint(self.stiffness, n, "stiffness"), per_joint(self.damping, n, "damping")
-
 
 @dataclass(frozen=True)
 class Spring:
@@ -113,14 +97,14 @@ class Spring:
         """Check the numbers."""
         constants = np.array([*self.stiffness, *self.damping, self.turning_stiffness, self.turning_damping])
         if not (np.isfinite(constants) & (constants >= 0.0)).all() or not np.isfinite(self.point).all():
-            raise ExoidError(f"{self} is not a spring", remedy="give finite stiffness and damping ≥ 0")
+            raise BadArgumentError(f"{self} is not a spring", remedy="give finite stiffness and damping ≥ 0")
 
 
 def per_joint(values: tuple[float, ...] | float, n: int, name: str) -> FloatArray:
     """Repeat numbers for n joints."""
     numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
     if numbers.ndim != 1 or not len(numbers) or n % len(numbers):
-        raise ExoidError(f"{name} has {numbers.size} values for {n} joints", remedy="give one, or one a joint")
+        raise BadArgumentError(f"{name} has {numbers.size} values for {n} joints", remedy="give one, or one a joint")
     if not (np.isfinite(numbers) & (numbers >= 0.0)).all():
-        raise ExoidError(f"{name} is {values}", remedy="give finite numbers ≥ 0")
+        raise BadArgumentError(f"{name} is {values}", remedy="give finite numbers ≥ 0")
     return np.tile(numbers, n // len(numbers))

@@ -8,13 +8,12 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
 from exoid.leg.reduction.planar import GRAVITY
 
-from .plant import GroundPlant
-from .sole import Sole
+from .plant import GroundPlant, Sole
 
 RAIL_JOINTS = ("forward", "pitch")
 """Coordinates of the base that a vertical rail holds."""
@@ -25,7 +24,9 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
     # The bodies are in Pinocchio's order: body 1 is the root link, body j + 1 that of joint j.
     mujoco = require_mujoco()
     if rail and not plant.is_planar:
-        raise ExoidError("a vertical rail holds a machine that moves in a plane", remedy="hold others by a spring")
+        raise NotSupportedError(
+            "a vertical rail holds a machine that moves in a plane", remedy="hold others by a spring"
+        )
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep, option.gravity = step, -GRAVITY * plant.plane.up
@@ -46,7 +47,7 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
     try:
         return spec.compile()
     except ValueError as error:
-        raise ExoidError(
+        raise BadArgumentError(
             f"MuJoCo cannot simulate these bodies ({error})",
             where=plant.leg.description.name,
             remedy="check masses and moments of inertia: no link can have those given",

@@ -9,15 +9,79 @@ from types import MappingProxyType
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
 
-from .sole import Sole
+LARGEST = 2.0
+"""Largest distance of a point of a sole from the origin of its link [m]; larger ones are in another unit."""
 
 SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
 """Symbols of what acts on a joint: Coulomb and viscous friction, rotor, spring and its torque at zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sole:
+    """Sole of a foot: small spheres at its corners, whose lowest points lie in one plane while the foot stands.
+
+    Attributes:
+        points: Lowest points of the spheres in the axes of the link of the foot, whose z axis points up while the foot
+            stands [m], (K, 3). Heel and toe are enough for a machine that moves in a plane.
+        radius: Radius of the spheres [m].
+
+    Raises:
+        ExoidError: The points are not a (K, 3) array of at least two places in m, or the radius is not positive.
+    """
+
+    points: FloatArray
+    radius: float = 0.005
+
+    def __post_init__(self) -> None:
+        """Check shape and unit."""
+        points = np.array(self.points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1:] != (3,) or len(points) < 2 or not (np.abs(points) <= LARGEST).all():
+            raise BadArgumentError(
+                f"a sole with points of shape {points.shape}",
+                remedy=f"give at least heel and toe in m, (K, 3), at most {LARGEST:g} m from the origin of the link",
+            )
+        if not 0.0 < self.radius < LARGEST:
+            raise BadArgumentError(
+                f"a sole with spheres of radius {self.radius:g} m", remedy="give a few millimetres, in m"
+            )
+        points.flags.writeable = False
+        object.__setattr__(self, "points", points)
+
+    @classmethod
+    def flat(cls, heel: float, toe: float, height: float, *, side: float = 0.0, width: float = 0.0) -> Sole:
+        """Make a flat sole that is parallel to the x and y axes of its link.
+
+        Args:
+            heel: Position of the heel along x [m].
+            toe: Position of the toe along x [m].
+            height: Position of the sole along z [m].
+            side: Position of the middle of the sole along y [m].
+            width: Width along y [m]; 0 for two points instead of four.
+
+        Returns:
+            The sole.
+        """
+        sides = [side] if width == 0.0 else [side - width / 2, side + width / 2]
+        return cls(np.array([(x, y, height) for x in (heel, toe) for y in sides]))
+
+    @property
+    def centre(self) -> FloatArray:
+        """Mean of the points in the axes of the link [m], (3,)."""
+        return np.asarray(self.points.mean(axis=0))
+
+
+BLEEX_SOLES: Mapping[str, Sole] = MappingProxyType(
+    {
+        "left_foot": Sole.flat(-0.075, 0.13, -0.115, side=-0.1),
+        "right_foot": Sole.flat(-0.075, 0.13, -0.115, side=0.1),
+    }
+)
+"""Soles of BLEEX as its URDF draws them, an assumption: the document has no drawing of the foot."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,7 +144,7 @@ class GroundPlant:
                 wrong sign.
         """
         if leg.base != "floating":
-            raise ExoidError(
+            raise NotSupportedError(
                 f"a machine on the ground needs a floating base, not {leg.base!r}",
                 where=leg.description.name,
                 remedy='load it with exoid.load_exo("bleex", base="floating") or Leg.from_urdf(..., base="floating")',
@@ -90,14 +154,14 @@ class GroundPlant:
         unknown = sorted(set(values) - named - set(leg.parameter_names))
         if unknown:
             known = ", ".join((*leg.parameter_names, *sorted(named)))
-            raise ExoidError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
+            raise BadArgumentError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
         bodies = [values.get(name, x) for name, x in zip(leg.parameter_names, leg.parameters, strict=True)]
         if set(values) & set(leg.parameter_names):
             leg = leg.with_parameters(bodies)
         each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
         _refuse_values(each, smoothing, ground_friction)
         if not soles:
-            raise ExoidError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
+            raise BadArgumentError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
         for link in soles:
             link_frame(leg.model, leg.description, link)
         return cls(
@@ -171,8 +235,14 @@ class GroundPlant:
 def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
     for symbol, values in each.items():
         if not np.isfinite(values).all() or (symbol in ("c0", "d", "Ia") and (values < 0.0).any()):
-            raise ExoidError(f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0")
+            raise BadArgumentError(
+                f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0"
+            )
     if not 0.0 < smoothing < np.inf:
-        raise ExoidError(f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s")
+        raise BadArgumentError(
+            f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s"
+        )
     if not 0.0 < ground_friction < np.inf:
-        raise ExoidError(f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8")
+        raise BadArgumentError(
+            f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8"
+        )

@@ -25,30 +25,18 @@ class Audit(NamedTuple):
 
     Energy: work + holding = gain + friction + contact. Momentum: ground + holder + weight = momentum. Both hold up to
     the error of the integration.
-
-    Attributes:
-        work: Work of the actuators [J].
-        holding: Work of the rail or the spring on the machine [J].
-        gain: Gain of mechanical energy, rotors and springs of the joints included [J].
-        friction: Energy that friction of the joints dissipates [J].
-        contact: Energy that the ground dissipates [J].
-        turnover: ∫ |power| dt of the actuators [J], the scale of errors.
-        ground: Impulse of the ground [N·s], (3,).
-        holder: Impulse of rail or spring [N·s], (3,).
-        weight: Impulse of gravity [N·s], (3,).
-        momentum: Gain of linear momentum [N·s], (3,).
     """
 
-    work: float
-    holding: float
-    gain: float
-    friction: float
-    contact: float
-    turnover: float
-    ground: FloatArray
-    holder: FloatArray
-    weight: FloatArray
-    momentum: FloatArray
+    work: float  # work of the actuators [J]
+    holding: float  # work of the rail or the spring on the machine [J]
+    gain: float  # gain of mechanical energy, rotors and springs of the joints included [J]
+    friction: float  # energy that friction of the joints dissipates [J]
+    contact: float  # energy that the ground dissipates [J]
+    turnover: float  # ∫ |power| dt of the actuators [J], the scale of errors
+    ground: FloatArray  # impulse of the ground [N·s], (3,)
+    holder: FloatArray  # impulse of rail or spring [N·s], (3,)
+    weight: FloatArray  # impulse of gravity [N·s], (3,)
+    momentum: FloatArray  # gain of linear momentum [N·s], (3,)
 
     @property
     def energy_error(self) -> float:
@@ -72,23 +60,14 @@ class Audit(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Footing:
-    """True load and place of one foot at N samples, in the laboratory.
+    """True load and place of one foot at N samples, in the laboratory."""
 
-    Attributes:
-        force: Force of the ground on the foot [N], (N, 3).
-        moment: Its moment about the origin of the foot's link [N·m], (N, 3).
-        position: Origin of the link [m], (N, 3).
-        rotation: Axes of the link as columns, (N, 3, 3).
-        points: Number of points of the sole that bear load, (N,).
-        slip: Speed of the centre of pressure along the ground [m/s], (N,); zero without load.
-    """
-
-    force: FloatArray
-    moment: FloatArray
-    position: FloatArray
-    rotation: FloatArray
-    points: NDArray[np.intp]
-    slip: FloatArray
+    force: FloatArray  # force of the ground on the foot [N], (N, 3)
+    moment: FloatArray  # its moment about the origin of the foot's link [N·m], (N, 3)
+    position: FloatArray  # origin of the link [m], (N, 3)
+    rotation: FloatArray  # axes of the link as columns, (N, 3, 3)
+    points: NDArray[np.intp]  # number of points of the sole that bear load, (N,)
+    slip: FloatArray  # speed of the centre of pressure along the ground [m/s], (N,); zero without load
 
     @property
     def wrench(self) -> Wrench:
@@ -99,17 +78,6 @@ class Footing:
     def touching(self) -> BoolArray:
         """Whether any point of the sole bears load, (N,)."""
         return np.asarray(self.points > 0)
-
-    def fixed(self, points: int) -> BoolArray:
-        """Find the samples at which the foot is flat on the ground and does not slip.
-
-        Args:
-            points: Number of points of the sole.
-
-        Returns:
-            Whether all of them bear load at less than 5 mm/s, (N,).
-        """
-        return np.asarray((self.points == points) & (self.slip < 0.005))
 
     @property
     def centre_of_pressure(self) -> FloatArray:
@@ -163,9 +131,10 @@ class GroundRun:
             link: Link of the foot.
 
         Returns:
-            Whether it is, (N,).
+            Whether all points of its sole bear load at less than 5 mm/s, (N,).
         """
-        return self.feet[link].fixed(len(self.plant.soles[link].points))
+        foot = self.feet[link]
+        return np.asarray((foot.points == len(self.plant.soles[link].points)) & (foot.slip < 0.005))
 
     def recording(
         self,

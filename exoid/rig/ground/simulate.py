@@ -7,15 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
 from exoid.signals import Wrench
 
-from .engine import Engine
-from .holder import Holder
-from .motion import GroundMotion, JointGains, Spring
+from .engine import Engine, Holder
+from .motion import GroundMotion, JointGains, Spring, per_joint
 from .plant import GroundPlant
 from .run import Audit, Footing, GroundRun
 from .sensors import BaseSteps
@@ -68,7 +67,8 @@ def simulate_on_ground(
     engine = Engine(plant, rates.step, rail=rail)
     engine.place(targets.q[0], targets.base[0])
     holder = None if spring is None else Holder(engine, spring, targets)
-    limit, (stiffness, damping) = plant.leg.limits.effort, gains.arrays(len(engine.q))
+    limit = plant.leg.limits.effort
+    stiffness, damping = (per_joint(getattr(gains, name), len(engine.q), name) for name in ("stiffness", "damping"))
     torque, books = np.zeros(len(engine.q)), _Books(engine, holder)
     for k in range(last - first + 1):
         now = k + first
@@ -88,7 +88,7 @@ def simulate_on_ground(
         else:
             books.finish(torque, held, ends=now in (0, last), logs=now % every_log == 0)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"the machine diverged before {now * rates.step:.3g} s",
                 remedy="lower the gains, slow the motion, or shorten the step",
             )

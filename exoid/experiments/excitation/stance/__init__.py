@@ -1,6 +1,6 @@
 """Optimal excitation on the ground: squats, weight shifts and leg swings whose ground forces are not measured."""
 
-from .limits import GroundLimits
+from .demands import GroundLimits
 from .plan import StancePlan, plan_stance
 from .rig import run_stance
 

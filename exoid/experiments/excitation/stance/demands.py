@@ -1,23 +1,76 @@
-"""Demands of a motion on the ground: regressor without unknown wrenches, and margins to the limits of force."""
+"""Demands of a motion on the ground: rows without unknown wrenches, margins to limits, and what can be determined."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
 from exoid.experiments.excitation.fourier import States
+from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.objective import Demand
+from exoid.experiments.excitation.scales import STATES, Scales, reference_states
 from exoid.leg.reduction.planar import GRAVITY
+from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.torques import TorqueModel
 
-from .limits import GroundLimits
 from .support import StanceSupport
 
 LIMITS = ("least load", "most load", "friction", "centre of pressure", "torso", "torque", "clearance")
 """Names of the limits."""
+
+
+EVERY = "all of them can be determined"
+"""End of the sentence about supports that leave nothing undetermined."""
+
+
+@dataclass(frozen=True)
+class GroundLimits:
+    """Limits of ground force, torso, knees and feet.
+
+    Attributes:
+        friction: Coefficient of friction that a motion may use, below that of the ground.
+        sole_margin: Distance of the centre of pressure from heel and toe [m].
+        least_load: Smallest vertical force over the weight of the machine.
+        most_load: Largest vertical force over the weight.
+        doubt: Relative standard deviation of each expected parameter of the rigid bodies. Limits of force and torque
+            are kept at twice the standard deviation that it causes.
+        bow_deg: Largest pitch of the torso forward [deg].
+        recline_deg: Largest pitch of the torso backward [deg].
+        knee_deg: Smallest flexion of a knee [deg]: at a straight knee a foot leaves no row of the equation.
+        clearance: Smallest height of a foot that does not stand [m].
+
+    Raises:
+        ExoidError: A number is negative, not finite, or contradicts another.
+    """
+
+    friction: float = 0.4
+    sole_margin: float = 0.02
+    least_load: float = 0.5
+    most_load: float = 1.5
+    doubt: float = 0.05
+    bow_deg: float = 40.0
+    recline_deg: float = 10.0
+    knee_deg: float = 15.0
+    clearance: float = 0.03
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for field in fields(self):
+            if not 0.0 <= getattr(self, field.name) < float("inf"):
+                raise BadArgumentError(
+                    f"{field.name} is {getattr(self, field.name)}", remedy="give a finite number ≥ 0"
+                )
+        if not (self.friction > 0.0 and self.least_load < 1.0 < self.most_load and self.doubt < 0.5):
+            raise BadArgumentError(
+                f"friction {self.friction:g}, load from {self.least_load:g} to {self.most_load:g} of the weight, "
+                f"doubt {self.doubt:g}",
+                remedy="friction is above 0, the load at rest is 1, and a doubt is less than 0.5",
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,3 +141,44 @@ class Demands:
     def _clear(self, joints: States, pose: FloatArray) -> FloatArray:
         """Margins of the feet in the air, (K, N)."""
         return np.asarray((self.support.heights(joints.q, pose).T - self.limits.clearance) / 0.1)  # in units of 0.1 m
+
+
+def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale: FloatArray) -> FloatArray:
+    """Find combinations of parameters that no motion with these supports determines."""
+    rng, rows = np.random.default_rng(0), []
+    for one, box in zip(demands, limits, strict=True):
+        states = reference_states(box, 400, rng)
+        columns = one.at(states).columns * scale[:, None, None]
+        rows.append(columns.reshape(len(scale), -1).T)
+    W = np.linalg.qr(np.vstack(rows), mode="r")
+    size = np.linalg.norm(W, axis=0)
+    size = np.where(size > RANK * size.max(), size, size.max())  # a foot at rest leaves only rounding
+    _, sigma, Vt = np.linalg.svd(W / size)
+    loose = Vt[sigma <= RANK * sigma[0]].T / size[:, None]
+    return np.asarray(np.linalg.qr(loose)[0])
+
+
+def undetermined(names: Sequence[str], null: FloatArray) -> tuple[str, ...]:
+    """Name the parameters that are part of such combinations."""
+    part = np.linalg.norm(null, axis=1)
+    return tuple(name for name, size in zip(names, part, strict=True) if size > INVOLVED)
+
+
+def missing_support(names: Sequence[str], loose: Sequence[str], added: Sequence[str], null: FloatArray) -> str:
+    """Say what motions with further supports would determine."""
+    still = set(undetermined(names, null))
+    more = [name for name in loose if name not in still]
+    if not more or not added:
+        return ""
+    what = EVERY if len(more) == len(loose) else f"{', '.join(more)} can be determined"
+    return f"with motions on {' and '.join(added)} as well: {what}"
+
+
+def stance_scales(demands: Sequence[Demands], limits: Sequence[MotionLimits]) -> Scales:
+    """Compute the scales over random states of standing on each foot, see :class:`Scales`."""
+    rng, tables = np.random.default_rng(0), []
+    for one, box in zip(demands, limits, strict=True):
+        inverse = np.linalg.inv(one.support.spread)  # of one foot: a permutation of the joints
+        columns = one.at(reference_states(box, STATES, rng)).columns
+        tables.append(np.einsum("jk,pks->sjp", inverse, columns))
+    return Scales.over(demands[0].expected, np.vstack(tables))

@@ -9,9 +9,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation.fourier import Basis, States
+from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
-from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import (
     STEPS,
     Demand,
@@ -23,28 +22,18 @@ from exoid.experiments.excitation.objective import (
 from .demands import LIMITS, Demands
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class StanceObjective(MotionObjective):
     """Objective for supports instead of torso tilts, with limits of the ground."""
 
     demands: tuple[Demands, ...]  # what motions with each support demand
-    basis: Basis  # basis functions of the motions
     limits: tuple[MotionLimits, ...]  # limits of the coordinates of each support
-    noise: TorqueNoise  # torque noise
     scale: FloatArray  # scale of each parameter, (P,)
-    seconds: float  # duration of each motion [s]
-    rate: float  # rate of the log [Hz]
-    prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
     reserve: float = 0.001  # relative margin of what the ground limits, for values between samples
     limit_names = ("angle", "velocity", "acceleration", *LIMITS)
 
     @property
-    def pitches(self) -> FloatArray:  # type: ignore[override]
-        """No tilt of a torso that moves, (T,)."""
-        return np.zeros(len(self.demands))
-
-    @property
-    def machine(self) -> str:  # type: ignore[override]
+    def machine(self) -> str:
         """Name of the machine."""
         return self.demands[0].model.leg.description.name
 

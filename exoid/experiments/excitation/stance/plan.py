@@ -8,27 +8,33 @@ from typing import get_args
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.experiments.excitation.fourier import FourierMotion, States, series
 from exoid.experiments.excitation.limits import MotionLimits
-from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import Criterion
 from exoid.experiments.excitation.plan import PlannedMotions
 from exoid.experiments.excitation.precision import predict
-from exoid.experiments.excitation.scales import Scales, expected_parameters
+from exoid.experiments.excitation.scales import Scales, TorqueNoise, expected_parameters
 from exoid.experiments.excitation.search import search
 from exoid.experiments.excitation.text import prediction_text
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import Sole
-from exoid.rig.ground.sole import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .demands import LIMITS, Demands
-from .determined import EVERY, missing_support, null_space, stance_scales, undetermined
-from .limits import GroundLimits
+from .demands import (
+    EVERY,
+    LIMITS,
+    Demands,
+    GroundLimits,
+    missing_support,
+    null_space,
+    stance_scales,
+    undetermined,
+)
 from .objective import StanceObjective
 from .support import BOTH, StanceSupport, supports_of
 
@@ -151,15 +157,35 @@ def plan_stance(
         )
     supports = supports_of(leg, feet, _known_soles(leg) if soles is None else soles)
     model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
-    machine = _Machine(model, expected_parameters(model, values), limits or MotionLimits.of(leg), ground)
-    single = [StanceSupport.of(supports[0].plant, foot) for foot in supports[0].plant.soles]
-    scales = stance_scales(machine.demands(single), machine.boxes(single))
+    expected, limits, ground = (
+        expected_parameters(model, values),
+        limits or MotionLimits.of(leg),
+        ground or GroundLimits(),
+    )
+
+    def on(supports: Sequence[StanceSupport]) -> tuple[tuple[Demands, ...], tuple[MotionLimits, ...]]:
+        """Demands on drives and ground, and limits of the coordinates, of each support."""
+        knee = np.deg2rad(ground.knee_deg)
+        demands = tuple(Demands(one, model, expected, limits.torque, ground) for one in supports)
+        return demands, tuple(one.coordinate_limits(limits, knee) for one in supports)
+
+    scales = stance_scales(*on([StanceSupport.of(supports[0].plant, foot) for foot in supports[0].plant.soles]))
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(supports), rate, highest, 12)
-    demands, boxes = machine.demands(supports), machine.boxes(supports)
+    demands, boxes = on(supports)
     null = null_space(demands, boxes, scales.scale)
     known = 1e8 * null @ null.T  # combinations that no motion determines count as known in the search
-    objective = StanceObjective(demands, basis, boxes, torque_noise, scales.scale, seconds, rate, known)
+    objective = StanceObjective(
+        demands=demands,
+        limits=boxes,
+        scale=scales.scale,
+        basis=basis,
+        noise=torque_noise,
+        seconds=seconds,
+        rate=rate,
+        prior_information=known,
+        pitches=np.zeros(len(demands)),  # the torso moves
+    )
     found = search(objective, criterion, starts, np.random.default_rng(seed), progress)
     recordings = [stance_recording(one, motion, rate) for one, motion in zip(demands, found.motions, strict=True)]
     return StancePlan(
@@ -172,7 +198,7 @@ def plan_stance(
         seed=seed,
         costs=tuple(float(np.exp(cost)) for cost in found.costs),
         demands=demands,
-        missing=_missing(machine, supports, scales, undetermined(model.names, null)),
+        missing=_missing(on, supports, scales, undetermined(model.names, null)),
     )
 
 
@@ -205,28 +231,11 @@ def _known_soles(leg: Leg) -> dict[str, Sole]:
     }
 
 
-@dataclass(frozen=True, eq=False)
-class _Machine:
-    """Machine with expected parameters and limits of its joints, on any support."""
-
-    model: TorqueModel
-    expected: FloatArray
-    limits: MotionLimits
-    ground: GroundLimits | None
-
-    def demands(self, supports: Sequence[StanceSupport]) -> tuple[Demands, ...]:
-        """Demands of the legs on drives and ground."""
-        ground = self.ground or GroundLimits()
-        return tuple(Demands(one, self.model, self.expected, self.limits.torque, ground) for one in supports)
-
-    def boxes(self, supports: Sequence[StanceSupport]) -> tuple[MotionLimits, ...]:
-        """Limits of the coordinates of each support."""
-        knee = np.deg2rad((self.ground or GroundLimits()).knee_deg)
-        return tuple(one.coordinate_limits(self.limits, knee) for one in supports)
-
-
 def _missing(
-    machine: _Machine, supports: Sequence[StanceSupport], scales: Scales, loose: Sequence[str]
+    on: Callable[[Sequence[StanceSupport]], tuple[tuple[Demands, ...], tuple[MotionLimits, ...]]],
+    supports: Sequence[StanceSupport],
+    scales: Scales,
+    loose: Sequence[str],
 ) -> tuple[str, ...]:
     """Say which further supports would determine what these do not."""
     if not loose:
@@ -236,8 +245,9 @@ def _missing(
     others = [name for name in (BOTH, *(limb.label for limb in plant.leg.limbs)) if name and name not in known]
     for added in (*((name,) for name in others), others):
         more = (*supports, *(StanceSupport.of(plant, name) for name in added))
-        null = null_space(machine.demands(more), machine.boxes(more), scales.scale)
-        line = missing_support(machine.model.names, loose, added, null)
+        demands, boxes = on(more)
+        null = null_space(demands, boxes, scales.scale)
+        line = missing_support(demands[0].model.names, loose, added, null)
         lines += [line] if line else []
         if line and line.endswith(EVERY):
             break

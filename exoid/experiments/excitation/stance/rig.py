@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.experiments.ground.feedforward import Bearing, planned_motion
-from exoid.experiments.ground.follow import follow
+from exoid.experiments.ground.planned_motion import Bearing, follow, knots, planned_motion
 from exoid.experiments.ground.stance import GAINS, HAND_RAIL
-from exoid.experiments.ground.waves import knots
 from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, Spring
 from exoid.rig.ground.simulate import RATES

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
@@ -64,9 +64,11 @@ class StanceSupport:
             stands = tuple(leg for leg, label in zip(legs, labels, strict=True) if name in (label, leg.foot))
         if not stands or not name:
             names = ", ".join((BOTH, *(label or leg.foot for leg, label in zip(legs, labels, strict=True))))
-            raise ExoidError(f"no support {name!r}", where=plant.leg.description.name, remedy=f"choose among {names}")
+            raise BadArgumentError(
+                f"no support {name!r}", where=plant.leg.description.name, remedy=f"choose among {names}"
+            )
         if not all(_congruent(stands[0], other) for other in stands[1:]):
-            raise ExoidError(
+            raise NotSupportedError(
                 "standing on feet side by side is planned for legs of equal size",
                 where=plant.leg.description.name,
                 remedy="plan one foot at a time",
@@ -182,10 +184,10 @@ class StanceSupport:
 def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tuple[StanceSupport, ...]:
     """Find several supports of a machine."""
     if not names or len(set(names)) < len(names):
-        raise ExoidError(f"supports {', '.join(names) or 'none'}", remedy='name each once, e.g. ("both", "left")')
+        raise BadArgumentError(f"supports {', '.join(names) or 'none'}", remedy='name each once, e.g. ("both", "left")')
     plant = GroundPlant.build(leg, soles)
     if not plant.is_planar:
-        raise ExoidError(
+        raise NotSupportedError(
             "stance is planned for planar machines",
             where=leg.description.name,
             remedy="use legs whose joint axes are parallel",

@@ -1,4 +1,7 @@
-"""Torques that a planned motion needs: inverse dynamics less what the ground bears."""
+"""Planned motions: smooth waves, torques (inverse dynamics less what the ground bears), and their execution.
+
+A motion is refused beyond the limits of the joints, and where the machine falls or does not follow.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,26 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
+from exoid.experiments.limits import refuse_poses_beyond_limits
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.rig.ground import GroundMotion, GroundPlant
+from exoid.rig import Rates
+from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
+
+LEAD = 2.0
+"""Time in which a machine settles before the log begins [s]."""
+
+KNOTS = 100.0
+"""Rate at which motions are planned [Hz]."""
+
+
+FALLEN = 0.15
+"""Distance of the torso from the planned height from which the machine counts as fallen [m]."""
+
+LARGEST_ERROR = 0.35
+"""Distance of a joint from its reference from which the machine does not follow [rad]: a foot is caught."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,3 +111,51 @@ def _base_kinematics(plant: GroundPlant, base: FloatArray, rate: FloatArray, cha
         np.outer(change[:, 2], -plane.lateral),
         np.outer(force.real, plane.forward) + np.outer(force.imag, plane.up),
     )
+
+
+def follow(
+    plant: GroundPlant,
+    motion: GroundMotion,
+    gains: JointGains,
+    rates: Rates,
+    *,
+    rail: bool = False,
+    spring: Spring | None = None,
+) -> GroundRun:
+    """Let a machine follow a planned motion."""
+    refuse_poses_beyond_limits(plant.leg, motion.q)
+    run = simulate_on_ground(plant, motion, gains, rail=rail, spring=spring, rates=rates)
+    planned = scipy.interpolate.CubicSpline(motion.time, np.column_stack([motion.base[:, 1], motion.q]))(run.time)
+    far = np.abs(run.position @ plant.plane.up - planned[:, 0]) > FALLEN
+    if far.any():
+        raise BadArgumentError(
+            f"the machine falls: at {run.time[np.argmax(far)]:.3g} s its torso is {FALLEN:g} m off the planned height",
+            remedy="take smaller or slower motions, or more friction of the ground",
+        )
+    error = np.abs(run.q - planned[:, 1:])
+    if error.max() > LARGEST_ERROR:
+        sample, joint = np.unravel_index(int(np.argmax(error > LARGEST_ERROR)), error.shape)
+        raise BadArgumentError(
+            f"{plant.leg.joint_names[joint]} is {LARGEST_ERROR:g} rad off its reference at {run.time[sample]:.3g} s",
+            remedy="take smaller or slower motions; in walking, another norm, period or scale",
+        )
+    return run
+
+
+def knots(duration: float) -> FloatArray:
+    """Choose the times at which a motion is planned."""
+    return np.linspace(-LEAD, duration, round((duration + LEAD) * KNOTS) + 1)
+
+
+def wave(time: FloatArray, amplitude: float, frequency: float, rng: np.random.Generator) -> FloatArray:
+    """Make a sum of sines with random phases that grows from rest."""
+    shares, sizes = np.array([(0.37, 0.5), (0.71, 0.45), (1.0, 0.4), (1.63, 0.15)]).T  # of frequency and amplitude
+    phases = rng.uniform(0.0, 2.0 * np.pi, len(shares))
+    parts = np.sin(2.0 * np.pi * frequency * np.outer(time, shares) + phases)
+    return np.asarray(amplitude * rise(time) * (parts @ sizes))
+
+
+def rise(time: FloatArray) -> FloatArray:
+    """Grow from 0 to 1 by a polynomial with zero velocity and acceleration at both ends."""
+    s = np.clip((time + LEAD - 0.3) / 1.5, 0.0, 1.0)  # to full size in 1.5 s
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))

@@ -1,13 +1,18 @@
-"""Limb of a wearer by anthropometry: Winter's table of thigh, shank and foot (Winter 2009)."""
+"""Bodies on a leg: payloads, and the limb of a wearer by Winter's table of thigh, shank and foot (Winter 2009)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
+
+from .plant import Plant
 
 WINTER = {
     "hip": (0.245, ((0.100, 0.433),), 0.323),
@@ -42,12 +47,10 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
         >>> limb_of(exoid.load_leg("cuhk"), 1.70, 65.0).parameters.round(3)
         array([2.824, 0.   , 1.017, 0.941, 0.   , 0.312])
     """
-    refuse_stature(height, mass)
-    if not (height < 2.6 and mass < 350.0):  # other units
-        raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg")
+    _refuse_stature(height, mass)
     chain, labels = leg.chain, leg.joint_labels
     if chain is None or any(label not in (*WINTER, "ankle") for label in labels):
-        raise ExoidError(
+        raise NotSupportedError(
             f"no anthropometry for the joints {', '.join(labels)}",
             where=leg.description.name,
             remedy="make the limb of a leg with hip, knee and ankle, or give Wearer(limb=leg.with_parameters(...))",
@@ -60,10 +63,71 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
     return leg.with_parameters(payload_parameters(leg, bodies))
 
 
-def refuse_stature(height: float, mass: float) -> None:
-    """Refuse a height or mass that is not positive."""
-    if not (0.0 < height < np.inf and 0.0 < mass < np.inf):
-        raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give positive numbers")
+def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tuple[Payload, ...]:
+    """Make payloads that weigh as much as thigh, shank and foot of a wearer by Winter's table, as in document 2.
+
+    The built-in CUHK-EXO already carries such a wearer.
+
+    Args:
+        height: Height of the wearer [m].
+        mass: Mass of the wearer [kg].
+        share: Fraction of the segment masses, 1 for all.
+
+    Returns:
+        Payloads of thigh, shank and foot, straight below hip and knee.
+
+    Raises:
+        ExoidError: Height or mass is not positive, or the fraction is negative.
+    """
+    _refuse_stature(height, mass)
+    if not 0.0 <= share < np.inf:
+        raise BadArgumentError(f"sandbags of {share:g} times the masses of a wearer", remedy="give a fraction ≥ 0")
+    loads = []
+    for joint, (part, parts, gyration) in WINTER.items():
+        length = part * height
+        for k, (weight, centre) in enumerate(parts):
+            radius = gyration * length if k == 0 else 0.0  # the foot is a point mass
+            loads.append(Payload(joint, share * weight * mass, (0.0, 0.0, -centre * length), radius))
+    return tuple(loads)
+
+
+def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:
+    """Fix payloads to every rig of a plant.
+
+    Args:
+        plant: B rigs.
+        payloads: Bodies to add.
+
+    Returns:
+        The plant with the payloads.
+
+    Raises:
+        ExoidError: The leg does not have a joint that a payload names.
+    """
+    return replace(plant, parameters=plant.parameters + payload_parameters(plant.leg, payloads)[:, None])
+
+
+def leg_with_payloads(leg: Leg, payloads: Sequence[Payload]) -> Leg:
+    """Fix payloads to a leg, so that its model includes them.
+
+    Args:
+        leg: The leg.
+        payloads: Bodies to add.
+
+    Returns:
+        The leg with the payloads.
+
+    Raises:
+        ExoidError: The leg does not have a joint that a payload names.
+    """
+    return leg.with_parameters(leg.parameters + payload_parameters(leg, payloads))
+
+
+def _refuse_stature(height: float, mass: float) -> None:
+    if not (0.0 < height < 2.6 and 0.0 < mass < 350.0):
+        raise BadArgumentError(
+            f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg"
+        )
 
 
 def _bodies(joint: str, with_ankle: bool) -> list[tuple[float, float, float, float]]:
