@@ -228,7 +228,7 @@ def _own(estimate: EstimateData) -> FloatArray:
 def _spread(estimate: EstimateData) -> dict[str, FloatArray]:
     """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
     pairs = estimate.prior_knowledge.prior.values.items()
-    if not estimate.prior_gains.size:
+    if estimate.prior_gains is None:
         return {}
     return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -38,24 +36,3 @@ class MotionRanges:
             np.maximum(self.speed, other.speed),
             np.maximum(self.acceleration, other.acceleration),
         )
-
-
-KEYS = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed", "acceleration": "acceleration"}
-"""Keys of the ranges in a file, by attribute."""
-
-
-def ranges_to_json(ranges: MotionRanges | None, joints: Sequence[str]) -> dict[str, dict[str, float]]:
-    """Turn ranges into a JSON object."""
-    if ranges is None:
-        return {}
-    return {
-        joint: {key: float(getattr(ranges, name)[k]) for name, key in KEYS.items()} for k, joint in enumerate(joints)
-    }
-
-
-def ranges_from_json(data: Mapping[str, Mapping[str, Any]] | None, joints: Sequence[str]) -> MotionRanges | None:
-    """Read ranges that :func:`ranges_to_json` wrote."""
-    if not data:
-        return None
-    arrays = {name: np.array([data[joint][key] for joint in joints], dtype=np.float64) for name, key in KEYS.items()}
-    return MotionRanges(**arrays)

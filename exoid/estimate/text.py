@@ -83,7 +83,7 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 def fit_table(estimate: EstimateData) -> DataTable:
     """Make a table of the fit of each joint, without the figures that are not known."""
     headers, columns = ["joint", "residual RMS [N·m]"], [[f"{rms:.3g}" for rms in estimate.residual_rms]]
-    if estimate.torque_spread.any():
+    if estimate.evidence.torque_spread is not None:
         headers += ["NRMSE", "R²"]
         columns += [["–" if np.isnan(x) else f"{x:.4f}" for x in numbers] for numbers in (estimate.nrmse, estimate.r2)]
     if estimate.noise:
@@ -118,7 +118,7 @@ def _preparation(estimate: EstimateData) -> str:
     used = estimate.preparation
     if not isinstance(used, ZeroPhase):
         return f"{used.name} preparation"
-    how = f" ({estimate.cutoff_source})" if estimate.cutoff_source else ""
+    how = f" ({estimate.evidence.cutoff_source})" if estimate.evidence.cutoff_source else ""
     return f"{used.name} preparation, cut-off {used.cutoff:.4g} Hz{how}"
 
 

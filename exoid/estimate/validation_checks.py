@@ -44,10 +44,8 @@ def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
     """Compute torques by the drives of the training, and shift them by the delays that were taken out there."""
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
-    if not estimate.torque_delays.any():
-        return recording
-    chosen = for_leg(estimate.model, recording)
-    return without_torque_delay(chosen, dict(enumerate(estimate.torque_delays.tolist())))
+    late = {joint: delay for joint, delay in enumerate(estimate.torque_delays.tolist()) if delay}
+    return without_torque_delay(for_leg(estimate.model, recording), late) if late else recording
 
 
 def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
@@ -68,7 +66,7 @@ def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Findin
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:
     """Find joints that move further, faster or more abruptly than in the training."""
-    trained = estimate.ranges
+    trained = estimate.evidence.ranges
     if trained is None:
         return
     span = np.maximum(trained.highest - trained.lowest, 1e-9)

@@ -9,7 +9,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Recording, Stiffness
-from exoid.identification.group_rows import GroupRows
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.diagnostics import (
     HOPELESS,
@@ -115,7 +115,7 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites()
     leg = exoid.load_leg("bleex")
     swing = Swing(leg, base=0.02)
     model = TorqueModel(leg, (*TERMS, exoid.Offset(), Stribeck(velocity=0.05)))
-    problem = Problem.of_one(GroupRows(model, [swing.recording()], EXACT))
+    problem = Problem((Group("", model, [swing.recording()], EXACT),))
     angles = swing.motion[0].min(axis=0), swing.motion[0].max(axis=0)
     sizes = dict(zip(model.names, reference_scale(model, *angles, problem.r_factors), strict=True))
     rms = np.sqrt(np.mean(swing.torque[1:-1] ** 2, axis=0))
