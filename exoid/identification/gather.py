@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import combinations, product
+
+import numpy as np
 
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, within
@@ -19,10 +23,17 @@ from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
-from .group_rows import Group, Measured, check_recordings
+from .group_rows import Group, Measured, check_recordings, map_recordings
 from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
 from .problem import Problem
-from .recording_summary import refuse_dead_torques, summarize_groups, unmeasured_joints
+from .recording_summary import (
+    SMALLEST_MOTION,
+    angle_spans,
+    refuse_dead_torques,
+    refuse_still_joints,
+    summarize,
+    unmeasured_joints,
+)
 from .unmeasured import terms_where_measured, unmeasured_finding
 
 TURNING = 0.05
@@ -81,7 +92,7 @@ def gather(
     cutoff: float | None,
 ) -> Problem:
     """Summarize the recordings, which say what terms and parameters there are, and prepare them for the fit."""
-    problem = summarize_groups(problem, for_cutoff=preparation is None and cutoff is None)
+    problem = _summarize(problem, for_cutoff=preparation is None and cutoff is None)
     every = [one for group in problem.groups for one in group.summaries]
     if any(one.torques is not None and not one.torques.measured.all() for one in every):
         missing = unmeasured_joints(problem.groups[0].model.leg.joint_labels, [every])
@@ -111,6 +122,31 @@ def gather(
         groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=share))
         if group.actuators is not None and unknown_constants(group.actuators):
             refuse_unknown_scale(group.actuators, group.summaries, problem.given)
+    return replace(problem, groups=tuple(groups))
+
+
+def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:
+    """Look through all recordings once, and refuse groups that nothing can be identified from."""
+    layout, groups = problem.layout, []
+    problem.given.check_regrouped(problem.groups[0].model.regrouped)
+    knowledge = problem.prior_knowledge
+    for group in problem.groups:
+        with within(group.name):
+            work = partial(summarize, group.model, for_cutoff=for_cutoff)
+            groups.append(replace(group, summaries=map_recordings(group.data, work)))
+    for one, other in combinations(groups, 2):
+        for a, b in product(one.summaries, other.summaries):
+            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
+                name = f"recording {a.source}" if a.source else "the same recording"
+                raise BadArgumentError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")
+    # shared parameters need a joint that moves in some group, own ones a joint that moves in theirs
+    moves = np.any([angle_spans(group.summaries) >= SMALLEST_MOTION for group in groups], axis=0)
+    unseen = {name for joint in np.flatnonzero(~moves) for name in groups[0].model.own_parameters(int(joint))}
+    seen = [name for name in layout.names[: layout.shared] if name not in unseen]
+    for index, group in enumerate(groups):
+        with within(group.name):
+            known = layout.known_by(index, knowledge).names
+            refuse_still_joints(group.model, group.summaries, (*known, *seen))
     return replace(problem, groups=tuple(groups))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from os import PathLike
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,7 @@ from exoid.regression.rows_file import RowsFile
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 
-if TYPE_CHECKING:
-    from .recording_summary import RecordingSummary
+from .recording_summary import RecordingSummary
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""

@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from functools import partial
-from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotIdentifiableError, within
+from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
-
-from .group_rows import map_recordings
-from .problem import Problem
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
@@ -96,7 +90,7 @@ def _base_turning(model: TorqueModel, recording: Recording) -> float:
 
 def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them."""
-    spans, means = _spans(summaries), np.mean([one.mean for one in summaries], axis=0)
+    spans, means = angle_spans(summaries), np.mean([one.mean for one in summaries], axis=0)
     names = model.leg.joint_names
     for joint, (name, span, mean) in enumerate(zip(names, spans, means, strict=True)):
         own = model.own_parameters(joint)
@@ -167,32 +161,7 @@ def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[Reco
     return tuple(name for name, there in zip(joint_names, np.any(measured, axis=0), strict=True) if not there)
 
 
-def summarize_groups(problem: Problem, *, for_cutoff: bool) -> Problem:
-    """Look through all recordings once, and refuse groups that nothing can be identified from."""
-    layout, groups = problem.layout, []
-    problem.given.check_regrouped(problem.groups[0].model.regrouped)
-    knowledge = problem.prior_knowledge
-    for group in problem.groups:
-        with within(group.name):
-            work = partial(summarize, group.model, for_cutoff=for_cutoff)
-            groups.append(replace(group, summaries=map_recordings(group.data, work)))
-    for one, other in combinations(groups, 2):
-        for a, b in product(one.summaries, other.summaries):
-            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
-                name = f"recording {a.source}" if a.source else "the same recording"
-                raise BadArgumentError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")
-    # shared parameters need a joint that moves in some group, own ones a joint that moves in theirs
-    moves = np.any([_spans(group.summaries) >= SMALLEST_MOTION for group in groups], axis=0)
-    unseen = {name for joint in np.flatnonzero(~moves) for name in groups[0].model.own_parameters(int(joint))}
-    seen = [name for name in layout.names[: layout.shared] if name not in unseen]
-    for index, group in enumerate(groups):
-        with within(group.name):
-            known = layout.known_by(index, knowledge).names
-            refuse_still_joints(group.model, group.summaries, (*known, *seen))
-    return replace(problem, groups=tuple(groups))
-
-
-def _spans(summaries: Sequence[RecordingSummary]) -> FloatArray:
+def angle_spans(summaries: Sequence[RecordingSummary]) -> FloatArray:
     """Span of the angle of each joint over all recordings [rad], (n,)."""
     return np.asarray(np.max([one.highest for one in summaries], 0) - np.min([one.lowest for one in summaries], 0))
 
