@@ -174,7 +174,7 @@ def test_the_arrays_given_are_copied():
 )
 def test_an_estimate_that_cannot_be_is_refused(changes):
     """The message names the field, or says that no least-squares fit gives such a number."""
-    with pytest.raises(ExoidError, match=" of shape | of 1 joints|is not what a least-squares fit gives"):
+    with pytest.raises(ExoidError, match=r" of shape | of 1 joints|is not what a least-squares fit gives"):
         dataclasses.replace(hand_made(), **changes)
 
 
