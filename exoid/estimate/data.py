@@ -24,8 +24,8 @@ from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.with_columns import WithColumns
 
 from .evidence import Evidence, Support, frozen
-from .finding import Finding, doubtful_parameters
-from .model_error import ModelError
+from .finding import Finding
+from .model_error import ModelError, with_alternatives
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
 from .torque_band import TorqueBand, parameter_variance, torque_std
@@ -205,7 +205,7 @@ class EstimateData(ParameterTable):
     @property
     def doubtful(self) -> frozenset[str]:
         """Parameters that a finding makes doubtful."""
-        return doubtful_parameters(self.findings)
+        return frozenset(name for one in self.findings if one.severity != "info" for name in one.parameters)
 
     def __getitem__(self, name: str) -> Parameter:
         """Look up one parameter by name, a nonlinear one too.
@@ -320,7 +320,8 @@ class EstimateData(ParameterTable):
     def band_model(self) -> TorqueModel | WithColumns:
         """Torque model with the columns that the band of a measured torque needs."""
         model = self.model.loaded_by(self.values)
-        return model if self.model_error is None else self.model_error.model(model, self.values)
+        error = self.model_error
+        return model if error is None else with_alternatives(model, self.values, error.speed)
 
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.

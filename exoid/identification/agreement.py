@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.errors import ExoidError
-from exoid.estimate.equality import Equality, equality_of
+from exoid.estimate.comparison import Equality, equality_of
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 

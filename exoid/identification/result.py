@@ -9,8 +9,8 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.estimate.comparison import equality_of
 from exoid.estimate.data import Input
-from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.evidence import Evidence, Support
 from exoid.estimate.finding import ordered
@@ -193,6 +193,7 @@ class Result:
         estimates = {name: self.estimate(k, common, check=check) for k, name in enumerate(layout.groups)}
         # behind the warnings that all groups share are those of single groups
         single = [f"{name}: {text}" for name, one in estimates.items() for text in one.warnings[len(common) :]]
+        own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
         apart = set(problem.names if len(layout.groups) < 2 else layout.own)
         notes = [
             f"{one}" + ("" if set(one.into) <= apart else ", and so the same in all groups")
@@ -209,7 +210,7 @@ class Result:
             collinearity=self.collinearity.indices,
             condition_number=solution.condition_number,
             prior_knowledge=problem.prior_knowledge,
-            equal=own_equality(layout, solution.values, self.covariance, self.dofs),
+            equal=equality_of(own, solution.values, self.covariance, self.dofs),
             agreement=agreement.equality,
             bounded=tuple(problem.names[k] for k in solution.bounded),
             warnings=(*common, *single),

@@ -8,6 +8,8 @@ import pytest
 import exoid
 from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing
 
+pytestmark = pytest.mark.slow  # ten seconds of simulation
+
 TERMS = (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature())
 LATE = 0.012
 
@@ -36,7 +38,6 @@ def late(log, joint):
     return dataclasses.replace(log, tau=tau)
 
 
-@pytest.mark.slow
 def test_a_torque_that_is_late_beside_contacts_is_found_and_shifted(exo, runs):
     on_time = logs(runs, 0)
     right = exoid.identify(exo, on_time, TERMS, delay="auto", check=False)
