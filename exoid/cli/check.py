@@ -61,7 +61,7 @@ def check(
 
 def _text(findings: tuple[Finding, ...]) -> str:
     """Write a table, and below it what each finding means."""
-    from exoid.estimate.finding import finding_lines, findings_table  # noqa: PLC0415
+    from exoid.estimate.finding import findings_table  # noqa: PLC0415
     from exoid.tools.tables import to_text  # noqa: PLC0415
 
-    return to_text(findings_table(findings), "", *finding_lines(findings)) if findings else "nothing found"
+    return to_text(findings_table(findings), "", *map(str, findings)) if findings else "nothing found"

@@ -10,7 +10,7 @@ from exoid import control
 from exoid.codegen import Safety, write_c, write_ros2
 from exoid.control import ControlModel
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.estimate.provenance import provenance
+from exoid.estimate.text import provenance
 
 from .export_options import LawOptions, Target
 from .motions import gait

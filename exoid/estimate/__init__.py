@@ -3,6 +3,7 @@
 from .comparison import Comparison, compare
 from .data import EstimateData
 from .estimate import Estimate
+from .evidence import Evidence
 from .export import Export
 from .ground_prediction import GroundForce, ground_forces
 from .ground_validation import StandingTorques, joint_torques
@@ -20,6 +21,7 @@ __all__ = [
     "Comparison",
     "Estimate",
     "EstimateData",
+    "Evidence",
     "Export",
     "GroundForce",
     "GroupedEstimate",

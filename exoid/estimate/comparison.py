@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -20,16 +20,6 @@ from .data import EstimateData
 
 SIGNIFICANT = 0.05
 """A smaller probability is called a difference."""
-
-
-DEPENDENT = (
-    "both estimates were made from {}: their errors depend on each other, so ± is the largest error that the "
-    "difference can have, the sum of both, and p-values are upper bounds"
-)
-"""Note on estimates of the same recordings."""
-
-FloatsByName = Mapping[str, FloatArray]
-"""A number of each parameter, by the name of a prior."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,35 +154,33 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     if shared:
         sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
-        bounds = _Bounds.of(first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)])
+        C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
+        # of dependent errors: the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)
+        largest = np.sqrt(np.diag(C1)) + np.sqrt(np.diag(C2))
         dof, least = np.minimum(first.dof_each[one], second.dof_each[other]), min(first.dof, second.dof)
-        notes = (f"{DEPENDENT.format(sources)}", *_told(first, second, ()))
-        return wald(names, units, difference, bounds.covariance, dof, least, held=held, notes=notes, std=bounds.std)
+        note = (
+            f"both estimates were made from {sources}: their errors depend on each other, so ± is the largest error "
+            "that the difference can have, the sum of both, and p-values are upper bounds"
+        )
+        notes = (note, *_told(first, second, ()))
+        return wald(names, units, difference, 2.0 * (C1 + C2), dof, least, held=held, notes=notes, std=largest)
     own = _own(first)[np.ix_(one, one)], _own(second)[np.ix_(other, other)]
     spread = (
         {name: x[one] for name, x in _spread(first).items()},
         {name: x[other] for name, x in _spread(second).items()},
     )
-    of_both = _priors_of_both(first, second)
+    priors = second.prior_knowledge.prior.values
+    of_both = [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
     common = [name for name in of_both if all(name in of_one for of_one in spread)]
-    C = own[0] + own[1] + _of_priors(*spread, common, len(names))
+    # what is shared cancels as far as both follow it
+    moves = [spread[1][name] - spread[0][name] for name in common]
+    moves += [x for of_one in spread for name, x in of_one.items() if name not in common]
+    C = own[0] + own[1] + sum(np.multiply.outer(x, x) for x in moves)
     v1, v2 = (np.diag(each) for each in own)
     dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
     dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
     told = _told(first, second, [name for name in of_both if name not in common])
     return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, notes=told)
-
-
-class _Bounds(NamedTuple):
-    """Largest standard deviations and covariance that the difference of two dependent estimates can have."""
-
-    std: FloatArray
-    covariance: FloatArray
-
-    @staticmethod
-    def of(first: FloatArray, second: FloatArray) -> _Bounds:
-        """Take the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)."""
-        return _Bounds(np.sqrt(np.diag(first)) + np.sqrt(np.diag(second)), 2.0 * (first + second))
 
 
 def wald(
@@ -210,7 +198,9 @@ def wald(
     """Test whether differences are zero, each alone and all together."""
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None)) if std is None else std
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
-    p_values = np.where(tested, _each(difference, std, dof), 1.0)
+    known = std == 0.0  # two that are known exactly differ or they do not
+    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
+    p_values = np.where(tested, np.where(known, np.where(difference == 0.0, 1.0, 0.0), p), 1.0)
     statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
     dof = np.broadcast_to(np.asarray(dof, dtype=np.float64), difference.shape).copy()
     return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes, dof=dof)
@@ -228,22 +218,9 @@ def _own(estimate: EstimateData) -> FloatArray:
 def _spread(estimate: EstimateData) -> dict[str, FloatArray]:
     """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
     pairs = estimate.prior_knowledge.prior.values.items()
-    if not estimate.prior_gains.size:
+    if estimate.prior_gains is None:
         return {}
     return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
-
-
-def _of_priors(first: FloatsByName, second: FloatsByName, shared: Collection[str], size: int) -> FloatArray:
-    """Covariance that the errors of priors give to the difference; what is shared cancels as far as both follow it."""
-    both = [second[name] - first[name] for name in shared]
-    single = [x for spread in (first, second) for name, x in spread.items() if name not in shared]
-    return sum((np.multiply.outer(x, x) for x in both + single), start=np.zeros((size, size)))
-
-
-def _priors_of_both(first: EstimateData, second: EstimateData) -> list[str]:
-    """Name priors that both were given, the same in value and standard deviation."""
-    priors = second.prior_knowledge.prior.values
-    return [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
 
 
 def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -> tuple[str, ...]:
@@ -265,13 +242,6 @@ def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float 
     """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
     known = v1 + v2 == 0.0
     return np.asarray(np.where(known, 1.0, v1 + v2) ** 2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2))
-
-
-def _each(difference: FloatArray, std: FloatArray, dof: FloatArray) -> FloatArray:
-    """Student's test of each parameter; two that are known exactly differ or they do not."""
-    known = std == 0.0
-    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
-    return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
 
 
 def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
@@ -298,3 +268,30 @@ def holm(p_values: FloatArray) -> FloatArray:
     adjusted = np.empty_like(p_values)
     adjusted[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
     return adjusted
+
+
+class Equality(NamedTuple):
+    """Wald test of each parameter: is it the same in all groups?"""
+
+    names: tuple[str, ...]  # the parameters
+    p_values: FloatArray  # probability of larger differences if it were, (P,)
+    adjusted: FloatArray  # p-values adjusted for the number of tests (Holm), (P,)
+
+    def below(self, level: float) -> tuple[str, ...]:
+        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to."""
+        return tuple(name for name, p in zip(self.names, self.adjusted, strict=True) if p < level)
+
+
+def equality_of(
+    places: Mapping[str, Sequence[int]], values: FloatArray, covariance: FloatArray, dof: FloatArray
+) -> Equality:
+    """Compare the values that groups found for each of some parameters."""
+    # With d the differences to the first group, and C their covariance, dᵀ C⁻¹ d is Hotelling's T², with the smallest
+    # degrees of freedom of the groups.
+    p_values = np.ones(len(places))
+    for k, several in enumerate(places.values()):
+        contrast = np.column_stack([-np.ones(len(several) - 1), np.eye(len(several) - 1)])
+        difference = contrast @ values[several]
+        spread = contrast @ covariance[np.ix_(several, several)] @ contrast.T
+        p_values[k] = hotelling(difference, spread, float(dof[several].min()))[1] if spread.any() else 1.0
+    return Equality(tuple(places), p_values, holm(p_values))

@@ -23,16 +23,12 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.with_columns import WithColumns
 
-from .finding import Finding, doubtful_parameters
-from .model_error import ModelError
-from .motion_ranges import MotionRanges
+from .evidence import Evidence, Support, frozen
+from .finding import Finding
+from .model_error import ModelError, with_alternatives
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
-from .support import Support
 from .torque_band import TorqueBand, parameter_variance, torque_std
-
-LARGE = 1e300
-"""Stands for what is infinite, as files hold finite numbers."""
 
 
 @dataclass(frozen=True)
@@ -64,37 +60,20 @@ class EstimateData(ParameterTable):
         covariance: Covariance of the values, (P, P).
         condition_number: Condition number of the regressor with columns scaled to unit length; below 100 is good.
         dof: Independent samples less parameters.
-        dof_each: Degrees of freedom of each parameter's variance, at most ``dof``, (P,): they depend on the noise at
-            the parameter's own frequencies. Empty counts as ``dof`` for all.
         residual_rms: RMS residual of each joint on the data that were fitted [N·m], (n,).
         estimator: Name of the estimator.
         preparation: Filter and differentiation of the recordings.
         inputs: Recordings that were fitted.
-        noise: Noise of the residuals of each joint, n of them, or none.
-        parameter_scale: Parameter scale: value of each parameter that alone would explain all torque of a joint, (P,);
-            see :attr:`identifiability`.
-        reference_scale: Reference scale: the parameter scale in a calm exercise at the same angles, (P,).
-        collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
-            see so many times worse than the best, (P,).
-        prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); empty where that is not
-            known, as of ``ml`` and output error.
         warnings: Reasons to doubt this estimate.
         prior_knowledge: Known parameters, priors and signs.
-        bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
-            wide as without the bound: rather too wide.
-        influence: Influence of each recording, where there are several.
-        trends: Residuals against velocity and angle, joint by joint.
         nonlinear: Nonlinear parameters, such as a Stribeck velocity; the covariance of the values includes their
             uncertainty.
         findings: Faults of the logs or the model that checks found, the worst first; see ``docs/checks.md``.
-        ranges: Ranges of the motion that was fitted; None where they were not stored.
         model_error: Doubt about the form of friction, which widens bands beyond the motion that was fitted; None where
             it was not stored, or where logs were not checked.
-        cutoff_source: How the cut-off of the preparation was chosen; "" where that was not stored.
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
-        supports: Sets of links that rested on the ground, with the residuals of their rows; empty without contacts.
-        torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,); 0 where it is not known.
+        evidence: What recordings say beside the values: noise, trends, influence, scales.
     """
 
     model: TorqueModel
@@ -105,61 +84,87 @@ class EstimateData(ParameterTable):
     residual_rms: FloatArray
     estimator: str
     preparation: Preparation
-    inputs: tuple[Input, ...] = field(default=())
-    noise: tuple[JointNoise, ...] = ()
-    parameter_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
+    inputs: tuple[Input, ...] = ()
     warnings: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
-    bounded: tuple[str, ...] = ()
-    influence: Influence | None = None
-    trends: tuple[Trend, ...] = ()
     nonlinear: NonlinearParameters = NO_NONLINEAR_PARAMETERS
-    dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
-    reference_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
-    collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
-    prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     findings: tuple[Finding, ...] = ()
-    ranges: MotionRanges | None = None
     model_error: ModelError | None = None
-    cutoff_source: str = ""
-    torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
+    torque_delays: FloatArray = None  # type: ignore[assignment]  # None only until it is zero here
     actuators: Actuators | None = None
-    supports: tuple[Support, ...] = ()
-    torque_spread: FloatArray = field(default_factory=lambda: np.zeros(0))
+    evidence: Evidence = field(default_factory=Evidence)
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
-        unknown = {"dof_each": self.dof, "parameter_scale": 0.0, "reference_scale": LARGE, "collinearity": 1.0}
-        for name, number in unknown.items():
-            if not len(getattr(self, name)):
-                object.__setattr__(self, name, np.full(count, number))
-        for name in ("torque_delays", "torque_spread"):
-            if not len(getattr(self, name)):
-                object.__setattr__(self, name, np.zeros(joints))
-        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
-        shapes |= dict.fromkeys(("residual_rms", "torque_delays", "torque_spread"), (joints,))
-        shapes["covariance"] = (count, count)
-        priors = len(self.prior_knowledge.prior.values)
-        shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
+        if self.torque_delays is None:
+            object.__setattr__(self, "torque_delays", np.zeros(joints))
+        shapes: dict[str, tuple[int, ...]] = {"values": (count,), "covariance": (count, count)}
+        shapes |= {"residual_rms": (joints,), "torque_delays": (joints,)}
         for name, shape in shapes.items():
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise BadArgumentError(
-                    f"{name} of shape {array.shape} must be finite and fit {count} parameters of {joints} joints",
-                    remedy="identify again",
-                )
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        self.evidence.check(count, joints, len(self.prior_knowledge.prior.values))
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
-        if len(self.noise) not in (0, joints):
-            raise BadArgumentError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
         positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
         if not (positive and self.condition_number >= 1.0):
             raise BadArgumentError(
                 "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
                 remedy="identify again",
             )
+
+    @property
+    def dof_each(self) -> FloatArray:  # type: ignore[override]  # a field of groups
+        """Degrees of freedom of each parameter's variance, (P,): those of the estimate where no others are known."""
+        known = self.evidence.dof_each
+        return np.full(len(self.names), self.dof) if known is None else known
+
+    @property
+    def parameter_scale(self) -> FloatArray:  # type: ignore[override]  # a field of groups
+        """Value of each parameter that alone would explain all torque of a joint, (P,); 0 where it is not known."""
+        known = self.evidence.parameter_scale
+        return np.zeros(len(self.names)) if known is None else known
+
+    @property
+    def reference_scale(self) -> FloatArray:  # type: ignore[override]  # a field of groups
+        """The parameter scale in a calm exercise at the same angles, (P,); infinite where it is not known."""
+        known = self.evidence.reference_scale
+        return np.full(len(self.names), np.inf) if known is None else known
+
+    @property
+    def collinearity(self) -> FloatArray:  # type: ignore[override]  # a field of groups
+        """Condition index of each parameter, (P,); 1 where it is not known."""
+        known = self.evidence.collinearity
+        return np.ones(len(self.names)) if known is None else known
+
+    @property
+    def noise(self) -> tuple[JointNoise, ...]:
+        """Noise of the residuals of each joint; see :class:`Evidence`."""
+        return self.evidence.noise or ()
+
+    @property
+    def trends(self) -> tuple[Trend, ...]:
+        """Residuals against velocity and angle, joint by joint; see :class:`Evidence`."""
+        return self.evidence.trends or ()
+
+    @property
+    def influence(self) -> Influence | None:
+        """Influence of each recording, where there are several."""
+        return self.evidence.influence
+
+    @property
+    def prior_gains(self) -> FloatArray | None:
+        """Gain of each parameter with the value of each prior; see :class:`Evidence`."""
+        return self.evidence.prior_gains
+
+    @property
+    def supports(self) -> tuple[Support, ...]:
+        """Sets of links that rested on the ground; empty without contacts."""
+        return self.evidence.supports
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """Parameters that would have become negative and were kept at zero."""
+        return self.evidence.bounded
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -184,8 +189,8 @@ class EstimateData(ParameterTable):
     @property
     def nrmse(self) -> FloatArray:
         """RMS residual of each joint over the standard deviation of its torque, (n,); not a number where unknown."""
-        known = self.torque_spread > 0.0
-        return np.where(known, self.residual_rms / np.where(known, self.torque_spread, 1.0), np.nan)
+        spread = np.zeros(len(self.residual_rms)) if (known := self.evidence.torque_spread) is None else known
+        return np.asarray(np.divide(self.residual_rms, spread, out=np.full(len(spread), np.nan), where=spread > 0.0))
 
     @property
     def r2(self) -> FloatArray:
@@ -200,7 +205,7 @@ class EstimateData(ParameterTable):
     @property
     def doubtful(self) -> frozenset[str]:
         """Parameters that a finding makes doubtful."""
-        return doubtful_parameters(self.findings)
+        return frozenset(name for one in self.findings if one.severity != "info" for name in one.parameters)
 
     def __getitem__(self, name: str) -> Parameter:
         """Look up one parameter by name, a nonlinear one too.
@@ -315,7 +320,8 @@ class EstimateData(ParameterTable):
     def band_model(self) -> TorqueModel | WithColumns:
         """Torque model with the columns that the band of a measured torque needs."""
         model = self.model.loaded_by(self.values)
-        return model if self.model_error is None else self.model_error.model(model, self.values)
+        error = self.model_error
+        return model if error is None else with_alternatives(model, self.values, error.speed)
 
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.

@@ -16,8 +16,7 @@ from .data import EstimateData
 from .export import Export, export_urdf
 from .file import estimate_from_json, estimate_to_json, read_estimate, write_estimate
 from .mjcf import MjcfExport, export_mjcf
-from .provenance import provenance
-from .text import report
+from .text import provenance, report
 
 
 class Estimate(EstimateData):

@@ -15,7 +15,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
-from exoid.leg.leg import Leg
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import distribute_bodies
@@ -72,7 +71,7 @@ class Export:
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
         """Parameters that the URDF has no place for."""
-        places = _places(self.estimate.model)
+        places = places_of(self.estimate.model, PLACES)
         return tuple(name for name in self.estimate.names[len(self.lift.names) :] if name not in places)
 
     def to_json(self) -> dict[str, Any]:
@@ -175,8 +174,18 @@ def export_urdf(
         refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
         refuse_unwritable(file)
     lifted, links, values, masses = lift_estimate(estimate, pull, mass_factor)
-    dynamics, negative = _dynamics(estimate, values)
-    text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
+    dynamics: dict[str, dict[str, float]] = {}
+    places, value_of = places_of(estimate.model, PLACES), dict(zip(estimate.names, values.tolist(), strict=True))
+    present = {name: place for name, place in places.items() if name in value_of}
+    for name, (joint, attribute) in present.items():
+        dynamics.setdefault(leg.joint_names[joint], {})[attribute] = max(0.0, value_of[name])
+    negative = tuple(name for name in present if value_of[name] < 0.0)
+    friction = f" and <dynamics> of {', '.join(dynamics)}" if dynamics else ""
+    note = (
+        f"exoid: <inertial> of {', '.join(links)}{friction} are identified, see {sidecar.name};\n"
+        f"masses, which motion does not reveal, are nearest to {leg.description.name}; all else is as it was there."
+    )
+    text = rewrite(leg.description, links, dynamics, note)
     digest = hashlib.sha256(text.encode()).hexdigest()
     result = Export(urdf, sidecar, digest, estimate, lifted, values, masses, negative, pull, mass_factor)
     beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
@@ -205,15 +214,6 @@ def lift_estimate(estimate: EstimateData, pull: float, mass_factor: float) -> Li
     return Lifted(lifted, links, values, masses)
 
 
-def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping[str, object]) -> str:
-    """Say above the URDF what in it is not what its own comments say."""
-    friction = f" and <dynamics> of {', '.join(dynamics)}" if dynamics else ""
-    return (
-        f"exoid: <inertial> of {', '.join(links)}{friction} are identified, see {sidecar};\n"
-        f"masses, which motion does not reveal, are nearest to {leg.description.name}; all else is as it was there."
-    )
-
-
 def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
     p = len(rigid)
@@ -227,14 +227,13 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def _places(model: TorqueModel) -> dict[str, tuple[str, str]]:
-    """Joint and attribute of ``<dynamics>`` for each parameter that the URDF has a place for."""
-    joints = model.leg.joint_names
+def places_of(model: TorqueModel, places: Mapping[tuple[type[Term], str], str]) -> dict[str, tuple[int, str]]:
+    """Joint and attribute for each parameter that a file has a place for."""
     return {
-        name: (joints[block.joints[0]], PLACES[type(block.term), symbol])
+        name: (block.joints[0], places[type(block.term), symbol])
         for block in model.blocks
         for symbol, name in zip(block.term.symbols, block.names, strict=True)
-        if (type(block.term), symbol) in PLACES
+        if (type(block.term), symbol) in places
     }
 
 
@@ -242,18 +241,3 @@ def _term_of(model: TorqueModel, terms: Sequence[str]) -> dict[str, str]:
     """Name of the term that each parameter beside the rigid bodies belongs to."""
     known = dict(zip(map(id, model.terms), terms, strict=True))
     return {name: known[id(block.term)] for block in model.blocks for name in block.names if name in model.names}
-
-
-def _dynamics(estimate: EstimateData, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
-    """Attributes of ``<dynamics>`` for each joint, and the names of those that had to be raised to zero."""
-    found: dict[str, dict[str, float]] = {}
-    negative = []
-    places = _places(estimate.model)
-    for name, value in zip(estimate.names, values, strict=True):
-        if name not in places:
-            continue
-        joint, attribute = places[name]
-        found.setdefault(joint, {})[attribute] = max(0.0, float(value))
-        if value < 0.0:
-            negative.append(name)
-    return found, tuple(negative)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,24 +16,37 @@ from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
-from exoid.regression.diagnostics import JointNoise
-from exoid.regression.influence import influence_from_json, influence_to_json
+from exoid.regression.influence import NO_ESTIMATE
 from exoid.regression.parameters import Prior, PriorKnowledge
-from exoid.regression.trends import Trend
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.tools.files import refuse_content, write_whole
-from exoid.tools.json_values import json_value, named, record, records
+from exoid.tools.json_values import json_value, record, records
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 
 from .data import EstimateData, Input
+from .evidence import Evidence
 from .finding import Finding
 from .model_error import ModelError
-from .motion_ranges import ranges_from_json, ranges_to_json
 from .nonlinear import NonlinearParameters
-from .support import Support
 
-SCHEMA = "exoid-estimate-1"
+SCHEMA = "exoid-estimate-2"
+
+FIRST_SCHEMA = "exoid-estimate-1"
+"""Schema of exoid 0.2, in which evidence stood beside the values."""
+
+MOVED = {
+    "dof_each": "degrees_of_freedom_each",
+    "parameter_scale": "sizes",
+    "reference_scale": "calm_sizes",
+    "collinearity": "collinearity",
+    "noise": "noise",
+    "torque_spread": "torque_spread",
+}
+"""Entries of evidence by their key in the first schema, where they have a name each."""
+
+RANGES = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed", "acceleration": "acceleration"}
+"""Ranges of the motion by their key in the first schema."""
 
 OPTIONAL = ("segments", "payloads", "moving_base")
 """Keys of a recording that are left out of a file where there is nothing to say."""
@@ -62,7 +76,7 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
         ) from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
         raise UnreadableInputError(f"not JSON ({error})", where=str(path), remedy="identify again and save") from error
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+    if not isinstance(data, dict) or data.get("schema") not in (SCHEMA, FIRST_SCHEMA):
         raise UnreadableInputError(
             f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save"
         )
@@ -86,33 +100,21 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "interval_95": dict(zip(estimate.names, interval.tolist(), strict=True)),
         "units": dict(zip(estimate.names, estimate.units, strict=True)),
         "condition_number": estimate.condition_number,
+        "evidence": json_value(estimate.evidence),
         "degrees_of_freedom": estimate.dof,
-        "degrees_of_freedom_each": dict(zip(estimate.names, estimate.dof_each.tolist(), strict=True)),
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
-        "torque_spread": dict(zip(estimate.joint_names, estimate.torque_spread.tolist(), strict=True)),
         "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimator": estimate.estimator,
         "preparation": preparation_to_json(estimate.preparation),
-        "noise": named(estimate.joint_names, estimate.noise) if estimate.noise else {},
-        "sizes": dict(zip(estimate.names, np.asarray(estimate.parameter_scale).tolist(), strict=True)),
-        "calm_sizes": dict(zip(estimate.names, estimate.reference_scale.tolist(), strict=True)),
-        "collinearity": dict(zip(estimate.names, estimate.collinearity.tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.identifiability, strict=True)),
         "warnings": list(estimate.warnings),
         "findings": json_value(estimate.findings),
-        "ranges": ranges_to_json(estimate.ranges, estimate.joint_names),
         "model_error": {} if estimate.model_error is None else json_value(estimate.model_error),
-        "cutoff_source": estimate.cutoff_source,
         "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
         "actuators": None if estimate.actuators is None else actuators_to_data(estimate.actuators),
-        **({"supports": json_value(estimate.supports)} if estimate.supports else {}),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
-        "prior_gains": estimate.prior_gains.tolist(),
         "nonnegative": estimate.prior_knowledge.nonnegative,
-        "bounded": list(estimate.bounded),
-        "trends": json_value(estimate.trends),
-        "influence": influence_to_json(estimate.influence, estimate.names),
         "inputs": [
             {key: value for key, value in json_value(source).items() if value or key not in OPTIONAL}
             for source in estimate.inputs
@@ -163,29 +165,47 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         estimator=str(data["estimator"]),
         preparation=preparation_from_json(data["preparation"]),
         inputs=records(Input, data["inputs"]),
-        noise=records(JointNoise, [data["noise"][name] for name in leg.joint_names] if data["noise"] else []),
-        parameter_scale=_by_name(data["sizes"], model.names),
         warnings=_warnings(data["warnings"]),
         prior_knowledge=_prior_knowledge(data, model),
-        bounded=tuple(str(name) for name in data["bounded"]),
-        trends=records(Trend, data["trends"]),
-        influence=influence_from_json(data["influence"], model.names),
         nonlinear=_shapes(data["shapes"]),
-        dof_each=_by_name(data["degrees_of_freedom_each"], model.names),
-        reference_scale=_by_name(data["calm_sizes"], model.names),
-        prior_gains=np.array(data["prior_gains"] or np.zeros((0, 0)), dtype=np.float64),
-        collinearity=_by_name(data["collinearity"], model.names),
         findings=records(Finding, data["findings"]),
-        ranges=ranges_from_json(data["ranges"], leg.joint_names),
         model_error=record(ModelError, data["model_error"]) if data["model_error"] else None,
-        cutoff_source=str(data["cutoff_source"]),
         torque_delays=_by_name(data["torque_delays"], leg.joint_names),
         actuators=None
         if data["actuators"] is None
         else actuators_from_data(data["actuators"], leg, transmissions=False),
-        supports=records(Support, data.get("supports", [])),
-        torque_spread=_by_name(data["torque_spread"], leg.joint_names),
+        evidence=_evidence(_moved(data, model) if data["schema"] == FIRST_SCHEMA else data["evidence"]),
     )
+
+
+def _evidence(data: Mapping[str, Any]) -> Evidence:
+    """Read evidence; what is infinite is null in a file: recordings without which there is no estimate."""
+    found = record(Evidence, {field.name: data[field.name] for field in fields(Evidence)})
+    if found.influence is None:
+        return found
+    change = found.influence.change
+    return replace(found, influence=found.influence._replace(change=np.where(np.isnan(change), NO_ESTIMATE, change)))
+
+
+def _moved(data: Mapping[str, Any], model: TorqueModel) -> dict[str, Any]:
+    """Evidence of a file of the first schema, whose entries had names and were empty for nothing."""
+    found: dict[str, Any] = {key: data[key] or None for key in ("trends", "prior_gains", "cutoff_source")}
+    for new, old in MOVED.items():
+        names = model.joint_names if old in ("noise", "torque_spread") else model.names
+        found[new] = [data[old][name] for name in names] if data[old] else None
+    found["torque_spread"] = found["torque_spread"] if any(found["torque_spread"]) else None
+    found["ranges"] = data["ranges"] and {
+        new: [data["ranges"][joint][old] for joint in model.joint_names] for new, old in RANGES.items()
+    }
+    found["influence"] = data["influence"] and {
+        "recordings": [one["recording"] for one in data["influence"]],
+        **{
+            key: [[one[key][name] for name in model.names] for one in data["influence"]]
+            for key in ("change", "share", "expected")
+        },
+    }
+    found |= {"ranges": found["ranges"] or None, "influence": found["influence"] or None}
+    return {**found, "bounded": data["bounded"], "supports": data.get("supports", [])}
 
 
 def _prior_knowledge(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:

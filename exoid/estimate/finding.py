@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,6 +15,11 @@ Severity = Literal["info", "warning", "error"]
 
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
 """Severities, the worst first."""
+
+Verdict = Literal["predicts", "predicts poorly", "does not predict"]
+
+LOWERING = ("large-residual", "narrow-band", "torque-delay")
+"""Findings that lower the verdict on a prediction."""
 
 HEADERS = ("finding", "joint", "value", "95 % from", "to", "unit", "severity")
 """Columns of :func:`findings_table`."""
@@ -79,11 +84,6 @@ def ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     return tuple(sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity)))
 
 
-def doubtful_parameters(findings: Sequence[Finding]) -> frozenset[str]:
-    """Collect the parameters that findings make doubtful."""
-    return frozenset(name for finding in findings if finding.severity != "info" for name in finding.parameters)
-
-
 def findings_table(findings: Sequence[Finding]) -> DataTable:
     """Make a table of findings."""
     rows = []
@@ -94,6 +94,21 @@ def findings_table(findings: Sequence[Finding]) -> DataTable:
     return make_table(HEADERS, rows)
 
 
-def finding_lines(findings: Sequence[Finding]) -> Iterator[str]:
-    """Write each finding in one line."""
-    yield from map(str, findings)
+def verdict_of(findings: Sequence[Finding]) -> Verdict:
+    """Judge a prediction by its findings."""
+    # An error (NRMSE above 1: a constant torque would predict better) means "does not predict". A warning that the
+    # residual is large, the band too narrow, or the torque late means "predicts poorly". Information, such as a delay
+    # that was corrected, lowers no verdict; nor does an extrapolation, as the torque was measured and predicted there.
+    severities = {finding.severity for finding in findings if finding.kind in LOWERING}
+    return "does not predict" if "error" in severities else "predicts poorly" if "warning" in severities else "predicts"
+
+
+def verdict_line(findings: Sequence[Finding]) -> str:
+    """Write the verdict and its reasons in one line."""
+    reasons = []
+    for kind in (*LOWERING, "extrapolation"):
+        told = (one for one in findings if one.kind == kind and (one.severity != "info" or kind not in LOWERING))
+        joints = dict.fromkeys(one.joint for one in told)
+        if joints:
+            reasons.append(f"{kind} at {', '.join(joints)}")
+    return f"verdict: {verdict_of(findings)}" + (f" ({'; '.join(reasons)})" if reasons else "")

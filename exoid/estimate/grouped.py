@@ -14,10 +14,9 @@ from exoid.errors import BadArgumentError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tools.tables import DataTable, make_table, to_html, to_text
 
-from .comparison import Comparison, wald, welch
-from .equality import Equality
+from .comparison import Comparison, Equality, wald, welch
 from .estimate import Estimate
-from .finding import Finding, finding_lines
+from .finding import Finding
 from .parameter import ParameterTable
 from .text import assumptions, condition, residual_sizes, written
 
@@ -254,7 +253,7 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
         least = float(grouped.agreement.adjusted.min())
         yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"
     yield from assumptions(grouped.prior_knowledge, grouped.bounded)
-    yield from (f"{group}: {line}" for group in grouped for line in finding_lines(grouped[group].findings))
+    yield from (f"{group}: {line}" for group in grouped for line in grouped[group].findings)
     yield from (f"warning: {warning}" for warning in grouped.warnings)
     yield from (f"note: {note}" for note in grouped.notes)
 

@@ -21,7 +21,7 @@ from exoid.tools.tables import to_text
 from exoid.torques import Armature, Coulomb, Term, Viscous
 
 from .data import EstimateData
-from .export import lift_estimate
+from .export import lift_estimate, places_of
 
 PLACES: dict[tuple[type[Term], str], str] = {
     (Armature, "Ia"): "armature",
@@ -112,7 +112,20 @@ def export_mjcf(
     refuse_content(path, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
     refuse_unwritable(path)
     lifted = lift_estimate(estimate, pull, mass_factor)
-    found, raised, left_out = _joint_values(estimate, lifted.values)
+    places, found = (
+        places_of(estimate.model, PLACES),
+        {name: np.zeros(len(leg.joint_names)) for name in PLACES.values()},
+    )
+    raised, left_out = [], []
+    pairs = list(zip(estimate.names, lifted.values.tolist(), strict=True))
+    for name, value in pairs[len(leg.parameter_names) :]:
+        if name not in places:
+            left_out.append(name)
+            continue
+        joint, attribute = places[name]
+        found[attribute][joint] = max(0.0, value)
+        if value < 0.0:
+            raised.append(name)
     limits = leg.limits
     numbers = JointNumbers(
         armature=found["armature"],
@@ -125,28 +138,4 @@ def export_mjcf(
     links = tuple(leg.description.child_links[joint] for joint in leg.joint_names)
     model = with_dynamic_parameters(leg.model, lifted.lift.link_parameters)
     write_whole(path, [to_mjcf(model, links, numbers, Path(leg.description.name).stem)])
-    return MjcfExport(Path(path), estimate, lifted.lift, lifted.values, lifted.masses, raised, left_out)
-
-
-def _joint_values(
-    estimate: EstimateData, values: FloatArray
-) -> tuple[dict[str, FloatArray], tuple[str, ...], tuple[str, ...]]:
-    """Values of each attribute by joint; the names of those raised to zero, and of those without a place."""
-    model = estimate.model
-    places = {
-        name: (block.joints[0], PLACES[type(block.term), symbol])
-        for block in model.blocks
-        for symbol, name in zip(block.term.symbols, block.names, strict=True)
-        if (type(block.term), symbol) in PLACES
-    }
-    found = {attribute: np.zeros(len(model.leg.joint_names)) for attribute in PLACES.values()}
-    raised, left_out = [], []
-    for name, value in list(zip(estimate.names, values, strict=True))[len(model.leg.parameter_names) :]:
-        if name not in places:
-            left_out.append(name)
-            continue
-        joint, attribute = places[name]
-        found[attribute][joint] = max(0.0, float(value))
-        if value < 0.0:
-            raised.append(name)
-    return found, tuple(raised), tuple(left_out)
+    return MjcfExport(Path(path), estimate, lifted.lift, lifted.values, lifted.masses, tuple(raised), tuple(left_out))

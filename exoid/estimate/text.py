@@ -15,7 +15,6 @@ from exoid.signals import ZeroPhase
 from exoid.tools.tables import DataTable, with_error
 
 from .data import EstimateData
-from .finding import finding_lines
 
 HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
 """Of :func:`parameter_rows`."""
@@ -43,34 +42,13 @@ def compared_table(
 
 def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
     """Write each parameter, then each fitted setting of a term, as a row of a table."""
-    rows = [
-        (name, *written(value, std, interval), unit, judged)
-        for name, value, std, interval, unit, judged in zip(
-            estimate.names,
-            estimate.values,
-            estimate.std,
-            estimate.interval(),
-            estimate.units,
-            estimate.identifiability,
-            strict=True,
-        )
-    ]
-    return rows + _shapes(estimate)
-
-
-def _shapes(estimate: EstimateData) -> list[tuple[str, ...]]:
-    """Settings as rows of the table."""
     nonlinear = estimate.nonlinear
+    both = ((estimate, estimate.interval()), (nonlinear, nonlinear.interval(estimate.dof)))
     return [
         (name, *written(value, std, interval), unit, judged)
+        for of, intervals in both
         for name, value, std, interval, unit, judged in zip(
-            nonlinear.names,
-            nonlinear.values,
-            nonlinear.std,
-            nonlinear.interval(estimate.dof),
-            nonlinear.units,
-            nonlinear.identifiability,
-            strict=True,
+            of.names, of.values, of.std, intervals, of.units, of.identifiability, strict=True
         )
     ]
 
@@ -83,7 +61,7 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 def fit_table(estimate: EstimateData) -> DataTable:
     """Make a table of the fit of each joint, without the figures that are not known."""
     headers, columns = ["joint", "residual RMS [N·m]"], [[f"{rms:.3g}" for rms in estimate.residual_rms]]
-    if estimate.torque_spread.any():
+    if estimate.evidence.torque_spread is not None:
         headers += ["NRMSE", "R²"]
         columns += [["–" if np.isnan(x) else f"{x:.4f}" for x in numbers] for numbers in (estimate.nrmse, estimate.r2)]
     if estimate.noise:
@@ -99,7 +77,10 @@ def fit_table(estimate: EstimateData) -> DataTable:
 def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     yield from map(str, estimate.supports)
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
-    yield from _noise(estimate)
+    noises = zip(estimate.joint_names, estimate.noise, strict=False)
+    # Residuals with a smaller probability of being white are said not to be
+    if coloured := [joint for joint, noise in noises if noise.whiteness < 0.01]:
+        yield f"residuals not white: {', '.join(coloured)}"
     names = ", ".join(source.label for source in estimate.inputs)
     samples = sum(source.samples for source in estimate.inputs)
     counted = f" ({samples} samples)" if samples else ""
@@ -108,7 +89,7 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
         yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
     yield from influences(estimate)
-    yield from finding_lines(estimate.findings)
+    yield from map(str, estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
 
@@ -118,7 +99,7 @@ def _preparation(estimate: EstimateData) -> str:
     used = estimate.preparation
     if not isinstance(used, ZeroPhase):
         return f"{used.name} preparation"
-    how = f" ({estimate.cutoff_source})" if estimate.cutoff_source else ""
+    how = f" ({estimate.evidence.cutoff_source})" if estimate.evidence.cutoff_source else ""
     return f"{used.name} preparation, cut-off {used.cutoff:.4g} Hz{how}"
 
 
@@ -132,14 +113,6 @@ def condition(number: float) -> str:
     """Say a condition number, and what to do if it is large."""
     advice = "" if number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
     return f"condition number {number:.1f}{advice}"
-
-
-def _noise(estimate: EstimateData) -> Iterator[str]:
-    """Name the joints whose residuals are not white."""
-    noises = zip(estimate.joint_names, estimate.noise, strict=False)
-    # Residuals with a smaller probability of being white are said not to be
-    if coloured := [joint for joint, noise in noises if noise.whiteness < 0.01]:
-        yield f"residuals not white: {', '.join(coloured)}"
 
 
 def assumptions(prior_knowledge: PriorKnowledge, bounded: Sequence[str]) -> Iterator[str]:
@@ -165,3 +138,27 @@ def influences(estimate: EstimateData) -> Iterator[str]:
     needed = ", ".join(recording for recording, change in changes if np.isinf(change).any())
     if needed:
         yield f"not to be identified without {needed}"
+
+
+def provenance(estimate: EstimateData) -> list[str]:
+    """Say what values were estimate from, how, and how well."""
+    lines = [
+        f"Estimator: {estimate.estimator}, {estimate.preparation.name} preparation; condition number "
+        f"{estimate.condition_number:.1f}."
+    ]
+    for source in estimate.inputs:
+        lines.append(f"Data: {source.name}, {source.samples} samples at {source.sample_rate:g} Hz")
+        lines.append(f"  sha256 {source.sha256}")
+    lines += [f"Warning: {warning}" for warning in estimate.warnings]
+    lines += [f"Note: {regrouped}." for regrouped in estimate.regrouped]
+    parameters = zip(
+        *(estimate.names, estimate.values, estimate.std, estimate.units, estimate.identifiability),
+        strict=True,
+    )
+    return [
+        *(*lines, "", "Parameters, with their standard deviations:"),
+        *(
+            f"  {name} = {value:.6g} +- {std:.2g} {unit}, {how} determined"
+            for name, value, std, unit, how in parameters
+        ),
+    ]

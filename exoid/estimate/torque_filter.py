@@ -40,7 +40,7 @@ class TorqueFilter(NamedTuple):
             ExoidError: The cut-off is not positive.
         """
         own = estimate.preparation
-        where = f", {estimate.cutoff_source}" if estimate.cutoff_source else ""
+        where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
         chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
         if cutoff is None and preparation is None:
             return cls(own, "of the estimate", chosen)

@@ -19,9 +19,9 @@ from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
-from .finding import Finding, finding_lines, ordered
+from .evidence import MotionRanges
+from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
 from .ground_validation import Compared, compare_on_ground, stands
-from .motion_ranges import MotionRanges
 from .torque_filter import TorqueFilter
 from .validation_checks import (
     as_trained,
@@ -32,7 +32,6 @@ from .validation_checks import (
     shifted_torques,
     unmeasured_torques,
 )
-from .verdict import Verdict, verdict_line, verdict_of
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
 """Columns of :meth:`Validation.rows`."""
@@ -143,7 +142,7 @@ class Validation(Report):
             f"Prediction of {self.source}",
             *tables,
             samples,
-            *finding_lines(self.findings),
+            *map(str, self.findings),
             verdict_line(self.findings),
         ]
 
@@ -270,9 +269,8 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         found += narrow_bands(estimate, coverage, independent, name)
         found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, name)
     found += unmeasured_torques(estimate, chosen_joints.measured, name)
-    found += poor_predictions(
-        estimate, alone.nrmse, growth, name, passive=chosen_joints.measured & ~chosen_joints.driven
-    )
+    passive = chosen_joints.measured & ~chosen_joints.driven
+    found += poor_predictions(estimate, alone.nrmse, growth, passive, name)
     return replace(alone, findings=ordered(found))
 
 

@@ -12,8 +12,8 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
-from .finding import Finding
-from .motion_ranges import MotionRanges
+from .evidence import MotionRanges
+from .finding import Finding, Severity
 
 BEYOND = 1.3
 """A speed or acceleration so many times larger than in the training is an extrapolation,"""
@@ -44,53 +44,41 @@ def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
     """Compute torques by the drives of the training, and shift them by the delays that were taken out there."""
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
-    if not estimate.torque_delays.any():
-        return recording
-    chosen = for_leg(estimate.model, recording)
-    return without_torque_delay(chosen, dict(enumerate(estimate.torque_delays.tolist())))
+    late = {joint: delay for joint, delay in enumerate(estimate.torque_delays.tolist()) if delay}
+    return without_torque_delay(for_leg(estimate.model, recording), late) if late else recording
 
 
 def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
     """Say by how much torques are shifted."""
+    remedy = "correct the time stamps of both logs, and identify without delay"
     for joint, delay in zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True):
         if delay:
-            yield Finding(
-                "torque-delay",
-                joint,
-                delay,
-                "s",
-                "info",
-                f"the torque of {joint} was shifted by {1e3 * delay:.3g} ms, the delay of the training",
-                "correct the time stamps of both logs, and identify without delay",
-                recording=source,
-            )
+            message = f"the torque of {joint} was shifted by {1e3 * delay:.3g} ms, the delay of the training"
+            yield Finding("torque-delay", joint, delay, "s", "info", message, remedy, recording=source)
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:
     """Find joints that move further, faster or more abruptly than in the training."""
-    trained = estimate.ranges
+    trained = estimate.evidence.ranges
     if trained is None:
         return
     span = np.maximum(trained.highest - trained.lowest, 1e-9)
     outside = np.maximum(trained.lowest - ranges.lowest, ranges.highest - trained.highest) / span
+    ratios = {
+        "angle": (1.0 + outside, 1.0 + ANGLE),
+        "speed": (ranges.speed / np.maximum(trained.speed, 1e-9), BEYOND),
+        "acceleration": (ranges.acceleration / np.maximum(trained.acceleration, 1e-9), BEYOND),
+    }
+    remedy = "identify from a recording that reaches as far"
     for k, joint in enumerate(estimate.joint_names):
-        sizes = (
-            ("angle", float(1.0 + outside[k]), 1.0 + ANGLE),
-            ("speed", float(ranges.speed[k] / max(trained.speed[k], 1e-9)), BEYOND),
-            ("acceleration", float(ranges.acceleration[k] / max(trained.acceleration[k], 1e-9)), BEYOND),
-        )
-        for quantity, ratio, limit in sizes:
-            if ratio > limit:
+        for quantity, (ratio, limit) in ratios.items():
+            if ratio[k] > limit:
+                message = (
+                    f"the {quantity} goes to {ratio[k]:.3g} times that of the training: the prediction and its band "
+                    "are not supported by data there"
+                )
                 yield Finding(
-                    "extrapolation",
-                    joint,
-                    ratio,
-                    "1",
-                    "warning",
-                    f"the {quantity} goes to {ratio:.3g} times that of the training: the prediction and its band are "
-                    "not supported by data there",
-                    "identify from a recording that reaches as far",
-                    recording=source,
+                    "extrapolation", joint, float(ratio[k]), "1", "warning", message, remedy, recording=source
                 )
 
 
@@ -108,83 +96,47 @@ def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str 
 
 
 def poor_predictions(
-    estimate: EstimateData,
-    nrmse: FloatArray,
-    growth: FloatArray,
-    source: str = "",
-    *,
-    passive: BoolArray | None = None,
+    estimate: EstimateData, nrmse: FloatArray, growth: FloatArray, passive: BoolArray, source: str = ""
 ) -> Iterator[Finding]:
     """Find joints whose torque is predicted badly: by itself, or in comparison with the training."""
-    of_passive = np.zeros(len(nrmse), dtype=np.bool_) if passive is None else passive
-    for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, of_passive, strict=True):
-        if not np.isfinite(error):
-            if grown > GROWN and is_passive:
-                yield Finding(
-                    "large-residual",
-                    joint,
-                    float(grown),
-                    "1",
-                    "warning",
-                    f"the joint is passive, and the predicted torque is {grown:.3g} times further from zero than in "
-                    "the training",
-                    "check whether the joint is really passive, and whether the leg has changed",
-                    recording=source,
-                )
-            elif grown > GROWN:
-                yield Finding(
-                    "large-residual",
-                    joint,
-                    float(grown),
-                    "1",
-                    "error",
-                    f"the measured torque never changes, and the residual is {grown:.3g} times that of the training",
-                    "connect its torque channel, or map the right column",
-                    recording=source,
-                )
+    for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, passive, strict=True):
+        value: float = float(grown)
+        severity: Severity = "warning"
+        if not np.isfinite(error) and grown > GROWN and is_passive:
+            message = (
+                f"the joint is passive, and the predicted torque is {grown:.3g} times further from zero than in the "
+                "training"
+            )
+            remedy = "check whether the joint is really passive, and whether the leg has changed"
+        elif not np.isfinite(error) and grown > GROWN:
+            severity = "error"
+            message = f"the measured torque never changes, and the residual is {grown:.3g} times that of the training"
+            remedy = "connect its torque channel, or map the right column"
         elif error > POOR:
+            value, severity = float(error), "error" if error > USELESS else "warning"
             worse = "; a constant torque would predict it better" if error > USELESS else ""
-            yield Finding(
-                "large-residual",
-                joint,
-                float(error),
-                "1",
-                "error" if error > USELESS else "warning",
-                f"the estimate leaves {error:.0%} of the torque unexplained{worse}",
-                "check signs, units and joints of this recording, and whether the leg has changed (exoid check)",
-                recording=source,
-            )
+            message = f"the estimate leaves {error:.0%} of the torque unexplained{worse}"
+            remedy = "check signs, units and joints of this recording, and whether the leg has changed (exoid check)"
         elif grown > GROWN and error > NEGLIGIBLE:
-            yield Finding(
-                "large-residual",
-                joint,
-                float(grown),
-                "1",
-                "warning",
-                f"the residual is {grown:.3g} times that of the training",
-                "identify from motions like this one, or compare terms of friction (exoid select)",
-                recording=source,
-            )
+            message = f"the residual is {grown:.3g} times that of the training"
+            remedy = "identify from motions like this one, or compare terms of friction (exoid select)"
+        else:
+            continue
+        yield Finding("large-residual", joint, value, "1", severity, message, remedy, recording=source)
 
 
 def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, source: str = "") -> Iterator[Finding]:
     """Find joints whose torque leaves its 95 % band too often."""
     # The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
     # times the share of effective samples in the training.
-    for k, (joint, share) in enumerate(zip(estimate.joint_names, coverage, strict=True)):
+    remedy = "identify from motions like this one, or check whether the leg has changed"
+    for k, (joint, share) in enumerate(zip(estimate.joint_names, coverage.tolist(), strict=True)):
         count = max(1, round(samples * effective_share(estimate, k)))
-        inside = np.ceil(share * count)
-        if share < NARROW and scipy.stats.binom.cdf(inside, count, 0.95) < SIGNIFICANT:
-            yield Finding(
-                "narrow-band",
-                joint,
-                float(share),
-                "1",
-                "warning",
-                f"only {share:.0%} of the torque is inside the 95 % band: the model errs by more than in the training",
-                "identify from motions like this one, or check whether the leg has changed",
-                recording=source,
+        if share < NARROW and scipy.stats.binom.cdf(np.ceil(share * count), count, 0.95) < SIGNIFICANT:
+            message = (
+                f"only {share:.0%} of the torque is inside the 95 % band: the model errs by more than in the training"
             )
+            yield Finding("narrow-band", joint, share, "1", "warning", message, remedy, recording=source)
 
 
 def effective_share(estimate: EstimateData, joint: int) -> float:
@@ -207,20 +159,13 @@ def late_torques(
     # Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
     if len(time) < 3:
         return
-    rate = np.gradient(predicted, time, axis=0)
+    rate, remedy = np.gradient(predicted, time, axis=0), "correct the time stamps of this recording (exoid check)"
     for joint, torque, slope, error, share in zip(joints, predicted.T, rate.T, residual.T, coverage, strict=True):
         product, power = float(slope @ error), float(slope @ slope)
         size = np.sqrt(power * float(error @ error))
         matters = float(error.std()) > NEGLIGIBLE * float((error + torque).std())
         if share < NARROW and matters and abs(product) > LATE * size > 0.0:
             delay = -product / power
-            yield Finding(
-                "torque-delay",
-                joint,
-                delay,
-                "s",
-                "warning",
-                f"the torque comes {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the predicted one",
-                "correct the time stamps of this recording (exoid check)",
-                recording=source,
-            )
+            when = "after" if delay > 0.0 else "before"
+            message = f"the torque comes {1e3 * abs(delay):.3g} ms {when} the predicted one"
+            yield Finding("torque-delay", joint, delay, "s", "warning", message, remedy, recording=source)

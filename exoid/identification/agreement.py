@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.errors import ExoidError
-from exoid.estimate.equality import Equality, equality_of
+from exoid.estimate.comparison import Equality, equality_of
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 
@@ -48,22 +48,23 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
     if len(groups) < 2 or not layout.shared:
         return Agreement(None)
     values, blocks, dofs = [], [], []
-    for index, (group, rows, count) in enumerate(zip(groups, problem.groups, samples, strict=True)):
+    for index, (group, count) in enumerate(zip(groups, samples, strict=True)):
         known = layout.known_by(index, problem.prior_knowledge).known
-        alone = Problem.of_one(rows, PriorKnowledge(known))
+        of_group = tuple(rows for rows in problem.groups if rows.name == group)
+        alone = Problem(of_group, (), PriorKnowledge(known))
         try:
             fit = fit_by(estimator, alone)
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
-        found = uncertainty_of(alone, fit, white=white)
+        found = uncertainty_of(alone, fit, white=white).found
         values.append(fit.solution.values)
-        blocks.append(found.covariance)
+        blocks.append(found.matrix)
         left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
         dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
-    names, count = problem.groups[0].names, len(problem.groups[0].names)
+    names = problem.groups[0].model.names
     places = {
-        name: [group * count + names.index(name) for group in range(len(groups))]
+        name: [group * len(names) + names.index(name) for group in range(len(groups))]
         for name in layout.names[: layout.shared]
         if name not in problem.prior_knowledge.known
     }

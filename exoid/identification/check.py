@@ -15,7 +15,7 @@ from .drives import Drives
 from .estimators.by_name import find_estimator
 from .findings.checkup import signal_findings
 from .gather import begin
-from .group_rows import Group
+from .group_rows import check_recordings
 from .identify import identify
 
 
@@ -56,16 +56,14 @@ def check(
         >>> exoid.check(data.leg, data.train)
         ()
     """
-    group = Group.alone(leg, recordings)
+    data = check_recordings(recordings)
     try:
-        found = identify(
-            leg, group.data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators
-        )
+        found = identify(leg, data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators)
     except ExoidError as error:
         # what is wrong with the drives is no finding of the log, and raises here
-        knowledge = PriorKnowledge.of(known, None, nonnegative=False)
-        task = begin(leg, group.data, terms, find_estimator("wls"), knowledge, actuators=actuators)
-        (model,), (group,) = task.models, task.groups
-        refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
-        return ordered((*signal_findings(model, group.data), refused))
+        knowledge = PriorKnowledge(known or {})
+        (group,) = begin(leg, data, terms, find_estimator("wls"), knowledge, actuators=actuators).groups
+        names = group.model.names
+        refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=names)
+        return ordered((*signal_findings(group.model, group.data), refused))
     return found.findings

@@ -19,10 +19,10 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
 from .drive_model import about
+from .estimators import Estimator
 from .estimators.by_name import fit_by
-from .fitting import Fitted, Task
 from .group_rows import Data
-from .problem import Problem
+from .problem import Fitted, Problem
 from .recording_summary import RecordingSummary
 
 ROUNDS = 30
@@ -57,24 +57,22 @@ class _Point(NamedTuple):
     constants: dict[str, float]
 
 
-def search_constants(task: Task, actuators: Actuators) -> Fitted:
-    """Find unknown constants of drives beside the parameters of a leg."""
+def search_constants(given: Problem, estimator: Estimator, actuators: Actuators) -> Fitted:
+    """Find unknown constants of drives beside the parameters of a leg; the actuators of the result have them."""
     # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drive_model.DriveModel`, and
     # goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
-    (group,), (model,) = task.groups, task.models
+    group, model = given.single, given.model
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)
-    first = Problem.of(task.groups, task.models, task.own, task.prior_knowledge, task.keep)
-    first.refuse_empty_joints()
+    given.refuse_empty_joints()
     start = {each.name: each.constant.start for each in constants}
-    point, held, backwards = _Point(fit_by(task.estimator, first).solution.values, start), dict[str, str](), 0
+    point, held, backwards = _Point(fit_by(estimator, given).solution.values, start), dict[str, str](), 0
     for _ in range(ROUNDS):
         free = tuple(each for each in constants if each.name not in held)
         found = with_constants(actuators, point.constants)
-        groups = (group._replace(data=_recomputed(group.data, found)),)
-        models = (about(model, point.values, found, free),)
-        problem = Problem.of(groups, models, task.own, task.prior_knowledge, task.keep)
-        fit = _fit(task, problem, names)
+        data, linear = _recomputed(group.data, found), about(model, point.values, found, free)
+        problem = given.changed(data=data, model=linear, actuators=found)
+        fit = _fit(estimator, problem, names)
         step = _Step.of(fit, point, free)
         if step.is_small and not step.at_bounds:
             break
@@ -95,14 +93,8 @@ def search_constants(task: Task, actuators: Actuators) -> Fitted:
         np.zeros((len(names),) * 2),
         tuple(held),
     )
-    values = fit.solution.values[: len(point.values)]
-    return Fitted((model,), values, nonlinear, problem, fit, (*fit.warnings, *held.values(), *unsettled))
-
-
-def with_found(actuators: Actuators, fitted: Fitted) -> Actuators:
-    """Give drives the constants that were found."""
-    found = fitted.nonlinear
-    return with_constants(actuators, dict(zip(found.names, found.values.tolist(), strict=True)))
+    problem = problem.changed(actuators=with_constants(actuators, point.constants))
+    return Fitted(problem, fit, (model,), nonlinear, (*fit.warnings, *held.values(), *unsettled))
 
 
 def refuse_unknown_scale(
@@ -203,10 +195,10 @@ def _recomputed(data: Data, actuators: Actuators) -> Data:
     return [recompute(actuators, each) if isinstance(each, Recording) else each for each in data]
 
 
-def _fit(task: Task, problem: Problem, names: Sequence[str]) -> Fit:
+def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
     """Solve a round; errors about constants say what to record."""
     try:
-        return fit_by(task.estimator, problem)
+        return fit_by(estimator, problem)
     except ExoidError as error:
         if any(name in error.what for name in names):
             error.remedy, error.command = ADVICE, COMMAND

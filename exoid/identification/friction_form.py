@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.alternative_friction import COUNT, KINDS, with_alternatives
-from exoid.estimate.model_error import ModelError
+from exoid.estimate.model_error import COUNT, KINDS, ModelError, with_alternatives
 from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, decimated, form_rows, prepare

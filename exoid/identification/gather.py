@@ -1,26 +1,46 @@
-"""From the arguments of an identification to its task: what the logs say decides on terms, parameters and filters."""
+"""From the arguments of an identification to its problem: logs decide on terms, parameters and filters."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import combinations, product
 
-from exoid.errors import BadArgumentError
+import numpy as np
+
+from exoid.actuators.constants import unknown_constants
+from exoid.errors import BadArgumentError, within
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Preparation
+from exoid.signals import Preparation, ZeroPhase
+from exoid.signals.cutoff import cutoff_from
+from exoid.signals.preparation_names import preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques.model import regroup
 
 from .drive_constants import refuse_unknown_scale
-from .drives import DrivenGroups, Drives
+from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
-from .fitting import Task
-from .group_rows import Group, Measured
-from .groups import make_groups, own_parameters, refuse_nonlinear_terms
-from .recording_summary import bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
-from .rotors_apart import rotors_apart
-from .unmeasured import only_measured
+from .group_rows import Group, Measured, check_recordings, map_recordings
+from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
+from .problem import Problem
+from .recording_summary import (
+    SMALLEST_MOTION,
+    angle_spans,
+    refuse_dead_torques,
+    refuse_still_joints,
+    summarize,
+    unmeasured_joints,
+)
+from .unmeasured import terms_where_measured, unmeasured_finding
+
+TURNING = 0.05
+"""Least angular velocity of a base that turns, over that of the first joint, root mean square each.
+
+Below it, the motion of the base hardly tells a rotor from the link that it turns with.
+"""
 
 
 def begin(
@@ -33,71 +53,107 @@ def begin(
     own: str | Sequence[str] | None = None,
     actuators: Drives | None = None,
     delay: str | None = None,
-) -> Task:
+) -> Problem:
     """Bring legs, recordings, terms and drives together; no recording is read yet, unless drives make its torque."""
-    if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
-        groups: tuple[Group, ...] = (Group.alone(leg, recordings),)
-    else:
-        groups = make_groups(leg, recordings, own)
-    task = Task(groups, (), _check_terms(terms), estimator, (), knowledge)
-    if actuators is not None:
-        driven = DrivenGroups.of(groups, actuators)
-        used = driven.default_terms() if terms is None else task.terms
-        # known rotors are held; coupled motors have terms of their own
-        knowledge = replace(knowledge, known=driven.known_rotors(used, knowledge))
-        driven.refuse_unknown(estimator, used, delay, knowledge.names)
-        task = Task(
-            driven.groups, (), used, estimator, (), knowledge, unknown=driven.unknown, actuators=driven.actuators
-        )
-    return _with_models(task, own)
-
-
-def gather(
-    task: Task, *, own: str | Sequence[str] | None, preparation: Preparation | str | None, cutoff: float | None
-) -> Task:
-    """Summarize the recordings, which say what terms and parameters there are, and prepare them for the fit."""
-    knowledge, models = task.prior_knowledge, _by_group(task)
-    by_noise = preparation is None and cutoff is None
-    summaries = summarize_groups(task.groups, models, task.own, knowledge, for_cutoff=by_noise)
-    if has_unmeasured_joints(summaries.values()):
-        terms, unmeasured = only_measured(task.estimator, task.terms, task.groups, summaries, knowledge)
-        task = _with_models(task._replace(terms=terms), own).with_findings(unmeasured)
-    if any(len(of_group) > 1 for of_group in summaries.values()):
-        groups, summaries, repeats = counted_once(task.groups, _by_group(task), summaries)
-        task = task._replace(groups=groups).with_findings(repeats)
-    if bases_turn(summaries.values()):
-        task = _with_models(task, own, rotors_apart(task.models))
-    groups = prepare_groups(task.groups, _by_group(task), summaries, preparation, cutoff)
-    if task.unknown is not None:
-        refuse_unknown_scale(task.unknown, next(iter(summaries.values())), knowledge)
-    source = "that of the preparation passed to identify" if preparation is not None else "passed to identify"
-    source = "chosen by the noise of the angles" if by_noise else source
-    return task._replace(groups=groups, summaries=tuple(summaries.values()), cutoff_source=source)
-
-
-def _with_models(task: Task, own: str | Sequence[str] | None, apart: Sequence[str] = ()) -> Task:
-    """Make the torque model of each group, and name the parameters that each has of its own."""
-    if len(task.groups) > 1:
-        refuse_nonlinear_terms({group.name: group.leg for group in task.groups}, task.terms)
-    separate = (*task.prior_knowledge.known_names, *apart)
-    task = task._replace(models=tuple(TorqueModel.at_start(group.leg, task.terms, separate) for group in task.groups))
-    alone = own is None and [group.name for group in task.groups] == [""]
-    return task._replace(own=() if alone else own_parameters(_by_group(task), own))
-
-
-def _by_group(task: Task) -> dict[str, TorqueModel]:
-    """Torque models by the names of the groups."""
-    return {group.name: model for group, model in zip(task.groups, task.models, strict=True)}
-
-
-def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
-    """Check that terms are terms, not names of terms."""
-    if given is None:
-        return DEFAULT_TERMS
-    terms = (given,) if isinstance(given, (Term, str)) else tuple(given)
-    wrong = [item for item in terms if not isinstance(item, Term)]
+    chosen = DEFAULT_TERMS if terms is None else (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
+    wrong = [item for item in chosen if not isinstance(item, Term)]
     if wrong:
         raise BadArgumentError(
             f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())"
         )
-    return terms
+    if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
+        pairs = {"": (leg, check_recordings(recordings))}
+    else:
+        pairs = pair_groups(leg, recordings, own)
+    pairs, mounted = drive_groups(pairs, actuators)
+    if mounted:
+        name, drives = next(iter(mounted.items()))  # drives of all groups are alike
+        computed = computed_joints(*pairs[name], drives)
+        chosen = default_terms(drives, computed) if terms is None else chosen
+        # known rotors are held; coupled motors have terms of their own
+        known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)
+        knowledge = replace(knowledge, known=known)
+        refuse_beside_unknown(mounted, estimator, chosen, delay, knowledge.names)
+    if len(pairs) > 1:
+        refuse_nonlinear_terms(next(iter(pairs.values()))[0], chosen)
+    groups = tuple(
+        Group(name, TorqueModel.at_start(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
+        for name, (of_group, data) in pairs.items()
+    )
+    return Problem(groups, own_parameters(groups, own), knowledge, chosen)
+
+
+def gather(
+    problem: Problem,
+    estimator: Estimator,
+    *,
+    own: str | Sequence[str] | None,
+    preparation: Preparation | str | None,
+    cutoff: float | None,
+) -> Problem:
+    """Summarize the recordings, which say what terms and parameters there are, and prepare them for the fit."""
+    problem = _summarize(problem, for_cutoff=preparation is None and cutoff is None)
+    every = [one for group in problem.groups for one in group.summaries]
+    if any(one.torques is not None and not one.torques.measured.all() for one in every):
+        missing = unmeasured_joints(problem.groups[0].model.leg.joint_labels, [every])
+        terms = terms_where_measured(problem, estimator, missing)
+        groups = [replace(group, findings=unmeasured_finding(group)) for group in problem.groups]
+        problem = _remodelled(replace(problem, groups=tuple(groups), terms=terms), own)
+    if len(every) > len(problem.groups):
+        problem = replace(problem, groups=counted_once(problem.groups))
+    if any(one.base_turning > TURNING for one in every):
+        # On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ,
+        # the leg has the acceleration q̈ + ψ̈ and the rotor q̈.
+        models = [group.model for group in problem.groups]
+        still = [regroup(model.leg, model.blocks, model.rigid, moving_base=True) for model in models]
+        pairs = zip(models, ({one.name for one in merged} for merged in still), strict=True)
+        apart = {one.name: None for model, names in pairs for one in model.regrouped if one.name not in names}
+        problem = _remodelled(problem, own, tuple(apart))
+    if isinstance(preparation, str):
+        preparation = preparation_by_name(preparation)
+    groups = []
+    for group in problem.groups:
+        with within(group.name):
+            powers = [one.acceleration_power for one in group.summaries if one.acceleration_power]
+            chosen = preparation or ZeroPhase(cutoff_from(powers) if cutoff is None else cutoff)
+            refuse_dead_torques(group.model, group.summaries)
+        without = unmeasured_joints(group.model.leg.joint_names, [group.summaries])
+        share = 1.0 / len(problem.groups)
+        groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=share))
+        if group.actuators is not None and unknown_constants(group.actuators):
+            refuse_unknown_scale(group.actuators, group.summaries, problem.given)
+    return replace(problem, groups=tuple(groups))
+
+
+def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:
+    """Look through all recordings once, and refuse groups that nothing can be identified from."""
+    layout, groups = problem.layout, []
+    problem.given.check_regrouped(problem.groups[0].model.regrouped)
+    knowledge = problem.prior_knowledge
+    for group in problem.groups:
+        with within(group.name):
+            work = partial(summarize, group.model, for_cutoff=for_cutoff)
+            groups.append(replace(group, summaries=map_recordings(group.data, work)))
+    for one, other in combinations(groups, 2):
+        for a, b in product(one.summaries, other.summaries):
+            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
+                name = f"recording {a.source}" if a.source else "the same recording"
+                raise BadArgumentError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")
+    # shared parameters need a joint that moves in some group, own ones a joint that moves in theirs
+    moves = np.any([angle_spans(group.summaries) >= SMALLEST_MOTION for group in groups], axis=0)
+    unseen = {name for joint in np.flatnonzero(~moves) for name in groups[0].model.own_parameters(int(joint))}
+    seen = [name for name in layout.names[: layout.shared] if name not in unseen]
+    for index, group in enumerate(groups):
+        with within(group.name):
+            known = layout.known_by(index, knowledge).names
+            refuse_still_joints(group.model, group.summaries, (*known, *seen))
+    return replace(problem, groups=tuple(groups))
+
+
+def _remodelled(problem: Problem, own: str | Sequence[str] | None, apart: Sequence[str] = ()) -> Problem:
+    """Make the torque model of each group anew: terms have changed, or some parameters stand apart."""
+    separate = (*problem.given.known_names, *apart)
+    groups = tuple(
+        replace(group, model=TorqueModel.at_start(group.model.leg, problem.terms, separate)) for group in problem.groups
+    )
+    return replace(problem, groups=groups, own=own_parameters(groups, own))

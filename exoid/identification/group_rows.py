@@ -8,20 +8,23 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from os import PathLike
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
-from exoid.leg.leg import Leg
+from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
 from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class
 from exoid.regression.rows_file import RowsFile
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
+
+from .recording_summary import RecordingSummary
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
@@ -67,27 +70,6 @@ def _on_first(work: Callable[[Recording | Poses], T], data: Data) -> T:
     return work(data[0])
 
 
-class Group(NamedTuple):
-    """Recordings of one leg, or of one session."""
-
-    name: str  # name of the group; "" where there is only one
-    leg: Leg  # the leg
-    data: Data  # its recordings and poses
-    preparation: Preparation | None = None  # filter and differentiation; None while it is not chosen
-    unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings
-
-    @classmethod
-    def alone(cls, leg: Leg, recordings: Measured) -> Group:
-        """Make the only group, which needs no name."""
-        return cls("", leg, check_recordings(recordings))
-
-    @property
-    def chosen_preparation(self) -> Preparation:
-        """How the recordings become rows, chosen by :func:`~exoid.identification.recording_summary.prepare_groups`."""
-        assert self.preparation is not None
-        return self.preparation
-
-
 def check_recordings(given: Measured) -> Data:
     """Check that there is at least one recording, and nothing else; those on disk stay there."""
     if isinstance(given, Recordings) and len(given):
@@ -104,33 +86,38 @@ def check_recordings(given: Measured) -> Data:
 
 
 @dataclass(frozen=True, eq=False)
-class GroupRows:
-    """τ = W β over the recordings and poses of one leg."""
+class Group:
+    """Recordings of one leg, or of one session, and their rows τ = W β."""
 
     # A first pass over the rows leaves R factors, which suffice for least squares; whoever needs more goes over
     # `blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
     # the kinematics of one recording, and of rows that are kept where there are few.
 
-    model: TorqueModel  # torque model
+    name: str  # name of the group; "" where there is only one
+    model: TorqueModel  # torque model of its leg
     data: Data  # recordings and poses, in memory or on disk
-    preparation: Preparation  # filter and differentiation
-    # function that selects rows, given the index of the recording and their times [s], (N,); None for all
-    keep: Keep | None = None
-    memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
+    preparation: Preparation | None = None  # filter and differentiation; None while it is not chosen
+    links: str | None = None  # links that rest by an unknown wrench; None where no row depends on contacts
     unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings, which have no rows
+    summaries: Sequence[RecordingSummary] = ()  # of the recordings; empty before they were read
+    findings: tuple[Finding, ...] = ()  # what was mended in the logs
+    delays: FloatArray | None = None  # delays that were taken out of the torques [s], (n,); None for none
+    actuators: Actuators | None = None  # drives; None where torques were measured
+    memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return self.model.names
+    def plain_model(self) -> TorqueModel:
+        """Torque model of the leg, whatever rests on the ground."""
+        model = self.model
+        return TorqueModel(model.leg, model.terms, model.rigid, model.regrouped, model.separate)
 
     @cached_property
     def each(self) -> list[list[RFactor]]:
         """One R factor a joint for each recording."""
-        return list(self._on_each(_r_factors, decimated=False))
+        return list(self.on_each(_r_factors, decimated=False))
 
     @cached_property
     def by_kind(self) -> list[list[RFactor]]:
@@ -142,15 +129,6 @@ class GroupRows:
     def r_factors(self) -> list[RFactor]:
         """All R factors, joint by joint, those of recordings before those of poses."""
         return [r_factor for of_kind in self.by_kind for r_factor in of_kind]
-
-    @cached_property
-    def columns(self) -> list[NDArray[np.intp]]:
-        """Parameters that can act on each joint, as indices."""
-        return [np.flatnonzero(acting) for acting in self.model.acting]
-
-    def weight_index(self, kind: NoiseKind, joint: int) -> int:
-        """Place among :attr:`r_factors` of the one that holds the rows of a kind and joint."""
-        return self.place(kind.at_rest, joint)
 
     def place(self, at_rest: bool, joint: int) -> int:
         """Place among :attr:`r_factors` of a joint in poses, or in motion."""
@@ -165,42 +143,40 @@ class GroupRows:
         for index in range(len(self.data)):
             yield from self._blocks_of(index, decimated=decimated)
 
-    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the decimated rows of each recording, wherever they are, and bring back what it finds."""
-        yield from self._on_each(work, decimated=True)
-
-    def _on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool) -> Iterator[T]:
+    def on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool) -> Iterator[T]:
         """Let work go over the rows of each recording: here, or on workers, which send back no rows and keep none."""
         indices = range(len(self.data))
-        if self.keep is not None or not on_workers():
+        if not on_workers():
             yield from (work(self._blocks_of(index, decimated=decimated)) for index in indices)
             return
-        alone = (GroupRows(self.model, self.data[k : k + 1], self.preparation) for k in indices)
+        alone = (Group("", self.model, self.data[k : k + 1], self.preparation) for k in indices)
         yield from _distribute(partial(_on_rows, decimated=decimated), work, alone)
 
     def _blocks_of(self, index: int, *, decimated: bool) -> Iterator[RowBlock]:
         """Go over the rows of one recording."""
         filed = self._filed.get(index) if decimated else None
-        stretches = filed or self._kept.get((index, decimated)) or self._make(index, decimated)
-        kind = None
-        for rows, begins, ends in _with_ends(stretches):
+        stretches = iter(filed or self._kept.get((index, decimated)) or self._make(index, decimated))
+        rows, kind, begins = next(stretches, None), None, True
+        while rows is not None:
+            following = next(stretches, None)
             kind = kind or NoiseKind(self.at_rest(index), rate_class(rows.time))
-            yield RowBlock(kind, rows, begins, ends)
+            yield RowBlock(kind, rows, begins, following is None)
+            rows, begins = following, False
 
     def recording_r_factor(self, index: int, weights: Sequence[float]) -> RFactor:
         """Stack the weighted R factors of all joints of one recording."""
         at_rest, r_factors = self.at_rest(index), self.each[index]
         return stack(r_factors, [weights[self.place(at_rest, joint)] for joint in range(len(r_factors))])
 
-    def forget(self) -> None:
-        """Let go of the recording that was prepared last; rows that are kept stay."""
-        self._prepared.clear()
-
     def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
-        prepared = self._prepare(index)
+        if index not in self._prepared:
+            self._prepared.clear()
+            assert self.preparation is not None
+            self._prepared[index] = prepare(self.model, self.data[index], self.preparation)
+        prepared = self._prepared[index]
         count, step = len(prepared.rows), decimation(prepared.independent_fraction)
-        size = 8 * count * prepared.tau.shape[1] * len(self.names)
+        size = 8 * count * prepared.tau.shape[1] * len(self.model.names)
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room
         keep_whole = size * (1.0 + 1.0 / step) <= room
@@ -229,19 +205,11 @@ class GroupRows:
             self._kept[index, False] = whole
         if file is not None:
             self._filed[index] = file
-
-    def _prepare(self, index: int) -> Prepared:
-        """Prepare a recording, and remember the last one."""
-        if index not in self._prepared:
+        if self.memory_share < 1.0:  # other groups need the memory of the kinematics
             self._prepared.clear()
-            prepared = prepare(self.model, self.data[index], self.preparation)
-            if self.keep is not None:
-                prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
-            self._prepared[index] = prepared
-        return self._prepared[index]
 
 
-def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: GroupRows, *, decimated: bool) -> T:
+def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: Group, *, decimated: bool) -> T:
     return work(rows.blocks(decimated=decimated))
 
 
@@ -252,15 +220,3 @@ def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:
         new = factorize_rows(block.rows)
         found = [stack(pair) for pair in zip(found, new, strict=True)] if found else new
     return found
-
-
-def _with_ends(stretches: Iterable[Rows]) -> Iterator[tuple[Rows, bool, bool]]:
-    """Say of each stretch whether it is the first, and whether it is the last."""
-    begins, before = True, None
-    for rows in stretches:
-        if before is not None:
-            yield before, begins, False
-            begins = False
-        before = rows
-    if before is not None:
-        yield before, begins, True

@@ -10,17 +10,17 @@ from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.leg.leg import Leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
-from exoid.torques import Term, TorqueModel
+from exoid.torques import Term
 from exoid.torques.nonlinear import nonlinear_settings
 
 from .group_rows import Data, Group, Measured, check_recordings
 
 
-def make_groups(
+def pair_groups(
     legs: Leg | Mapping[str, Leg],
     recordings: Measured | Mapping[str, Measured],
     own: str | Sequence[str] | None,
-) -> tuple[Group, ...]:
+) -> dict[str, tuple[Leg, Data]]:
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):
         raise BadArgumentError(
@@ -37,42 +37,42 @@ def make_groups(
         raise BadArgumentError(
             f"two groups have the same name: {', '.join(map(str, named))}", remedy="name them otherwise"
         )
-    groups = []
+    pairs = {}
     for name, data in named.items():
         with within(name):
-            leg = legs[name] if isinstance(legs, Mapping) else legs
-            groups.append(Group(str(name), leg, check_recordings(data)))
-    return tuple(groups)
+            pairs[str(name)] = legs[name] if isinstance(legs, Mapping) else legs, check_recordings(data)
+    return pairs
 
 
 def _by_source(recordings: Data) -> dict[str, Sequence[Recording | Poses]]:
-    """Make a group of each recording, named after its file."""
+    """Make a group of each recording, named after its file; one on disk is not read for it."""
     named: dict[str, Sequence[Recording | Poses]] = {}
     for index in range(len(recordings)):
-        name = _file_name(recordings, index) or str(index + 1)
+        item = recordings.items[index] if isinstance(recordings, Recordings) else None
+        source = None if isinstance(item, RecordingFile) else recordings[index].source
+        file_name = item.path.name if isinstance(item, RecordingFile) else source.name if source else ""
+        name = file_name or str(index + 1)
         if name in named:
             raise BadArgumentError(f"two recordings are called {name}", remedy='name them: {"monday": a, "tuesday": b}')
         named[name] = recordings[index : index + 1]
     return named
 
 
-def _file_name(recordings: Sequence[Recording | Poses], index: int) -> str:
-    """Name of the file of a recording, without reading it if it is on disk; "" for one made in memory."""
-    if isinstance(recordings, Recordings):
-        item = recordings.items[index]
-        if isinstance(item, RecordingFile):
-            return item.path.name
-    source = recordings[index].source
-    return "" if source is None else source.name
-
-
-def own_parameters(models: Mapping[str, TorqueModel], own: str | Sequence[str] | None) -> tuple[str, ...]:
+def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> tuple[str, ...]:
     """Look up the names of the parameters that each group has of its own."""
-    _refuse_other_names(models)
-    model = next(iter(models.values()))
+    if own is None and [group.name for group in groups] == [""]:
+        return ()
+    model = groups[0].model
+    for other in groups[1:]:
+        if other.model.names != model.names or other.model.units != model.units:
+            raise BadArgumentError(
+                f"parameters of {groups[0].name} are {', '.join(model.names)}, "
+                f"those of {other.name} {', '.join(other.model.names)}",
+                remedy="identify legs of one design, with the same joints, together",
+            )
     rigid = model.leg.parameter_names
     if own is None:
-        _refuse_other_designs({group: of_group.leg for group, of_group in models.items()})
+        _refuse_other_designs(groups)
         return tuple(name for name in model.names if name not in rigid)
     asked = (own,) if isinstance(own, str) else tuple(own)
     symbols: dict[str, set[str]] = {}
@@ -88,24 +88,12 @@ def own_parameters(models: Mapping[str, TorqueModel], own: str | Sequence[str] |
             raise BadArgumentError(f"{regrouped}", remedy=f"name {' and '.join(regrouped.into)} as own instead")
     wanted = {name for given in asked for name in symbols.get(given, {given})}
     if not set(rigid) <= wanted:
-        _refuse_other_designs({group: of_group.leg for group, of_group in models.items()})
+        _refuse_other_designs(groups)
     return tuple(name for name in model.names if name in wanted)
 
 
-def _refuse_other_names(models: Mapping[str, TorqueModel]) -> None:
-    """Refuse groups whose models do not have the same parameters."""
-    (first, model), *others = models.items()
-    for group, other in others:
-        if other.names != model.names or other.units != model.units:
-            raise BadArgumentError(
-                f"parameters of {first} are {', '.join(model.names)}, those of {group} {', '.join(other.names)}",
-                remedy="identify legs of one design, with the same joints, together",
-            )
-
-
-def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> None:
+def refuse_nonlinear_terms(leg: Leg, terms: Sequence[Term]) -> None:
     """Refuse terms whose torque is not linear in all parameters where there are several groups."""
-    leg = next(iter(legs.values()))
     free = [setting.name for setting in nonlinear_settings(terms, leg.joint_names, leg.joint_labels)]
     loaded = [type(term).__name__ for term in terms if term.loaded]
     if free or loaded:
@@ -116,17 +104,17 @@ def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> No
         )
 
 
-def _refuse_other_designs(legs: Mapping[str, Leg]) -> None:
+def _refuse_other_designs(groups: Sequence[Group]) -> None:
     """Refuse legs whose rigid-body parameters do not mean the same."""
-    (first, leg), *others = legs.items()
+    leg = groups[0].model.leg
     motion = np.random.default_rng(0).standard_normal((3, 10, len(leg.joint_names)))
     expected = leg.regressor(*motion)
-    for other, of_other in others:
-        found = of_other.regressor(*motion)
+    for other in groups[1:]:
+        found = other.model.leg.regressor(*motion)
         # Regressors of legs of one design differ by less than this part of the largest entry
         if np.abs(found - expected).max() > 1e-9 * np.abs(expected).max():
             raise BadArgumentError(
-                f"legs of {first} and {other} are not of one design: lengths or axes differ, so that their "
-                "rigid-body parameters do not mean the same",
+                f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ, so that "
+                "their rigid-body parameters do not mean the same",
                 remedy="identify them one by one",
             )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypedDict, Unpack, overload
 
-from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
+from exoid.actuators.constants import unknown_constants
+from exoid.errors import BadArgumentError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
@@ -15,19 +16,17 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term
 
 from .checkup import without_delays
-from .drive_constants import search_constants, with_found
+from .drive_constants import search_constants
 from .drives import Drives
 from .estimators import Estimator
 from .estimators.by_name import find_estimator, fit_by, name_of
-from .fitting import Fitted, Start, Task
 from .gather import begin, gather
 from .group_rows import Measured
-from .on_ground import FittedOnGround, channel_findings, on_ground, without_outliers
-from .problem import Problem
-from .recording_summary import are_on_ground
+from .on_ground import fit_on_ground, stands
+from .problem import Fitted, Problem
 from .result import Result
-from .sole_compliance import sole_compliance, tilted
-from .variable_projection import search
+from .row_changes import SoleCompliance
+from .variable_projection import VariableProjection
 
 
 class FitOptions(TypedDict, total=False):
@@ -138,71 +137,47 @@ def identify(
         raise BadArgumentError(f"no noise {noise!r}", remedy="use one of correlated, white")
     if delay not in (None, "auto"):
         raise BadArgumentError(f"no delay {delay!r}", remedy='use delay="auto", or leave it out')
-    chosen, white = find_estimator(estimator), noise == "white"
-    _refuse_without_effect(chosen, preparation, cutoff)
-    knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
-    task = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
-    task = gather(task, own=own, preparation=preparation, cutoff=cutoff)
-    if are_on_ground(task.groups[0].leg, task.summaries):
-        if check:
-            task = task.with_findings([channel_findings(task)])
-        if delay is not None:
-            raise NotSupportedError("delays are not estimated beside contacts", remedy="leave delay out")
-        standing = fit_on_ground(task, by_noise=preparation is None and cutoff is None)
-        result = Result.of(standing.task, standing.fitted, white=white, check=False)
-        return result.standing_estimate(task.models[0], standing.soles)
-    fitted = fit_model(task)
-    if delay is not None:
-        task = without_delays(task, fitted)
-        fitted = fit_model(task) if any(of_group.any() for of_group in task.delays) else fitted
-    if task.unknown is not None:
-        task = task._replace(actuators=(with_found(task.unknown, fitted),))
-    result = Result.of(task, fitted, white=white, check=check)
-    return result.estimate() if task.groups[0].name == "" else result.grouped_estimate()
-
-
-def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
-    """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
-    # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
-    # no outliers then, which are looked for once more.
-    huber = find_estimator("huber")
-    task = on_ground(task, by_noise=by_noise)
-    try:
-        task = without_outliers(task, fit_model(task._replace(estimator=huber)))
-    except ExoidError as error:
-        more = "let each foot stand while the other moves, and squat, shift and pitch on both"
-        error.remedy = f"{error.remedy}; {more}"
-        raise
-    fitted = fit_model(task)
-    soles = sole_compliance(task, fitted)
-    if soles is not None:
-        task = tilted(task, dict(zip(soles.links, soles.values.tolist(), strict=True)))
-        task = without_outliers(task, fit_model(task._replace(estimator=huber))).with_findings([soles.findings()])
-        fitted = fit_model(task)
-    return FittedOnGround(task._replace(summaries=task.summaries[:1] * len(task.groups)), fitted, soles)
-
-
-def fit_model(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection."""
-    if task.unknown is not None:
-        return search_constants(task, task.unknown)
-    if any(term.nonlinear or term.loaded for term in task.terms):
-        return search(task, start)
-    problem = Problem.of(task.groups, task.models, task.own, task.prior_knowledge, task.keep)
-    problem.refuse_empty_joints()
-    fit = fit_by(task.estimator, problem)
-    return Fitted(task.models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
-
-
-def _refuse_without_effect(estimator: Estimator, preparation: Preparation | str | None, cutoff: float | None) -> None:
-    """Refuse arguments that would change nothing; estimators refuse others themselves."""
+    chosen, by_noise = find_estimator(estimator), preparation is None and cutoff is None
     if preparation is not None and cutoff is not None:
         raise BadArgumentError(
             "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
         )
-    given = [name for name, value in (("cutoff", cutoff), ("preparation", preparation)) if value is not None]
-    if given and getattr(estimator, "fits_samples", False):
+    if not by_noise and getattr(chosen, "fits_samples", False):
+        given = "cutoff" if preparation is None else "preparation"
         raise BadArgumentError(
-            f"{name_of(estimator)} fits samples as they were recorded, so that {given[0]} does not apply",
-            remedy=f"leave {given[0]} out, or use wls",
+            f"{name_of(chosen)} fits samples as they were recorded, so that {given} does not apply",
+            remedy=f"leave {given} out, or use wls",
         )
+    knowledge = PriorKnowledge(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
+    problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff)
+
+    def fit(given: Problem) -> tuple[Fitted, SoleCompliance | None]:
+        if stands(problem):
+            return fit_on_ground(given, chosen, fit_model, by_noise=by_noise, check=check)
+        return fit_model(given, chosen), None
+
+    fitted, soles = fit(problem)
+    if delay is not None:
+        shifted = without_delays(problem, fitted)
+        if any(group.delays is not None for group in shifted.groups):
+            fitted, soles = fit(shifted)
+    source = "passed to identify" if preparation is None else "that of the preparation passed to identify"
+    source = "chosen by the noise of the angles" if by_noise else source
+    result = Result.of(fitted, chosen, source, soles, white=noise == "white")
+    if problem.groups[0].name == "":
+        return result.estimate(0, result.warnings, check=check)
+    return result.grouped(check=check)
+
+
+def fit_model(problem: Problem, estimator: Estimator) -> Fitted:
+    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection."""
+    actuators = problem.groups[0].actuators
+    if actuators is not None and unknown_constants(actuators):
+        return search_constants(problem, estimator, actuators)
+    if any(term.nonlinear or term.loaded for term in problem.terms):
+        return VariableProjection(problem, estimator).run()
+    problem.refuse_empty_joints()
+    fit = fit_by(estimator, problem)
+    models = tuple(group.model for group in problem.groups)
+    return Fitted(problem, fit, models, NO_NONLINEAR_PARAMETERS, fit.warnings)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
+from exoid.actuators.constants import unknown_constants
+from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
@@ -23,11 +23,12 @@ from exoid.torques.contacts.imu import ImuErrors
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
+from .estimators import Estimator
+from .estimators.by_name import find_estimator
 from .findings.checkup import signal_findings
-from .fitting import Fitted, Task
 from .group_rows import Group
-from .problem import Problem
-from .sole_compliance import SoleCompliance
+from .problem import Fitted, Problem
+from .row_changes import SoleCompliance, sole_compliance, tilted
 
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
@@ -42,26 +43,59 @@ MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-class FittedOnGround(NamedTuple):
-    """A fit to recordings with contacts."""
-
-    task: Task  # the task without the samples that do not fit
-    fitted: Fitted  # the fit to it
-    # compliance of the soles that carry a base whose motion was not measured; None where it was
-    soles: SoleCompliance | None
+def stands(problem: Problem) -> bool:
+    """Tell whether recordings have to be split by the links that rest on the ground."""
+    return any(group.model.leg.base_rows or any(one.stands for one in group.summaries) for group in problem.groups)
 
 
-def channel_findings(task: Task) -> tuple[Finding, ...]:
-    """Check the channels and times of the logs, which needs no fit."""
-    (group,), (model,) = _alone(task)
-    return tuple(signal_findings(model, group.data))
+def fit_on_ground(
+    problem: Problem, estimator: Estimator, fit: Callable[[Problem, Estimator], Fitted], *, by_noise: bool, check: bool
+) -> tuple[Fitted, SoleCompliance | None]:
+    """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
+    # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
+    # no outliers then, which are looked for once more.
+    huber = find_estimator("huber")
+    problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
+    try:
+        problem = without_outliers(fit(problem, huber))
+    except ExoidError as error:
+        more = "let each foot stand while the other moves, and squat, shift and pitch on both"
+        error.remedy = f"{error.remedy}; {more}"
+        raise
+    fitted = fit(problem, estimator)
+    soles = sole_compliance(fitted)
+    if soles is None:
+        return fitted, None
+    problem = tilted(problem, dict(zip(soles.links, soles.values.tolist(), strict=True)))
+    problem = without_outliers(fit(problem, huber))
+    first, *others = problem.groups
+    first = replace(first, findings=(*first.findings, *soles.findings()))
+    return fit(replace(problem, groups=(first, *others)), estimator), soles
 
 
-def on_ground(task: Task, *, by_noise: bool) -> Task:
-    """Split the recordings of a task by the links that rest on the ground with an unknown wrench."""
-    (group,), (model,) = _alone(task)
+def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
+    """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
+    if getattr(estimator, "fits_samples", False):
+        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
+    if any(term.nonlinear or term.loaded for term in problem.terms):
+        raise NotSupportedError(
+            "terms beside a ground are linear in their parameters", remedy="give settings as numbers"
+        )
+    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
+    share = 1.0 / len(groups)
+    return replace(problem, groups=tuple(replace(group, memory_share=share) for group in groups))
+
+
+def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
+    """Make a group of the recordings of each set of links, the first of which has the findings of all."""
+    model = group.model
+    if group.actuators is not None and unknown_constants(group.actuators):
+        raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
+    rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
+    if group.preparation is None or any(group.preparation.parallel(rate) is None for rate in rates):
+        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     found: dict[tuple[str, ...], list[Recording]] = {}
-    findings: list[Finding] = []
+    findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
     for one in group.data:
         if isinstance(one, Poses):
             raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
@@ -73,47 +107,22 @@ def on_ground(task: Task, *, by_noise: bool) -> Task:
         ]
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
-    return _task_of(task, group, model, found, by_noise=by_noise).with_findings([findings])
-
-
-def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
-    """Check what recordings with contacts can be identified with."""
-    if len(task.groups) > 1 or task.own:
-        raise NotSupportedError(
-            "recordings with contacts are for one leg alone", remedy="identify the groups one by one"
-        )
-    if task.unknown is not None:
-        raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
-    if getattr(task.estimator, "fits_samples", False):
-        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
-    if any(term.nonlinear or term.loaded for term in task.terms):
-        raise NotSupportedError(
-            "terms beside a ground are linear in their parameters", remedy="give settings as numbers"
-        )
-    (group,), (model,) = task.groups, task.models
-    rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
-    if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
-        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
-    return (group,), (model,)
-
-
-def _task_of(
-    task: Task,
-    group: Group,
-    model: TorqueModel,
-    found: Mapping[tuple[str, ...], Sequence[Recording]],
-    *,
-    by_noise: bool,
-) -> Task:
-    """Make one group of the recordings of each set of links."""
-    groups, models = [], []
+    groups: list[Group] = []
     for links, data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
-        models.append(SupportModel.of(model, links, axes))
         preparation = ZeroPhase(choose_cutoff(data, base_rows=not links)) if by_noise else group.preparation
-        groups.append(group._replace(name=" and ".join(links) or MEASURED, data=tuple(data), preparation=preparation))
-    return task._replace(groups=tuple(groups), models=tuple(models))
+        groups.append(
+            replace(
+                group,
+                model=SupportModel.of(model, links, axes),
+                data=tuple(data),
+                preparation=preparation,
+                links=" and ".join(links) or MEASURED,
+                findings=() if groups else tuple(findings),
+            )
+        )
+    return groups
 
 
 MANY = 2000
@@ -212,30 +221,33 @@ def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
     ]
 
 
-def without_outliers(task: Task, fitted: Fitted) -> Task:
+def without_outliers(fitted: Fitted) -> Problem:
     """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
-    groups, findings = [], []
-    wrong = [_wrong_samples(fitted, k, group) for k, group in enumerate(task.groups)]
-    every = [mask for group in task.groups for _, mask in _masked(group)]
-    total = sum(np.count_nonzero(mask) for mask in every)
+    problem, findings = fitted.problem, dict[str, list[Finding]]()
+    wrong = [_wrong_samples(fitted, k) for k in range(len(problem.groups))]
+    total = sum(np.count_nonzero(mask) for group in problem.groups for _, mask in _masked(group))
     lost = sum(np.count_nonzero(mask) for of_group in wrong for mask in of_group)
     if not lost:
-        return task
+        return problem
     # Where more than this part of the samples is so far off, the model is wrong rather than the contacts
     too_many = bool(lost > 0.3 * total)
-    for group, model, of_group in zip(task.groups, task.models, wrong, strict=True):
-        kept = []
+    left = []
+    for group, of_group in zip(problem.groups, wrong, strict=True):
+        told, kept = findings.setdefault(group.name, []), []
+        told += group.findings
         for (one, mask), bad in zip(_masked(group), of_group, strict=True):
             if bad.any():
                 share = float(np.count_nonzero(bad)) / np.count_nonzero(mask)
-                findings.append(_outlier(group.name, share, one, kept=too_many))
+                told.append(_outlier(group.links or "", share, one, kept=too_many))
             rest = mask & ~bad
             if too_many or np.count_nonzero(rest) > SHORTEST * one.sample_rate:
                 kept.append(one if too_many else replace(one, mask=rest))
         if kept:
-            groups.append((group._replace(data=tuple(kept)), model))
-    new_groups, models = zip(*groups, strict=True)
-    return task._replace(groups=new_groups, models=models).with_findings([findings])
+            left.append(replace(group, data=tuple(kept)))
+    groups = [replace(group, findings=tuple(findings.pop(group.name, ()))) for group in left]
+    if findings:
+        raise NotIdentifiableError("no sample of a leg on the ground fits the others", remedy="check the contacts")
+    return replace(problem, groups=tuple(groups))
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
@@ -243,28 +255,23 @@ def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
     return [(one, one.mask) for one in group.data if isinstance(one, Recording) and one.mask is not None]
 
 
-def _wrong_samples(fitted: Fitted, index: int, group: Group) -> list[NDArray[np.bool_]]:
+def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
     """Samples of each recording of a group near residuals that no noise explains."""
-    residuals = _residuals(fitted.problem, index, fitted.values)
-    scale = _scale(residuals, _torque_sizes(fitted.problem, index))
-    found = []
+    group, found = fitted.problem.groups[index], []
+    residuals = _residuals(group, fitted.values(index))
+    zero = np.zeros(len(group.model.names))
+    torques = np.array([rms_residual(of_row, zero) for of_row in zip(*group.by_kind, strict=True)])
+    scale = _scale(residuals, torques)
     for (one, mask), (time, residual) in zip(_masked(group), residuals, strict=True):
         far = (np.abs(residual) > FAR * scale).any(axis=1)
         found.append(mask & _near(one.time, time[far]) if far.any() else np.zeros(len(mask), dtype=np.bool_))
     return found
 
 
-def _torque_sizes(problem: Problem, group: int) -> FloatArray:
-    """RMS torque of each row, (R,)."""
-    rows = zip(*problem.groups[group].by_kind, strict=True)
-    zero = np.zeros(len(problem.groups[group].names))
-    return np.array([rms_residual(of_row, zero) for of_row in rows])
-
-
-def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+def _residuals(group: Group, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
     """Times [s] and residuals of the rows of each recording of a group, (N,) and (N, R)."""
     found: list[list[tuple[FloatArray, FloatArray]]] = []
-    for block in problem.groups[group].blocks(decimated=True):
+    for block in group.blocks(decimated=True):
         if block.begins:
             found.append([])
         rows = block.rows

@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError, within
-from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
+from exoid.errors import NotIdentifiableError, NotSupportedError, within
+from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import TorqueModel
+from exoid.torques import Term, TorqueModel
 
-from .group_rows import Group, GroupRows, Keep
+from .group_rows import Group
 
 T = TypeVar("T")
 
@@ -27,78 +29,57 @@ T = TypeVar("T")
 class Problem:
     """τ_g = W_g β[places of g] over groups g; one group is the usual case."""
 
-    # Joints, and so noise and weights, are counted through all groups.
+    # Joints, and so noise and weights, are counted through all groups. Recordings with contacts are one group for each
+    # set of links that rest: groups of one name have one leg, and the same parameters.
 
-    groups: tuple[GroupRows, ...]  # rows of each group
-    layout: ParameterLayout  # parameter layout: indices of the parameters of each group in β
-    # known parameters, priors and signs, by the names of the layout
-    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
+    groups: tuple[Group, ...]  # recordings and rows of each group
+    own: tuple[str, ...] = ()  # names of parameters that each group has of its own
+    given: PriorKnowledge = NO_PRIOR_KNOWLEDGE  # known parameters, priors and signs, as they were given
+    terms: tuple[Term, ...] = ()  # terms of the models, settings of which may be nonlinear parameters
 
-    @classmethod
-    def of(
-        cls,
-        groups: Sequence[Group],
-        models: Sequence[TorqueModel],
-        own: Sequence[str] = (),
-        prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
-        keep: Keep | None = None,
-    ) -> Problem:
-        """Form the regression problem of groups of recordings."""
-        rows = tuple(
-            GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups), group.unmeasured)
-            for model, group in zip(models, groups, strict=True)
-        )
-        layout = ParameterLayout.of([group.name for group in groups], models[0].names, models[0].units, own)
-        return cls(rows, layout, layout.spread(prior_knowledge))
+    @cached_property
+    def layout(self) -> ParameterLayout:
+        """Parameter layout: indices of the parameters of each group in β."""
+        model, names = self.groups[0].model, dict.fromkeys(group.name for group in self.groups)
+        return ParameterLayout.of(tuple(names), model.names, model.units, self.own)
 
-    @classmethod
-    def of_one(cls, rows: GroupRows, prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE) -> Problem:
-        """Make the problem of one group, whose parameters are those of its model."""
-        return cls((rows,), ParameterLayout.of(("",), rows.model.names, rows.model.units), prior_knowledge)
+    @cached_property
+    def prior_knowledge(self) -> PriorKnowledge:
+        """Known parameters, priors and signs, by the names of the layout."""
+        return self.layout.spread(self.given)
+
+    @cached_property
+    def places(self) -> list[NDArray[np.intp]]:
+        """Indices in β of the parameters of each group's model."""
+        return [self.layout.places[self.layout.groups.index(group.name)] for group in self.groups]
 
     @property
-    def single(self) -> GroupRows:
-        """Rows of the only group."""
-        self.refuse_several_groups()
-        return self.groups[0]
-
-    def refuse_several_groups(self) -> None:
-        """Refuse several groups of recordings."""
+    def single(self) -> Group:
+        """The only group."""
         if len(self.groups) > 1:
             raise NotSupportedError(
                 "this estimator is for one leg alone, and there are several groups",
                 remedy="use one of gls, huber, ols, wls",
             )
+        return self.groups[0]
 
-    def refuse_moving_base(self, estimator: str) -> None:
-        """Refuse recordings whose base moves, for estimators that simulate the leg."""
-        moving = next((data for data in self.local_data if isinstance(data, Recording) and data.base), None)
-        if moving is not None:
-            raise NotSupportedError(
-                f"{estimator} simulates the leg on a base at rest, and the base moves in a recording",
-                where=moving.source.name if moving.source else "",
-                remedy="use wls",
-            )
-
-    def refuse_payloads(self, estimator: str) -> None:
-        """Refuse recordings with payloads, for estimators that do not fit the rows."""
-        loaded = next((data for data in self.local_data if data.payloads), None)
-        if loaded is not None:
-            raise NotSupportedError(
-                f"{estimator} fits the leg without payloads, and a recording has {loaded.payloads[0]}",
-                where=loaded.source.name if loaded.source else "",
-                remedy="use wls, huber, gls or ols",
-            )
-
-    def refuse_loaded_links(self, estimator: str) -> None:
-        """Refuse recordings with wrenches or contacts, for estimators that do not fit the rows."""
-        loaded = next((data for data in self.local_data if isinstance(data, Recording) and data.loaded_links), None)
-        if loaded is not None:
-            raise NotSupportedError(
-                f"{estimator} fits the leg in the air, and something acts on {', '.join(loaded.loaded_links)}",
-                where=loaded.source.name if loaded.source else "",
-                remedy="use wls, huber, gls or ols",
-            )
+    def refuse_beside_leg(self, estimator: str, *, moving_base: bool = True) -> None:
+        """Refuse recordings in which something acts on the leg that an estimator does not simulate."""
+        for data in self.single.data:
+            links = data.loaded_links if isinstance(data, Recording) else ()
+            moves = isinstance(data, Recording) and data.base is not None
+            wrong = {
+                f"the leg without payloads, and a recording has {', '.join(map(str, data.payloads))}": data.payloads,
+                f"the leg in the air, and something acts on {', '.join(links)}": links,
+                "the leg on a base at rest, and the base moves in a recording": moves and not moving_base,
+            }
+            for what, is_so in wrong.items():
+                if is_so:
+                    raise NotSupportedError(
+                        f"{estimator} fits {what}",
+                        where=data.source.name if data.source else "",
+                        remedy="use wls, huber, gls or ols",
+                    )
 
     @property
     def model(self) -> TorqueModel:
@@ -113,15 +94,12 @@ class Problem:
     @property
     def preparation(self) -> Preparation:
         """How the recordings of the only group become rows."""
+        assert self.single.preparation is not None
         return self.single.preparation
 
-    def prepared_by(self, preparation: Preparation) -> Problem:
-        """Return the same problem with rows that are made in another way."""
-        return replace(self, groups=tuple(replace(group, preparation=preparation) for group in self.groups))
-
-    def with_data(self, data: Sequence[Recording | Poses]) -> Problem:
-        """Return the same problem with other recordings of the only group."""
-        return replace(self, groups=(replace(self.single, data=data),))
+    def changed(self, **changes: object) -> Problem:
+        """Return the same problem with other data, model or preparation of all groups."""
+        return replace(self, groups=tuple(replace(group, **changes) for group in self.groups))  # type: ignore[arg-type]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -136,108 +114,107 @@ class Problem:
     def solve(self, r_factor: RFactor, prior_knowledge: PriorKnowledge | None = None) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
         knowledge = prior_knowledge or self.prior_knowledge
-        return solve(r_factor, self.names, knowledge, self.nonnegative if knowledge.nonnegative else None)
-
-    @cached_property
-    def nonnegative(self) -> NDArray[np.bool_]:
-        """Which parameters cannot be negative in nature, (P,)."""
-        never = np.zeros(len(self.names), dtype=np.bool_)
-        for places, rows in zip(self.layout.places, self.groups, strict=True):
-            never[places] |= rows.model.nonnegative
-        return never
+        never = None
+        if knowledge.nonnegative:
+            never = np.zeros(len(self.names), dtype=np.bool_)
+            for places, group in zip(self.places, self.groups, strict=True):
+                never[places] |= group.model.nonnegative
+        return solve(r_factor, self.names, knowledge, never)
 
     @cached_property
     def r_factors(self) -> list[RFactor]:
         """R factors of all groups, group by group, with a column for every parameter."""
         pairs = enumerate(self.groups)
-        return [self.widened(r_factor, group) for group, rows in pairs for r_factor in rows.r_factors]
+        return [self.widened(r_factor, k) for k, group in pairs for r_factor in group.r_factors]
 
     @cached_property
     def columns(self) -> list[NDArray[np.intp]]:
         """Parameters that can act on each joint, as indices."""
-        pairs = zip(self.layout.places, self.groups, strict=True)
-        return [places[columns] for places, rows in pairs for columns in rows.columns]
+        pairs = zip(self.places, self.groups, strict=True)
+        return [places[np.flatnonzero(acting)] for places, group in pairs for acting in group.model.acting]
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """Place among :attr:`r_factors` of the one that holds the rows of a kind and joint."""
-        group = int(np.searchsorted(self._joints, joint, side="right")) - 1
-        return int(self._r_factors[group]) + self.groups[group].weight_index(kind, joint - int(self._joints[group]))
+        first_joints, first_factors = self.starts
+        k = int(np.searchsorted(first_joints, joint, side="right")) - 1
+        return int(first_factors[k]) + self.groups[k].place(kind.at_rest, joint - int(first_joints[k]))
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows, group by group; columns are those of the group's own model."""
-        for first, rows in zip(self._joints, self.groups, strict=False):
-            for block in rows.blocks(decimated=decimated):
+        for first, group in zip(self.starts[0], self.groups, strict=False):
+            for block in group.blocks(decimated=decimated):
                 yield block._replace(first=int(first))
-            self._forget(rows)
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, group by group, and bring back what it finds."""
-        for first, rows in zip(self._joints, self.groups, strict=False):
-            yield from rows.gather(partial(_work_from, work, int(first)))
-            self._forget(rows)
+        for first, group in zip(self.starts[0], self.groups, strict=False):
+            yield from group.on_each(partial(_work_from, work, int(first)), decimated=True)
 
     def widened(self, r_factor: RFactor, group: int) -> RFactor:
         """Put the columns of an R factor of one group where its parameters stand."""
-        if self.layout.identity:
-            return r_factor
         count = len(self.names)
-        return r_factor.among(np.append(self.layout.places[group], count), count + 1)
+        if np.array_equal(self.places[group], np.arange(count)):
+            return r_factor
+        return r_factor.among(np.append(self.places[group], count), count + 1)
 
     def refuse_empty_joints(self) -> None:
         """Refuse a fit in which the terms' dead bands left no sample of a joint."""
-        for name, rows in zip(self.layout.groups, self.groups, strict=True):
-            with within(name):
-                of_joints = zip(rows.model.row_names, *rows.by_kind, strict=True)
-                driven = {name: stack(r_factors) for name, *r_factors in of_joints if name not in rows.unmeasured}
-                refuse_empty_joints(list(driven), list(driven.values()))
-            self._forget(rows)
+        for group in self.groups:
+            of_joints = zip(group.model.row_names, *group.by_kind, strict=True)
+            empty = [name for name, *found in of_joints if not any(each.rows for each in found)]
+            empty = [name for name in empty if name not in group.unmeasured]
+            if empty:
+                with within(group.name or group.links or ""):
+                    raise NotIdentifiableError(
+                        f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+                        remedy="move faster, or choose a smaller dead_band",
+                        joints=tuple(empty),
+                    )
 
-    def weights_of(self, group: int, weights: Sequence[float]) -> list[float]:
-        """Weights of the R factors of one group."""
-        return list(weights[self._r_factors[group] : self._r_factors[group + 1]])
-
-    def joints_of(self, group: int) -> tuple[int, int]:
-        """First joint of a group, and the one behind its last, among those of all groups."""
-        return int(self._joints[group]), int(self._joints[group + 1])
+    @cached_property
+    def starts(self) -> NDArray[np.intp]:
+        """First joint, and first R factor, of each group, and how many there are in all, (2, G + 1)."""
+        counts = [(len(group.model.row_names), len(group.r_factors)) for group in self.groups]
+        return np.cumsum([(0, 0), *counts], axis=0).T
 
     def rows_of(self, group: int, weights: Sequence[float]) -> RFactor:
         """Weighted rows of one group."""
-        return self.widened(stack(self.groups[group].r_factors, self.weights_of(group, weights)), group)
+        of_group = slice(*self.starts[1, group : group + 2])
+        return self.widened(stack(self.groups[group].r_factors, weights[of_group]), group)
 
     def recording_r_factors(self, weights: Sequence[float]) -> list[RFactor]:
         """R factor of the weighted rows of each recording, group by group."""
         return [
-            self.widened(rows.recording_r_factor(index, self.weights_of(group, weights)), group)
-            for group, rows in enumerate(self.groups)
-            for index in range(len(rows.data))
+            self.widened(group.recording_r_factor(index, weights[slice(*self.starts[1, k : k + 2])]), k)
+            for k, group in enumerate(self.groups)
+            for index in range(len(group.data))
         ]
 
     def without(self, index: int, others: RFactor, solution: Solution) -> FloatArray:
         """Solve without one of the recordings; a group that has no other loses its own parameters."""
-        group = [g for g, rows in enumerate(self.groups) for _ in rows.each][index]
-        if len(self.groups[group].data) > 1:
+        name = [group.name for group in self.groups for _ in group.each][index]
+        if sum(len(group.data) for group in self.groups if group.name == name) > 1:
             return self.solve(others).values
-        places = [self.layout.place(name, group) for name in self.layout.own]
+        places = [self.layout.place(one, self.layout.groups.index(name)) for one in self.layout.own]
         lost = [k for k in places if self.names[k] not in self.prior_knowledge.names]
         known = {**self.prior_knowledge.known, **{self.names[k]: float(solution.values[k]) for k in lost}}
         found = self.solve(others, replace(self.prior_knowledge, known=known)).values.copy()
         found[lost] = np.inf
         return found
 
-    def _forget(self, rows: GroupRows) -> None:
-        """Release the kinematics of a group's last recording where other groups need the memory."""
-        if len(self.groups) > 1:
-            rows.forget()
 
-    @cached_property
-    def _joints(self) -> NDArray[np.intp]:
-        """First joint of each group, and how many there are in all."""
-        return np.cumsum([0, *(len(rows.columns) for rows in self.groups)])
+class Fitted(NamedTuple):
+    """A fit to a problem."""
 
-    @cached_property
-    def _r_factors(self) -> NDArray[np.intp]:
-        """First R factor of each group, and how many there are in all."""
-        return np.cumsum([0, *(len(rows.r_factors) for rows in self.groups)])
+    problem: Problem  # rows, about the solution linear in β and in the nonlinear parameters that are not held
+    fit: Fit  # solution in both
+    models: tuple[TorqueModel, ...]  # torque model of each group with all settings, loaded by the fitted rigid bodies
+    nonlinear: NonlinearParameters  # nonlinear parameters that were found, without covariance
+    warnings: tuple[str, ...]  # warnings for the reader
+
+    def values(self, group: int) -> FloatArray:
+        """Parameters of one group's model, (P,)."""
+        return self.fit.solution.values[self.problem.places[group][: len(self.models[group].names)]]
 
 
 def _work_from(work: Callable[[Iterable[RowBlock]], T], first: int, blocks: Iterable[RowBlock]) -> T:

@@ -3,38 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
-from itertools import combinations, product
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotIdentifiableError, within
+from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
-from exoid.leg.leg import Leg
-from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.regression.rows import for_leg, source_of
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase
-from exoid.signals.cutoff import AccelerationPower, acceleration_power, cutoff_from
-from exoid.signals.preparation_names import preparation_by_name
+from exoid.signals import Poses, Recording
+from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
-
-from .group_rows import Group, map_recordings
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
 MOST = 0.5
 """Torque that has one and the same value in more than this part of the samples was not measured."""
-
-TURNING = 0.05
-"""Least angular velocity of a base that turns, over that of the first joint, root mean square each.
-
-Below it, the motion of the base hardly tells a rotor from the link that it turns with.
-"""
 
 
 class Torques(NamedTuple):
@@ -101,25 +88,9 @@ def _base_turning(model: TorqueModel, recording: Recording) -> float:
     return turning / max(float(np.std(velocity)), np.finfo(float).tiny)
 
 
-def bases_turn(groups: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether the base turns in any recording, by more than :data:`TURNING`."""
-    return any(one.base_turning > TURNING for summaries in groups for one in summaries)
-
-
-def are_on_ground(leg: Leg, groups: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether recordings have to be split by the links that rest on the ground."""
-    return bool(leg.base_rows) or any(one.stands for summaries in groups for one in summaries)
-
-
-def angles(summaries: Sequence[RecordingSummary]) -> tuple[FloatArray, FloatArray]:
-    """Smallest and largest angle of each joint in all recordings [rad], (n,) each."""
-    return np.min([one.lowest for one in summaries], axis=0), np.max([one.highest for one in summaries], axis=0)
-
-
 def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them."""
-    lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
-    spans, means = highest.max(axis=0) - lowest.min(axis=0), np.mean([one.mean for one in summaries], axis=0)
+    spans, means = angle_spans(summaries), np.mean([one.mean for one in summaries], axis=0)
     names = model.leg.joint_names
     for joint, (name, span, mean) in enumerate(zip(names, spans, means, strict=True)):
         own = model.own_parameters(joint)
@@ -182,12 +153,6 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
                 )
 
 
-def has_unmeasured_joints(summaries: Iterable[Sequence[RecordingSummary]]) -> bool:
-    """Tell whether some recording has torques of some joints only."""
-    each = (one.torques for of_group in summaries for one in of_group)
-    return any(torques is not None and not torques.measured.all() for torques in each)
-
-
 def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[RecordingSummary]]) -> tuple[str, ...]:
     """List the joints whose torque is not known in any recording, although that of others is."""
     measured = [one.torques.measured for summaries in groups for one in summaries if one.torques is not None]
@@ -196,93 +161,9 @@ def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[Reco
     return tuple(name for name, there in zip(joint_names, np.any(measured, axis=0), strict=True) if not there)
 
 
-def _refuse_still_groups(
-    summaries: Mapping[str, Sequence[RecordingSummary]],
-    models: Sequence[TorqueModel],
-    shared: Sequence[str],
-    known: Sequence[Sequence[str]],
-) -> None:
-    """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown."""
-    moves = np.any([_moving(of_group) for of_group in summaries.values()], axis=0)
-    unseen = {name for joint in np.flatnonzero(~moves) for name in models[0].own_parameters(int(joint))}
-    told = [name for name in shared if name not in unseen]
-    for (group, of_group), model, of_model in zip(summaries.items(), models, known, strict=True):
-        with within(group):
-            refuse_still_joints(model, of_group, (*of_model, *told))
-
-
-def _moving(summaries: Sequence[RecordingSummary]) -> NDArray[np.bool_]:
-    """Which joints move in the recordings of a group, (n,)."""
-    lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
-    return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
-
-
-def summarize_groups(
-    groups: Sequence[Group],
-    models: Mapping[str, TorqueModel],
-    own: Sequence[str],
-    knowledge: PriorKnowledge,
-    *,
-    for_cutoff: bool,
-) -> dict[str, list[RecordingSummary]]:
-    """Look through all recordings once, and refuse groups that nothing can be identified from."""
-    model = next(iter(models.values()))
-    layout = ParameterLayout.of(list(models), model.names, model.units, own)
-    knowledge.check_regrouped(model.regrouped)
-    spread = layout.spread(knowledge)
-    summaries = {}
-    for group in groups:
-        with within(group.name):
-            summaries[group.name] = map_recordings(
-                group.data, partial(summarize, models[group.name], for_cutoff=for_cutoff)
-            )
-    if len(groups) > 1:
-        _refuse_same_recordings(summaries)
-    known = [layout.known_by(index, spread).names for index in range(len(groups))]
-    _refuse_still_groups(summaries, list(models.values()), layout.names[: layout.shared], known)
-    return summaries
-
-
-def _refuse_same_recordings(summaries: Mapping[str, Sequence[RecordingSummary]]) -> None:
-    """Refuse a recording that is in two groups, and would count twice."""
-    for (one, first), (other, second) in combinations(summaries.items(), 2):
-        for a, b in product(first, second):
-            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
-                name = f"recording {a.source}" if a.source else "the same recording"
-                raise BadArgumentError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
-
-
-def prepare_groups(
-    groups: Sequence[Group],
-    models: Mapping[str, TorqueModel],
-    summaries: Mapping[str, Sequence[RecordingSummary]],
-    preparation: Preparation | str | None,
-    cutoff: float | None,
-) -> tuple[Group, ...]:
-    """Choose how the recordings of each group become rows."""
-    prepared = []
-    for group in groups:
-        with within(group.name):
-            chosen = choose_preparation(summaries[group.name], preparation, cutoff)
-            refuse_dead_torques(models[group.name], summaries[group.name])
-        without = unmeasured_joints(models[group.name].leg.joint_names, [summaries[group.name]])
-        prepared.append(group._replace(preparation=chosen, unmeasured=without))
-    return tuple(prepared)
-
-
-def choose_preparation(
-    summaries: Sequence[RecordingSummary], given: Preparation | str | None, cutoff: float | None
-) -> Preparation:
-    """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
-    if isinstance(given, str):
-        return preparation_by_name(given)
-    if given is not None:
-        return given
-    return ZeroPhase(
-        cutoff_from([one.acceleration_power for one in summaries if one.acceleration_power])
-        if cutoff is None
-        else cutoff
-    )
+def angle_spans(summaries: Sequence[RecordingSummary]) -> FloatArray:
+    """Span of the angle of each joint over all recordings [rad], (n,)."""
+    return np.asarray(np.max([one.highest for one in summaries], 0) - np.min([one.lowest for one in summaries], 0))
 
 
 def _torques(tau: FloatArray, data: Recording | Poses) -> Torques:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.estimate.comparison import equality_of
 from exoid.estimate.data import Input
-from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
+from exoid.estimate.evidence import Evidence, Support
+from exoid.estimate.finding import ordered
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.estimate.support import Support
 from exoid.regression.diagnostics import (
     Collinearity,
     JointNoise,
@@ -25,7 +25,7 @@ from exoid.regression.diagnostics import (
     reference_scale,
     short_runs,
 )
-from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
+from exoid.regression.fit import samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
@@ -33,284 +33,224 @@ from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import LOOP
 
-from .agreement import Agreement, shared_agreement
+from .agreement import shared_agreement
 from .checkup import check_group, model_error
+from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
 from .findings.factors import never_negative
-from .fitting import Fitted, Task
-from .recording_summary import angles
-from .sole_compliance import SoleCompliance
+from .group_rows import Group
+from .problem import Fitted
+from .row_changes import SoleCompliance
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
     """A fit with what its residuals say."""
 
-    task: Task  # what was fitted, and what was mended before
     fitted: Fitted  # the fit
-    uncertainty: Uncertainty  # covariance of all parameters, and the noise that it is for
-    check: bool  # whether to check logs and fit for faults
+    estimator: Estimator  # its estimator
+    cutoff_source: str  # how the cut-off was chosen
+    white: bool  # whether the covariance assumes white noise
+    covariance: FloatArray  # covariance of all parameters, (P, P)
+    dofs: FloatArray  # degrees of freedom of each parameter's variance, (P,)
+    samples: FloatArray  # independent samples of each group of the problem, (G,)
+    left: FloatArray  # the same less parameters, (G,)
+    reference: FloatArray  # smallest reference scale that any group has for each parameter, (P,)
+    noise: tuple[JointNoise, ...]  # noise of the residuals of each joint, group by group
+    trends: dict[int, tuple[Trend, ...]]  # residuals of each joint against velocity and angle; none on the ground
+    collinearity: Collinearity  # parameters that the rows can hardly tell apart
+    nonlinear: NonlinearParameters  # nonlinear parameters with their covariance
+    inputs: tuple[Input, ...]  # all recordings: the errors of every group come from all of them
+    influence: Influence | None  # influence of each recording on all parameters; None for one, and on the ground
+    warnings: tuple[str, ...]  # warnings of the fit as a whole
 
     @classmethod
-    def of(cls, task: Task, fitted: Fitted, *, white: bool, check: bool) -> Result:
-        """Find noise and covariance of a fit."""
-        return cls(task, fitted, uncertainty_of(fitted.problem, fitted.fit, white=white), check)
+    def of(
+        cls, fitted: Fitted, estimator: Estimator, cutoff_source: str, soles: SoleCompliance | None, *, white: bool
+    ) -> Result:
+        """Find noise and covariance of a fit, and what stands behind its values."""
+        problem, fit, solution = fitted.problem, fitted.fit, fitted.fit.solution
+        found, noises, _ = uncertainty_of(problem, fit, white=white)
+        covariance = found.matrix if soles is None else found.matrix + soles.slopes @ soles.covariance @ soles.slopes.T
+        noise = describe_noise(problem, fit.point, noises)
+        rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
+        free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
+        if white:
+            samples = np.array([sum(each.samples for each in group.r_factors) for group in problem.groups])
+            samples = samples * (solution.dof + free) / samples.sum()
+        else:
+            starts = problem.starts[0, :-1]
+            samples = np.add.reduceat(np.array([joint.effective_samples for joint in noise]), starts)
+        left = samples_left(rows, solution.inverse, samples.tolist(), free)
+        summaries = {group.name: group.summaries for group in problem.groups}
+        inputs = [one.evidence for of_group in summaries.values() for one in of_group]
+        std, standing = np.sqrt(np.diag(covariance)), problem.groups[0].links is not None
+        collinearity, nonlinear = Collinearity.of(solution), fitted.nonlinear
+        if nonlinear is not NO_NONLINEAR_PARAMETERS:
+            count = len(fitted.models[0].names)
+            nonlinear = nonlinear.with_covariance(problem.names[count:], covariance[count:, count:])
+        return cls(
+            fitted=fitted,
+            estimator=estimator,
+            cutoff_source=cutoff_source,
+            white=white,
+            covariance=covariance,
+            dofs=left.each if found.dofs is None else np.clip(found.dofs, 1.0, left.each),
+            samples=samples,
+            left=left.groups,
+            reference=_reference_scale(fitted),
+            noise=noise,
+            trends={}
+            if standing
+            else residual_trends(
+                problem, fit.point, noises, solution, found.stationary, whitened=fit.noises is not None
+            ),
+            collinearity=collinearity,
+            nonlinear=nonlinear,
+            inputs=tuple(dict.fromkeys(inputs)) if standing else tuple(inputs),
+            influence=None
+            if standing or len(inputs) < 2
+            else influence(problem, [one.name for one in inputs], fit.weights, std),
+            warnings=(
+                *fitted.warnings,
+                *nonlinear.warnings,
+                *collinearity.warnings(problem.names),
+                *(() if white else short_runs(noises, problem.joint_names)),
+            ),
+        )
 
-    def estimate(self) -> Estimate:
-        """Make the estimate of the only group."""
-        return self._estimate_of(0, self._common_warnings)
+    def estimate(self, group: int, common: tuple[str, ...], *, check: bool) -> Estimate:
+        """Make the estimate of one group, its covariance the group's block of the whole."""
+        problem, fit = self.fitted.problem, self.fitted.fit
+        layout, solution = problem.layout, fit.solution
+        name, names = layout.groups[group], layout.names_of(group)
+        parts = [k for k, one in enumerate(problem.groups) if one.name == name]
+        first, rows, standing = parts[0], problem.groups[parts[0]], problem.groups[parts[0]].links is not None
+        model = rows.plain_model if standing else self.fitted.models[first]
+        every, values = layout.places[group], self.fitted.values(first)
+        places = every[: len(values)]  # nonlinear parameters stand behind the others
+        covariance = self.covariance[np.ix_(places, places)]
+        joints = range(*problem.starts[0, first : first + 2])
+        noise = None if standing else self.noise[joints.start : joints.stop]
+        trends = None if standing else tuple(one for joint in joints for one in self.trends.get(joint, ()))
+        supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
+        residual_rms = (
+            np.array([_of_joint(supports, joint) for joint in model.joint_names])
+            if standing
+            else np.array([rms_residual(each, solution.values[every]) for each in zip(*rows.by_kind, strict=True)])
+        )
+        checked = check and not standing
+        checkup = check_group(self.fitted, first, covariance) if checked else Checkup()
+        assert rows.preparation is not None
+        return Estimate(
+            model=model,
+            values=values,
+            covariance=covariance,
+            condition_number=solution.condition_number
+            if len(layout.groups) == 1
+            else condition_number(solution.inverse, every),
+            dof=float(self.left[parts].sum()),
+            residual_rms=residual_rms,
+            estimator=fit.name or name_of(self.estimator),
+            preparation=rows.preparation,
+            inputs=self.inputs,
+            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends or ())),
+            nonlinear=self.nonlinear,
+            prior_knowledge=layout.known_by(group, problem.prior_knowledge),
+            findings=ordered((*rows.findings, *checkup.findings)),
+            model_error=model_error(self.fitted, first, checkup, residual_rms, noise or ()) if checked else None,
+            torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
+            actuators=rows.actuators,
+            evidence=Evidence(
+                dof_each=self.dofs[places],
+                parameter_scale=parameter_scale([each for k in parts for each in problem.groups[k].r_factors])[
+                    : len(values)
+                ],
+                reference_scale=self.reference[places],
+                collinearity=self.collinearity.indices[places],
+                noise=noise,
+                trends=trends,
+                influence=None if self.influence is None else self.influence.at(places),
+                prior_gains=None if standing else self._prior_gains(group, len(values)),
+                ranges=checkup.ranges,
+                torque_spread=checkup.torque_spread,
+                cutoff_source=self.cutoff_source,
+                supports=supports,
+                bounded=tuple(names[problem.names[k]] for k in solution.bounded if problem.names[k] in names),
+            ),
+        )
 
-    def grouped_estimate(self) -> GroupedEstimate:
+    def grouped(self, *, check: bool) -> GroupedEstimate:
         """Make the estimates of all groups."""
         problem, solution, layout = self.fitted.problem, self.fitted.fit.solution, self.fitted.problem.layout
-        agreement = self._agreement
-        common = (*self._common_warnings, *agreement.warnings)
-        estimates = {group: self._estimate_of(k, common) for k, group in enumerate(layout.groups)}
-        covariance, dofs = self.uncertainty.covariance, self._degrees_of_freedom
+        samples = [
+            sum(count for one, count in zip(problem.groups, self.samples.tolist(), strict=True) if one.name == name)
+            for name in layout.groups
+        ]
+        agreement = shared_agreement(problem, self.estimator, samples, white=self.white)
+        common = (*self.warnings, *agreement.warnings)
+        estimates = {name: self.estimate(k, common, check=check) for k, name in enumerate(layout.groups)}
+        # behind the warnings that all groups share are those of single groups
+        single = [f"{name}: {text}" for name, one in estimates.items() for text in one.warnings[len(common) :]]
+        own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
+        apart = set(problem.names if len(layout.groups) < 2 else layout.own)
+        notes = [
+            f"{one}" + ("" if set(one.into) <= apart else ", and so the same in all groups")
+            for one in self.fitted.models[0].regrouped
+        ]
         return GroupedEstimate(
             estimates=estimates,
             layout=layout,
             values=solution.values,
-            covariance=covariance,
-            dof_each=dofs,
+            covariance=self.covariance,
+            dof_each=self.dofs,
             parameter_scale=parameter_scale(problem.r_factors),
-            reference_scale=self._smallest_reference_scale(),
-            collinearity=self._collinearity.indices,
+            reference_scale=self.reference,
+            collinearity=self.collinearity.indices,
             condition_number=solution.condition_number,
             prior_knowledge=problem.prior_knowledge,
-            equal=own_equality(layout, solution.values, covariance, dofs),
+            equal=equality_of(own, solution.values, self.covariance, self.dofs),
             agreement=agreement.equality,
             bounded=tuple(problem.names[k] for k in solution.bounded),
-            warnings=(*common, *_own_warnings(estimates, len(common))),
-            notes=(*self._regrouped_notes(), *agreement.notes),
+            warnings=(*common, *single),
+            notes=(*notes, *agreement.notes),
         )
 
-    def standing_estimate(self, model: TorqueModel, soles: SoleCompliance | None = None) -> Estimate:
-        """Make the one estimate of groups that share all parameters: sets of links that rest on the ground."""
-        problem, fit = self.fitted.problem, self.fitted.fit
-        solution, values = fit.solution, self.fitted.values
-        covariance, groups = self.uncertainty.covariance, range(len(problem.groups))
-        if soles is not None:
-            covariance = covariance + soles.of_parameters
-        supports = tuple(self._support(group) for group in groups)
-        bounded = tuple(problem.names[k] for k in solution.bounded)
-        return Estimate(
-            model=model,
-            values=values,
-            covariance=covariance,
-            condition_number=solution.condition_number,
-            dof=float(self._samples_left.groups.sum()),
-            dof_each=self._degrees_of_freedom,
-            residual_rms=np.array([_of_joint(supports, joint) for joint in model.joint_names]),
-            estimator=fit.name or name_of(self.task.estimator),
-            preparation=problem.groups[0].preparation,
-            inputs=tuple(dict.fromkeys(self._inputs)),
-            parameter_scale=parameter_scale(problem.r_factors),
-            reference_scale=self._smallest_reference_scale(),
-            collinearity=self._collinearity.indices,
-            warnings=(*self._common_warnings, *negative(model, values, np.sqrt(np.diag(covariance)))),
-            prior_knowledge=problem.prior_knowledge,
-            bounded=bounded,
-            findings=self.task.findings_with(0, ()),
-            cutoff_source=self.task.cutoff_source,
-            actuators=self.task.actuators[0] if self.task.actuators else None,
-            supports=supports,
-        )
-
-    def _support(self, group: int) -> Support:
-        """Describe the rows of one set of links that rest."""
-        problem = self.fitted.problem
-        rows, places = problem.groups[group], problem.layout.places[group]
-        values = self.fitted.fit.solution.values[places]
-        rms = [rms_residual(of_row, values) for of_row in zip(*rows.by_kind, strict=True)]
-        seconds = sum(
-            float(np.count_nonzero(one.mask)) / one.sample_rate
-            for one in rows.data
-            if isinstance(one, Recording) and one.mask is not None
-        )
-        name = problem.layout.groups[group]
-        return Support(name, seconds, dict(zip(rows.model.row_names, rms, strict=True)))
-
-    def _estimate_of(self, group: int, common: tuple[str, ...]) -> Estimate:
-        """Make the estimate of one group, its covariance the group's block of the whole."""
-        problem, fit, model = self.fitted.problem, self.fitted.fit, self.fitted.models[group]
-        layout, solution, rows = problem.layout, fit.solution, problem.groups[group]
-        every = layout.places[group]  # nonlinear parameters stand behind the others
-        count = len(model.names)
-        places = every[:count]
-        values, covariance = self.fitted.values[places], self.uncertainty.covariance[np.ix_(places, places)]
-        trends, names = self._trends_of(group), layout.names_of(group)
-        bounded = [problem.names[k] for k in solution.bounded]
-        alone = len(problem.groups) == 1
-        actuators = self.task.actuators[group] if self.task.actuators else None
-        checkup = check_group(self.fitted, group, covariance, actuators) if self.check else Checkup()
-        residual_rms = np.array(
-            [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
-        )
-        noise = self._noise_of(group)
-        return Estimate(
-            model=model,
-            values=values,
-            covariance=covariance,
-            condition_number=solution.condition_number if alone else condition_number(solution.inverse, every),
-            dof=float(self._samples_left.groups[group]),
-            dof_each=self._degrees_of_freedom[places],
-            residual_rms=residual_rms,
-            estimator=fit.name or name_of(self.task.estimator),
-            preparation=rows.preparation,
-            inputs=self._inputs,
-            noise=noise,
-            parameter_scale=parameter_scale(rows.r_factors)[:count],
-            reference_scale=self._reference_scales[group],
-            collinearity=self._collinearity.indices[places],
-            prior_gains=self._prior_gains(group)[:count],
-            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends)),
-            nonlinear=self._nonlinear,
-            prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            bounded=tuple(names[name] for name in bounded if name in names),
-            influence=None if self._influence is None else self._influence.at(places),
-            trends=trends,
-            findings=self.task.findings_with(group, checkup.findings),
-            ranges=checkup.ranges,
-            model_error=model_error(self.fitted, group, checkup, residual_rms, noise) if self.check else None,
-            cutoff_source=self.task.cutoff_source,
-            torque_delays=self.task.delays[group] if self.task.delays else np.zeros(0),
-            actuators=actuators,
-            torque_spread=np.zeros(0) if checkup.torque_spread is None else checkup.torque_spread,
-        )
-
-    @cached_property
-    def _common_warnings(self) -> tuple[str, ...]:
-        """Warnings of the fit as a whole."""
-        nonlinear = () if self._nonlinear is NO_NONLINEAR_PARAMETERS else self._nonlinear.warnings
-        problem, uncertainty = self.fitted.problem, self.uncertainty
-        short = () if uncertainty.white else short_runs(uncertainty.noises, problem.joint_names)
-        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(problem.names), *short)
-
-    @cached_property
-    def _collinearity(self) -> Collinearity:
-        """Parameters that the rows can hardly tell apart."""
-        return Collinearity.of(self.fitted.fit.solution)
-
-    @cached_property
-    def _nonlinear(self) -> NonlinearParameters:
-        """Nonlinear parameters with their covariance."""
-        if self.fitted.nonlinear is NO_NONLINEAR_PARAMETERS:
-            return self.fitted.nonlinear
-        count = len(self.fitted.values)
-        names = self.fitted.problem.names[count:]
-        return self.fitted.nonlinear.with_covariance(names, self.uncertainty.covariance[count:, count:])
-
-    @cached_property
-    def _inputs(self) -> tuple[Input, ...]:
-        """Evidence of all recordings: the errors of every group come from all of them."""
-        return tuple(summary.evidence for of_group in self.task.summaries for summary in of_group)
-
-    @cached_property
-    def _noise(self) -> tuple[JointNoise, ...]:
-        """Description of the residuals of each joint, group by group."""
-        return describe_noise(self.fitted.problem, self.fitted.fit.point, self.uncertainty.noises)
-
-    def _noise_of(self, group: int) -> tuple[JointNoise, ...]:
-        first, end = self.fitted.problem.joints_of(group)
-        return self._noise[first:end]
-
-    @cached_property
-    def _trends(self) -> dict[int, tuple[Trend, ...]]:
-        """Residuals of each joint against velocity and angle."""
-        fit, covariance = self.fitted.fit, self.uncertainty.found.stationary
-        return residual_trends(
-            self.fitted.problem,
-            fit.point,
-            self.uncertainty.noises,
-            fit.solution,
-            covariance,
-            whitened=fit.noises is not None,
-        )
-
-    def _trends_of(self, group: int) -> tuple[Trend, ...]:
-        joints = range(*self.fitted.problem.joints_of(group))
-        return tuple(trend for joint in joints for trend in self._trends.get(joint, ()))
-
-    @cached_property
-    def _reference_scales(self) -> list[FloatArray]:
-        """Parameters that would explain all torque of a calm exercise alone, for each group."""
-        count = len(self.fitted.models[0].names)
-        places = self.fitted.problem.layout.places
-        return [
-            reference_scale(model.loaded_by(self.fitted.values[of_group[:count]]), *angles(summaries), rows.r_factors)
-            for model, of_group, summaries, rows in zip(
-                self.fitted.models, places, self.task.summaries, self.fitted.problem.groups, strict=True
-            )
-        ]
-
-    def _smallest_reference_scale(self) -> FloatArray:
-        """Smallest reference scale that any group has for each parameter, (P,)."""
-        layout = self.fitted.problem.layout
-        smallest = np.full(len(layout.names), np.inf)
-        for places, numbers in zip(layout.places, self._reference_scales, strict=True):
-            smallest[places] = np.minimum(smallest[places], numbers)
-        return smallest
-
-    @cached_property
-    def _samples(self) -> list[float]:
-        """Independent samples of each group."""
-        problem = self.fitted.problem
-        if self.uncertainty.white:
-            counts = np.array([sum(r_factor.samples for r_factor in rows.r_factors) for rows in problem.groups])
-            total = self.fitted.fit.solution.dof + np.count_nonzero(problem.prior_knowledge.free(problem.names))
-            return list(counts * total / counts.sum())
-        groups = range(len(problem.groups))
-        return [sum(joint.effective_samples for joint in self._noise_of(group)) for group in groups]
-
-    @cached_property
-    def _samples_left(self) -> SamplesLeft:
-        """Independent samples less parameters."""
-        problem, fit = self.fitted.problem, self.fitted.fit
-        rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
-        free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
-        return samples_left(rows, fit.solution.inverse, self._samples, free)
-
-    @cached_property
-    def _degrees_of_freedom(self) -> FloatArray:
-        """Degrees of freedom of each parameter's variance, (P,)."""
-        left = self._samples_left.each
-        return left if self.uncertainty.dofs is None else np.clip(self.uncertainty.dofs, 1.0, left)
-
-    @cached_property
-    def _influence(self) -> Influence | None:
-        """Influence of each recording on all parameters; None for one recording."""
-        if len(self._inputs) < 2:
-            return None
-        names, std = [source.name for source in self._inputs], np.sqrt(np.diag(self.uncertainty.covariance))
-        return influence(self.fitted.problem, names, self.fitted.fit.weights, std)
-
-    @cached_property
-    def _agreement(self) -> Agreement:
-        """Whether the groups, each identified alone, agree on what they share."""
-        return shared_agreement(self.fitted.problem, self.task.estimator, self._samples, white=self.uncertainty.white)
-
-    def _prior_gains(self, group: int) -> FloatArray:
-        """How far the parameters of one group follow its priors, (P, K)."""
+    def _prior_gains(self, group: int, count: int) -> FloatArray | None:
+        """How far the parameters of one group follow its priors, (P, K); None where that is not known."""
         problem, fit = self.fitted.problem, self.fitted.fit
         # ml and output error minimise something else
         follows_rows = fit.correlated is None and (fit.noises is None or fit.whitened)
         names = problem.layout.names_of(group)
         mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
         if not mine or not follows_rows:
-            return np.zeros((0, 0))
+            return None
         gains = fit.solution.prior_gains(problem.names, problem.prior_knowledge)
-        return gains[problem.layout.places[group]][:, mine]
+        return gains[problem.layout.places[group]][:count, mine]
 
-    def _regrouped_notes(self) -> tuple[str, ...]:
-        """Say what is part of other parameters, and therefore shared if these are."""
-        problem = self.fitted.problem
-        apart = set(problem.names if len(problem.groups) < 2 else problem.layout.own)
-        return tuple(
-            f"{regrouped}" + ("" if set(regrouped.into) <= apart else ", and so the same in all groups")
-            for regrouped in self.fitted.models[0].regrouped
-        )
+
+def _reference_scale(fitted: Fitted) -> FloatArray:
+    """Parameters that would explain all torque of a calm exercise alone, the smallest of any group, (P,)."""
+    problem, smallest = fitted.problem, np.full(len(fitted.problem.names), np.inf)
+    for k, (group, model) in enumerate(zip(problem.groups, fitted.models, strict=True)):
+        lowest = np.min([one.lowest for one in group.summaries], axis=0)
+        highest = np.max([one.highest for one in group.summaries], axis=0)
+        found = reference_scale(model.loaded_by(fitted.values(k)), lowest, highest, group.r_factors)
+        places = problem.places[k][: len(found)]
+        smallest[places] = np.minimum(smallest[places], found)
+    return smallest
+
+
+def _support(group: Group, values: FloatArray) -> Support:
+    """Describe the rows of one set of links that rest."""
+    rms = [rms_residual(of_row, values) for of_row in zip(*group.by_kind, strict=True)]
+    seconds = sum(
+        float(np.count_nonzero(one.mask)) / one.sample_rate
+        for one in group.data
+        if isinstance(one, Recording) and one.mask is not None
+    )
+    return Support(group.links or "", seconds, dict(zip(group.model.row_names, rms, strict=True)))
 
 
 def _of_joint(supports: Sequence[Support], joint: str) -> float:
@@ -319,11 +259,6 @@ def _of_joint(supports: Sequence[Support], joint: str) -> float:
     loops = [(rms, one.seconds) for one in supports for name, rms in one.residual_rms.items() if name.startswith(LOOP)]
     squares = np.array(own or loops or [(0.0, 1.0)])
     return float(np.sqrt(np.average(squares[:, 0] ** 2, weights=squares[:, 1])))
-
-
-def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...]:
-    """Warnings of single groups, behind those that they share."""
-    return tuple(f"{group}: {text}" for group, estimate in estimates.items() for text in estimate.warnings[common:])
 
 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from exoid.errors import NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
-from exoid.regression.parameters import PriorKnowledge
 from exoid.torques import CoupledTerm, Term
 
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .group_rows import Group
-from .recording_summary import RecordingSummary, unmeasured_joints
+from .problem import Problem
+from .recording_summary import unmeasured_joints
 
 
-def terms_where_measured(
-    terms: Sequence[Term], leg: Leg, unmeasured: Sequence[str], known: Sequence[str] = ()
-) -> tuple[Term, ...]:
+def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Sequence[str]) -> tuple[Term, ...]:
     """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known."""
     # Friction of a joint leaves no trace in the torques of other joints.
+    if getattr(estimator, "fits_samples", False):
+        raise NotSupportedError(
+            f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
+            remedy="use wls, huber, gls or ols",
+        )
+    leg, terms = problem.groups[0].model.leg, problem.terms
+    known = (*problem.given.known_names, *problem.given.prior.values)
     kept = []
     for term in terms:
         if isinstance(term, CoupledTerm):
@@ -61,45 +66,21 @@ def _coupled_where_measured(term: CoupledTerm, leg: Leg, unmeasured: Sequence[st
     return term
 
 
-def only_measured(
-    estimator: Estimator,
-    terms: Sequence[Term],
-    groups: Sequence[Group],
-    summaries: Mapping[str, Sequence[RecordingSummary]],
-    knowledge: PriorKnowledge,
-) -> tuple[tuple[Term, ...], tuple[tuple[Finding, ...], ...]]:
-    """Let terms act where torque was measured in some recording of some group, and say where it was not."""
-    if getattr(estimator, "fits_samples", False):
-        raise NotSupportedError(
-            f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
-            remedy="use wls, huber, gls or ols",
+def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
+    """Say which joints of a group have no torque."""
+    summaries, names = group.summaries, group.model.leg.joint_names
+    nowhere, found = unmeasured_joints(names, [summaries]), list(group.findings)
+    for place, joint in enumerate(names):
+        torques = [one.torques for one in summaries if one.torques is not None]
+        without = sum(not of_one.measured[place] for of_one in torques)
+        if not without:
+            continue
+        message = (
+            f"the torque of {joint} was not measured: it moves without rows, and its friction is not identified"
+            if joint in nowhere
+            else f"the torque of {joint} was not measured in {without} of {len(torques)} recordings, which have no "
+            "rows of it"
         )
-    leg = groups[0].leg
-    missing = unmeasured_joints(leg.joint_labels, summaries.values())
-    kept = terms_where_measured(terms, leg, missing, (*knowledge.known_names, *knowledge.prior.values))
-    names = [group.leg.joint_names for group in groups]
-    return kept, tuple(unmeasured_findings(names, summaries.values()))
-
-
-def unmeasured_findings(
-    joint_names: Sequence[Sequence[str]], groups: Iterable[Sequence[RecordingSummary]]
-) -> Iterator[tuple[Finding, ...]]:
-    """Say of each group which joints have no torque."""
-    for names, summaries in zip(joint_names, groups, strict=True):
-        nowhere = unmeasured_joints(names, [summaries])
-        found = []
-        for place, joint in enumerate(names):
-            torques = [one.torques for one in summaries if one.torques is not None]
-            without = sum(not of_one.measured[place] for of_one in torques)
-            if not without:
-                continue
-            everywhere = joint in nowhere
-            message = (
-                f"the torque of {joint} was not measured: it moves without rows, and its friction is not identified"
-                if everywhere
-                else f"the torque of {joint} was not measured in {without} of {len(torques)} recordings, which have no "
-                "rows of it"
-            )
-            remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
-            found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
-        yield tuple(found)
+        remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
+        found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
+    return tuple(found)

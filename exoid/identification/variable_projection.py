@@ -14,11 +14,11 @@ from exoid.regression.fit import Fit
 from exoid.regression.least_squares import factorize, scaled_lstsq, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import linearise
-from exoid.torques.nonlinear import NonlinearSetting, nonlinear_settings, with_settings
+from exoid.torques.nonlinear import nonlinear_settings, with_settings
 
+from .estimators import Estimator
 from .estimators.by_name import fit_by
-from .fitting import Fitted, Start, Task
-from .problem import Problem
+from .problem import Fitted, Problem
 
 PASSES = 6
 """Passes over the rows at most to settle the parameters at given settings."""
@@ -54,43 +54,29 @@ ROUNDING = 1e-6
 """and this part of itself, where there is no noise; or when predictions have settled."""
 
 
-def search(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model that is not linear in all parameters."""
-    leg = task.groups[0].leg
-    settings = nonlinear_settings(task.terms, leg.joint_names, leg.joint_labels)
-    found = _Search(task, settings, start)
-    if start is None:
-        found.run()
-    return found.polish()
-
-
-class _Search:
-    """Variable projection: parameters are solved for at each trial of the settings."""
+class VariableProjection:
+    """Fit of a model that is not linear in all parameters: these are solved for at each trial of the settings."""
 
     # With rows [J_β J_θ r] reduced to a R factor R, r the torque less what the settings explain, R's lower right corner
     # holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
     # asks for; the rows themselves are never kept.
 
-    def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
-        self.task, self.nonlinear = task, tuple(settings)
-        self.leg = task.groups[0].leg
-        model = task.models[0]
-        self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
-        self.weights: Sequence[float] | None
-        if start is None:
-            self.settings, self.weights = {s.name: s.free.start for s in settings}, None
-            self.values = task.prior_knowledge.fixed_values(model.names)
-            self._settle()
-            self._weigh()
-        else:
-            self.values, self.settings, self.weights = start.values, dict(start.settings), start.weights
-            self._settle(passes=1)
+    def __init__(self, given: Problem, estimator: Estimator) -> None:
+        self.given, self.estimator, self.leg = given, estimator, given.model.leg
+        self.nonlinear = nonlinear_settings(given.terms, self.leg.joint_names, self.leg.joint_labels)
+        self.knowledge, names = given.prior_knowledge, given.model.names
+        self.regrouped, self.free = given.model.regrouped, self.knowledge.free(names)
+        self.settings: dict[str, float] = {s.name: s.free.start for s in self.nonlinear}
+        self.weights: Sequence[float] | None = None
+        self.values = self.knowledge.fixed_values(names)
+        self._settle()
+        self._weigh()
 
-    def run(self) -> None:
-        """Find the settings by weighted least squares."""
+    def run(self) -> Fitted:
+        """Find the settings by weighted least squares, and go on from there with the estimator asked for."""
         if not self.nonlinear:
             self._settle()
-            return
+            return self._polish()
         bounds = np.log([s.free.lower for s in self.nonlinear]), np.log([s.free.upper for s in self.nonlinear])
         inside = bounds[0] + INSIDE, bounds[1] - INSIDE
         for _ in range(ROUNDS):
@@ -103,9 +89,10 @@ class _Search:
             self._weigh()
             if np.abs(found.x - start).max() < 10.0 * XTOL:
                 break
+        return self._polish()
 
-    def polish(self) -> Fitted:
-        """Go on from there with the estimator asked for, in the parameters and the settings at once."""
+    def _polish(self) -> Fitted:
+        """Go on with the estimator asked for, in the parameters and the settings at once."""
         self._refuse_unloaded()
         held = self._at_bounds()
         held.update(self._undetermined(held))
@@ -113,7 +100,7 @@ class _Search:
         change = np.inf
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = fit_by(self.task.estimator, problem)
+            fit = fit_by(self.estimator, problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before
@@ -136,13 +123,13 @@ class _Search:
                 else (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
             )
         leg, names = self.leg, tuple(s.name for s in self.nonlinear)
-        settled = with_settings(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
+        settled = with_settings(self.given.terms, leg.joint_names, leg.joint_labels, self.settings)
         rigid = self.values[: len(leg.parameter_names)]
-        model = TorqueModel(leg, settled, rigid, separate=self.task.models[0].separate)
+        model = TorqueModel(leg, settled, rigid, separate=self.given.model.separate)
         values = np.array([self.settings[name] for name in names])
         units = tuple(s.unit for s in self.nonlinear)
         nonlinear = NonlinearParameters(names, units, values, np.zeros((len(names),) * 2), tuple(held))
-        return Fitted((model,), self.values, nonlinear, problem, fit, (*fit.warnings, *held.values(), *unsettled))
+        return Fitted(problem, fit, (model,), nonlinear, (*fit.warnings, *held.values(), *unsettled))
 
     def _residual(self, logs: FloatArray) -> FloatArray:
         """Residual after the best parameters, as long as there are settings, and one more."""
@@ -157,9 +144,9 @@ class _Search:
         self._residual(logs)
         return -self.corner[:, :-1] * np.exp(logs)
 
-    def _settle(self, passes: int = PASSES) -> None:
+    def _settle(self) -> None:
         """Solve for the parameters at the present settings, which takes more than one pass if rows depend on them."""
-        for _ in range(passes):
+        for _ in range(PASSES):
             problem = self._problem()
             problem.refuse_empty_joints()
             self.r_factors = problem.r_factors
@@ -194,7 +181,7 @@ class _Search:
         model = self._problem().model
         columns = np.sqrt(sum(t.R**2 for t in self.r_factors)).max(axis=0)
         places = {name: k for k, name in enumerate(model.names)}
-        known = self.task.prior_knowledge.known
+        known = self.knowledge.known
         loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
         # Columns of friction under load below this part of the torque count as zero
         unloaded = [name for name in loads if columns[places[name]] <= 1e-6 * columns[-1]]
@@ -206,9 +193,9 @@ class _Search:
             )
 
     def _problem(self, held: Sequence[str] = ()) -> Problem:
-        task = self.task
-        model = linearise(self.leg, task.terms, self.values, self.settings, held=held, regrouped=self.regrouped)
-        return Problem.of(task.groups, (model,), task.own, task.prior_knowledge, task.keep)
+        terms, regrouped = self.given.terms, self.regrouped
+        model = linearise(self.leg, terms, self.values, self.settings, held=held, regrouped=regrouped)
+        return self.given.changed(model=model)
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
-from exoid.estimate import Estimate
+from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
 from exoid.leg.lift import check, lift
@@ -149,10 +149,12 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         estimator=f"recursive {settings.estimator}",
         preparation=settings.preparation,
         inputs=(Input("stream", "", state.samples, settings.rate),),
-        parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
-        bounded=tuple(model.names[k] for k in solution.bounded),
         findings=findings,
-        cutoff_source="" if settings.cutoff is None else "passed to the recursive estimator",
+        evidence=Evidence(
+            parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
+            bounded=tuple(model.names[k] for k in solution.bounded),
+            cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",
+        ),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -108,32 +108,3 @@ def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatA
     variance = np.diag(inverse)
     parts = np.divide(parts.T, variance, out=np.zeros_like(parts.T), where=variance > 0.0)
     return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, TINY, 1.0)).sum(axis=1))
-
-
-def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Turn influences into what JSON can hold; what is infinite becomes null."""
-    if found is None:
-        return []
-    finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
-    return [
-        {
-            "recording": recording,
-            "change": dict(zip(names, change, strict=True)),
-            "share": dict(zip(names, share, strict=True)),
-            "expected": dict(zip(names, expected, strict=True)),
-        }
-        for recording, change, share, expected in zip(found.recordings, *finite, strict=True)
-    ]
-
-
-def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
-    """Read what :func:`influence_to_json` wrote."""
-    if not data:
-        return None
-    arrays = (
-        np.array([[one[key][name] for name in names] for one in data], dtype=np.float64)
-        for key in ("change", "share", "expected")
-    )
-    change, share, expected = arrays
-    change[np.isnan(change)] = NO_ESTIMATE
-    return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)

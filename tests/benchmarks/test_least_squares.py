@@ -18,7 +18,7 @@ from turns import best_of_turns, show
 import exoid
 from exoid import Coulomb, Recording, Viscous
 from exoid.identification.estimators import ols
-from exoid.identification.group_rows import GroupRows
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.least_squares import Solution
 from exoid.signals import FiniteDifference
@@ -53,7 +53,11 @@ def recording(samples: int = SAMPLES) -> Recording:
 
 def ours(samples: int = SAMPLES) -> Solution:
     """Least squares on q, v, a as they are; only the first and the last sample are dropped."""
-    return ols(Problem.of_one(GroupRows(MODEL, [recording(samples)], FiniteDifference()))).solution
+    return ols(
+        Problem(
+            (Group("", MODEL, [recording(samples)], FiniteDifference())),
+        )
+    ).solution
 
 
 def whole() -> exoid.Estimate:

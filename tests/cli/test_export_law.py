@@ -22,7 +22,7 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
-from exoid.estimate.provenance import provenance
+from exoid.estimate.text import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
 
 IN_C = [name for name in LAWS if name not in ("adaptive", "self_tuning")]

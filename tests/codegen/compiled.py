@@ -13,7 +13,7 @@ import pytest
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
 from exoid.codegen import CSource, c_source
 from exoid.estimate.data import Input
-from exoid.estimate.provenance import provenance
+from exoid.estimate.text import provenance
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -117,7 +117,8 @@ def test_the_error_of_a_prior_that_both_were_given_cancels(leg):
     J3 = one.names.index("J3")
     assert one.prior_gains[J3, 1] > 0.7
     assert comparison.std[J3] < one.std[J3]
-    strangers = dataclasses.replace(other, prior_gains=np.zeros((0, 0)))
+    evidence = dataclasses.replace(other.evidence, prior_gains=None)
+    strangers = dataclasses.replace(other, evidence=evidence)
     independent = exoid.compare(one, strangers)
     assert comparison.std[J3] < 0.6 * independent.std[J3]
     np.testing.assert_allclose(independent.std**2, one.std**2 + other.std**2, rtol=1e-6)

@@ -10,7 +10,7 @@ from swings import Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Viscous
-from exoid.estimate.alternative_friction import COUNT, with_alternatives
+from exoid.estimate.model_error import COUNT, with_alternatives
 from exoid.torques import Presliding
 
 SMOOTH = (Coulomb(), Viscous(), Armature(), Offset())

@@ -169,9 +169,8 @@ def test_a_late_torque_is_named_with_its_delay(swing, estimate):
 
 def test_few_effective_samples_do_not_make_a_band_narrow(swing, estimate):
     """Half a second of one residual says little, however often it is sampled."""
-    rare = dataclasses.replace(
-        estimate, noise=tuple(dataclasses.replace(one, effective_samples=2.0) for one in estimate.noise)
-    )
+    few = tuple(dataclasses.replace(one, effective_samples=2.0) for one in estimate.noise)
+    rare = dataclasses.replace(estimate, evidence=dataclasses.replace(estimate.evidence, noise=few))
     late = with_torque(swing.test, 1.2 * swing.test.tau)
     assert any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(estimate, late)))
     assert not any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(rare, late)))
@@ -195,7 +194,7 @@ def test_the_fit_of_an_estimate_is_its_validation_on_the_recording_of_the_fit(sw
 
 
 def test_an_estimate_of_which_the_spread_of_the_torque_is_not_known_has_no_nrmse(estimate):
-    old = replace(estimate, torque_spread=np.zeros(len(estimate.joint_names)))
+    old = replace(estimate, evidence=replace(estimate.evidence, torque_spread=None))
     assert np.isnan(old.nrmse).all()
     assert "NRMSE" not in str(old)
     assert "residual RMS" in str(old)

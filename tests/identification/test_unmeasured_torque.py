@@ -47,7 +47,7 @@ def test_the_estimate_is_that_of_the_other_joints_rows_alone(estimator):
     found = identify(swing_.leg, without(log, "left_ankle"), TERMS, estimator)
     model = TorqueModel(swing_.leg, DRIVEN)
     assert found.names == model.names
-    problem = Problem.of([Group("", swing_.leg, [log], found.preparation)], [model])
+    problem = Problem((Group("", model, [log], found.preparation),))
     factors = [r_factor.R for r_factor in problem.r_factors[:2]]
     weights = np.ones(2)
     for _ in range(1 if estimator == "ols" else 2):

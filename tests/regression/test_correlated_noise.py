@@ -14,7 +14,7 @@ import exoid
 from exoid import Coulomb, ExoidError, Viscous
 from exoid.identification.estimators import ols, wls
 from exoid.identification.estimators.by_name import ESTIMATORS
-from exoid.identification.group_rows import GroupRows
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.residuals import fit_noise, sandwich
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
@@ -76,7 +76,7 @@ def test_intervals_for_white_noise_must_fail_where_it_is_not_white(swing):
 
 
 def problem_of(swing, seed, terms=TERMS, **changes):
-    return Problem.of_one(GroupRows(TorqueModel(swing.leg, terms), [noisy(swing, seed, **changes)], EXACT))
+    return Problem((Group("", TorqueModel(swing.leg, terms), [noisy(swing, seed, **changes)], EXACT),))
 
 
 @pytest.mark.parametrize("terms", [TERMS, (Coulomb(dead_band=0.1), Viscous())], ids=["whole", "with gaps"])
@@ -152,7 +152,7 @@ def test_huber_is_that_of_statsmodels(pendulum):
     rng = np.random.default_rng(7)
     (recording,) = problem.local_data
     tau = recording.tau + 20.0 * (rng.random(recording.tau.shape) < 0.05)
-    problem = problem.with_data([dataclasses.replace(recording, tau=tau)])
+    problem = problem.changed(data=[dataclasses.replace(recording, tau=tau)])
     W, tau = regression_of(problem)
     expected = sm.RLM(tau, W, M=sm.robust.norms.HuberT()).fit()
     fit = ESTIMATORS["huber"](problem)

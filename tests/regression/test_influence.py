@@ -9,7 +9,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Estimate, Stiffness
-from exoid.identification.group_rows import GroupRows
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.signals import FiniteDifference, Poses
 from exoid.torques import TorqueModel
@@ -74,7 +74,7 @@ def test_a_share_is_the_part_of_the_variance_that_a_recordings_noise_makes(leg):
     share = identify(
         leg, [swing.with_noise(rng, 0.3) for swing in swings], TERMS, "ols", preparation=PLAIN
     ).influence.share
-    problem = Problem.of_one(GroupRows(TorqueModel(leg, TERMS), [swing.recording() for swing in swings], PLAIN))
+    problem = Problem((Group("", TorqueModel(leg, TERMS), [swing.recording() for swing in swings], PLAIN),))
     W = [np.concatenate(block.rows.W) for block in problem.blocks()]
     whole = np.linalg.pinv(np.vstack(W))
     parts = np.split(whole, [len(W[0])], axis=1)

@@ -9,7 +9,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Coulomb, Offset, Recording, Viscous
-from exoid.identification.group_rows import GroupRows
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.leg.torso import TorsoMotion
 from exoid.regression import rows as rows_module
@@ -75,7 +75,7 @@ def test_the_estimate_is_that_of_all_rows_at_once(short_stretches, estimator, te
 
 def test_rows_come_in_several_stretches_that_cover_the_recording(short_stretches):
     short_stretches(1.0)
-    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase()))
+    problem = Problem((Group("", TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase()),))
     blocks = list(problem.blocks())
     prepared = rows_module.prepare(problem.model, recording(), problem.preparation)
     whole = rows_module.form_rows(problem.model, prepared, prepared.rows)
@@ -102,10 +102,10 @@ def test_too_little_overlap_must_show(short_stretches, monkeypatch):
 
 
 def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
-    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()))
+    problem = Problem((Group("", TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()),))
     (whole,) = problem.blocks(decimated=True)
     short_stretches(1.0)
-    problem = Problem.of_one(GroupRows(problem.model, problem.local_data, problem.preparation))
+    problem = Problem((Group("", problem.model, problem.local_data, problem.preparation),))
     blocks = list(problem.blocks(decimated=True))
     assert len(blocks) > 5
     np.testing.assert_array_equal(np.concatenate([b.rows.time for b in blocks]), whole.rows.time)

@@ -9,8 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.estimate import EstimateData
+from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.ground_validation import compare_on_ground, stands
-from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.every_row import each_row
 from exoid.regression.rows import Prepared, prepare, source_of
 from exoid.signals import Preparation, Recording

@@ -13,7 +13,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
-from exoid.estimate.finding import Finding, finding_lines, ordered
+from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.validation_checks import (
     as_trained,
     effective_share,
@@ -200,7 +200,7 @@ class Interaction(Report):
             f"Torque of the wearer on the leg in {self.source}",
             *tables,
             f"{len(self.time)} samples, {self.filter}{phase}",
-            *finding_lines(self.findings),
+            *map(str, self.findings),
             f"{conclusion} (false alarms: at most {LEVEL:.0%} of recordings)",
         ]
 

@@ -20,7 +20,7 @@ def default_start(problem: Problem) -> FloatArray:
     """β by weighted least squares on rows as they are prepared by default, whatever the problem's own preparation."""
     preparation = default_preparation(problem)
     if preparation != problem.preparation:
-        problem = problem.prepared_by(preparation)
+        problem = problem.changed(preparation=preparation)
     return wls(problem).solution.values
 
 

@@ -97,8 +97,7 @@ class JointML:
                 are several groups.
         """
         refuse_other_friction(problem.model, "ml")
-        problem.refuse_payloads("ml")
-        problem.refuse_loaded_links("ml")
+        problem.refuse_beside_leg("ml")
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)

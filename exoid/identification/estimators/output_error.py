@@ -76,19 +76,17 @@ class OutputError:
             ExoidError: No loop was given, it cannot be simulated, a recording has a payload, or there are several
                 groups.
         """
-        problem.refuse_several_groups()
+        model = problem.model
         if self.loop is None:
             raise BadArgumentError(
                 "output error simulates the loop, and must know its controller and reference",
                 remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
             )
-        refuse_other_friction(problem.model, "output error")
-        problem.refuse_payloads("output error")
-        problem.refuse_loaded_links("output error")
-        problem.refuse_moving_base("output error")
+        refuse_other_friction(model, "output error")
+        problem.refuse_beside_leg("output error", moving_base=False)
         first = wls(problem)
         matching = _Matching(self.loop, problem)
-        values = as_possible(problem.model, default_start(problem))
+        values = as_possible(model, default_start(problem))
         answer = matching.answer(values, np.sqrt(np.diag(first.solution.covariance)))
         converged = False
         for _ in range(ROUNDS):

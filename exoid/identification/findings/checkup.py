@@ -10,8 +10,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
-from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.estimate.motion_ranges import MotionRanges
+from exoid.estimate.evidence import MotionRanges
 from exoid.regression.row_data import Rows
 
 TINY = 1e-300

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
@@ -19,33 +19,20 @@ from exoid.signals import Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
 
-class Once(NamedTuple):
-    """Groups of recordings without samples that are passed twice."""
-
-    groups: tuple[Group, ...]  # the groups
-    summaries: dict[str, list[RecordingSummary]]  # summaries of their recordings, by the name of the group
-    findings: tuple[tuple[Finding, ...], ...]  # what was left out of each group
-
-
-def counted_once(
-    groups: Sequence[Group], models: Mapping[str, TorqueModel], summaries: Mapping[str, Sequence[RecordingSummary]]
-) -> Once:
+def counted_once(groups: Sequence[Group]) -> tuple[Group, ...]:
     """Leave out samples that are passed twice in a group."""
     # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
     # overlap get a mask: their shared samples count in the first one only.
-    kept_groups, kept_summaries, findings = [], {}, []
+    kept = []
     for group in groups:
-        of_group = list(summaries[group.name])
-        found: list[Finding] = []
-        if len(of_group) > 1:
-            group, of_group, found = _without_copies(group, of_group)  # noqa: PLW2901 - the group without copies
-            if not isinstance(group.data, Recordings):
-                group, of_group, more = _without_overlaps(models[group.name], group, of_group)  # noqa: PLW2901
+        of_group, summaries, found = group, list(group.summaries), list[Finding]()
+        if len(summaries) > 1:
+            of_group, summaries, found = _without_copies(group, summaries)
+            if not isinstance(of_group.data, Recordings):
+                of_group, summaries, more = _without_overlaps(group.model, of_group, summaries)
                 found += more
-        kept_groups.append(group)
-        kept_summaries[group.name] = of_group
-        findings.append(tuple(found))
-    return Once(tuple(kept_groups), kept_summaries, tuple(findings))
+        kept.append(replace(of_group, summaries=summaries, findings=(*group.findings, *found)))
+    return tuple(kept)
 
 
 class _Kept(NamedTuple):
@@ -76,7 +63,7 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
         if not isinstance(data, Recordings)
         else replace(data, items=tuple(data.items[k] for k in kept))
     )
-    return _Kept(group._replace(data=rest), [summaries[k] for k in kept], findings)
+    return _Kept(replace(group, data=rest), [summaries[k] for k in kept], findings)
 
 
 def _without_overlaps(model: TorqueModel, group: Group, summaries: list[RecordingSummary]) -> _Kept:
@@ -105,7 +92,7 @@ def _without_overlaps(model: TorqueModel, group: Group, summaries: list[Recordin
             data.append(replace(one, mask=masks[k]))
             power = summary.acceleration_power  # that of the angles of the whole recording
             kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
-    return _Kept(group._replace(data=data), kept, findings)
+    return _Kept(replace(group, data=data), kept, findings)
 
 
 def _name(summaries: Sequence[RecordingSummary], place: int) -> str:

@@ -11,8 +11,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.alternative_friction import AlternativeFriction
-from exoid.estimate.motion_ranges import MotionRanges
+from exoid.estimate.evidence import MotionRanges
+from exoid.estimate.model_error import AlternativeFriction
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase

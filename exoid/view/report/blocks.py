@@ -8,7 +8,7 @@ from typing import Any
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import Finding, finding_lines, findings_table
+from exoid.estimate.finding import Finding, findings_table
 from exoid.signals import Recording
 from exoid.view.scenes import scene
 
@@ -32,7 +32,7 @@ def finding_blocks(findings: Sequence[Finding]) -> Iterator[Block]:
     """Table of findings, and what each means; nothing where there are none."""
     if findings:
         yield findings_table(findings)
-        yield Text([sentence(line) for line in finding_lines(findings)])
+        yield Text([sentence(line) for line in map(str, findings)])
 
 
 def replay_blocks(estimate: Estimate, shown: Recording, sentences: str, **more: Any) -> Iterator[Block]:  # noqa: ANN401

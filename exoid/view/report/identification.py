@@ -9,8 +9,8 @@ import numpy as np
 from exoid.actuators.drive_data import describe_actuators
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
+from exoid.estimate.finding import verdict_line
 from exoid.estimate.text import assumptions, influences
-from exoid.estimate.verdict import verdict_line
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 

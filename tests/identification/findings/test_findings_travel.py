@@ -31,7 +31,7 @@ def test_checks_can_be_left_out():
     leg, log = clean()
     without = exoid.identify(leg, late(log, 0.02, range(3)), check=False)
     assert without.findings == ()
-    assert without.ranges is None
+    assert without.evidence.ranges is None
 
 
 def test_checks_do_not_change_the_values():
@@ -44,7 +44,7 @@ def test_findings_stand_in_the_text_and_the_file(late_estimate, tmp_path):
     late_estimate.save(tmp_path / "est.json")
     loaded = exoid.Estimate.load(tmp_path / "est.json")
     assert loaded.findings == late_estimate.findings
-    np.testing.assert_array_equal(loaded.ranges.speed, late_estimate.ranges.speed)
+    np.testing.assert_array_equal(loaded.evidence.ranges.speed, late_estimate.evidence.ranges.speed)
     assert loaded.identifiability == late_estimate.identifiability
 
 

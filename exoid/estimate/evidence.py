@@ -1,0 +1,118 @@
+"""Evidence behind the values of an estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
+from exoid.regression.diagnostics import JointNoise
+from exoid.regression.influence import Influence
+from exoid.regression.trends import Trend
+
+OUTLYING = 0.001
+"""Share of the samples at each end of a range that may be outliers."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionRanges:
+    """Ranges of angle, speed and acceleration of each joint."""
+
+    lowest: FloatArray  # smallest angle [rad], (n,)
+    highest: FloatArray  # largest angle [rad], (n,)
+    speed: FloatArray  # largest speed [rad/s], (n,)
+    acceleration: FloatArray  # largest size of the acceleration [rad/s²], (n,)
+
+    @classmethod
+    def of(cls, q: FloatArray, v: FloatArray, a: FloatArray) -> MotionRanges:
+        """Measure the ranges of a motion, without the outermost thousandth of the samples."""
+        lowest, highest = np.quantile(q, [OUTLYING, 1.0 - OUTLYING], axis=0)
+        speed, acceleration = (np.quantile(np.abs(x), 1.0 - OUTLYING, axis=0) for x in (v, a))
+        return cls(lowest, highest, speed, acceleration)
+
+    def joined(self, other: MotionRanges) -> MotionRanges:
+        """Return the ranges of two motions together."""
+        return MotionRanges(
+            np.minimum(self.lowest, other.lowest),
+            np.maximum(self.highest, other.highest),
+            np.maximum(self.speed, other.speed),
+            np.maximum(self.acceleration, other.acceleration),
+        )
+
+
+@dataclass(frozen=True)
+class Support:
+    """Samples at which the same links rested by wrenches that were not measured."""
+
+    name: str  # these links, or "measured"
+    seconds: float  # how long they rested in all recordings [s]
+    residual_rms: Mapping[str, float]  # RMS residual of each row [N, N·m], by its name
+
+    def __str__(self) -> str:
+        """Write one line."""
+        sizes = ", ".join(f"{row} {rms:.3g}" for row, rms in self.residual_rms.items())
+        return f"{self.name}: {self.seconds:.1f} s, residual RMS [N, N·m]: {sizes}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evidence:
+    """What recordings say beside the values of P parameters and n joints; None where it is not known.
+
+    Attributes:
+        dof_each: Degrees of freedom of each parameter's variance, at most those of the estimate, (P,): they depend on
+            the noise at the parameter's own frequencies.
+        parameter_scale: Parameter scale: value of each parameter that alone would explain all torque of a joint, (P,);
+            see :attr:`exoid.Estimate.identifiability`.
+        reference_scale: Reference scale: the parameter scale in a calm exercise at the same angles, (P,).
+        collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
+            see so many times worse than the best, (P,).
+        noise: Noise of the residuals of each joint, n of them.
+        trends: Residuals against velocity and angle, joint by joint.
+        influence: Influence of each recording, where there are several.
+        prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); None without priors, and where
+            the estimator does not follow the rows, as ``ml`` and output error.
+        ranges: Ranges of the motion that was fitted.
+        torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,).
+        cutoff_source: How the cut-off of the preparation was chosen.
+        supports: Sets of links that rested on the ground, with the residuals of their rows; empty without contacts.
+        bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
+            wide as without the bound: rather too wide.
+    """
+
+    dof_each: FloatArray | None = None
+    parameter_scale: FloatArray | None = None
+    reference_scale: FloatArray | None = None
+    collinearity: FloatArray | None = None
+    noise: tuple[JointNoise, ...] | None = None
+    trends: tuple[Trend, ...] | None = None
+    influence: Influence | None = None
+    prior_gains: FloatArray | None = None
+    ranges: MotionRanges | None = None
+    torque_spread: FloatArray | None = None
+    cutoff_source: str | None = None
+    supports: tuple[Support, ...] = ()
+    bounded: tuple[str, ...] = ()
+
+    def check(self, parameters: int, joints: int, priors: int) -> None:
+        """Check sizes and forbid changes."""
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys((one.name for one in fields(self)[:4]), (parameters,))
+        shapes |= {"prior_gains": (parameters, priors), "torque_spread": (joints,)}
+        for name, shape in shapes.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        if self.noise is not None and len(self.noise) != joints:
+            raise BadArgumentError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
+
+
+def frozen(name: str, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Copy numbers of an estimate that must be finite and fit its parameters or joints, and forbid changes."""
+    array = np.array(values, dtype=np.float64)
+    if array.shape != shape or not np.isfinite(array).all():
+        raise BadArgumentError(
+            f"{name} of shape {array.shape} must be finite, and of shape {shape}", remedy="identify again"
+        )
+    array.flags.writeable = False
+    return array
