@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
-from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.signals import Recording
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
@@ -79,24 +79,16 @@ def sole_compliance(task: Task, fitted: Fitted) -> SoleCompliance | None:
     free = np.append(_free(fitted), np.ones(len(links), dtype=np.bool_))
     # Standard deviation of the compliance before any log is seen [rad/(N·m)]: a sole of 10 kN·m/rad is soft
     prior = np.diag(np.append(np.zeros(count), np.full(len(links), 1e-4**-2)))
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information + prior), TINY))
-    scaled = ((information + prior) * np.outer(scale, scale))[np.ix_(free, free)]
-    inverse = np.linalg.pinv(scaled, rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(scale[free], scale[free])
+    known = (information + prior)[np.ix_(free, free)]
+    inverse = scaled_inverse(known)
     found = (inverse @ right[free])[-len(links) :]
     values = np.maximum(found, 0.0)
     # Part of itself by which a compliance varies: soles are stiffer under more load
     doubt = (0.2 * values) ** 2 + (found - values) ** 2
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, len(links)))
-    bare = np.linalg.pinv(scaled[: len(own), : len(own)], rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(
-        scale[own], scale[own]
-    )
-    slopes_of[own] = -bare @ information[own, count:]
+    slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ information[own, count:]
     covariance = inverse[-len(links) :, -len(links) :] + np.diag(doubt)
     return SoleCompliance(links, values, covariance, slopes_of)
-
-
-TINY = 1e-300
-"""Stands for columns that are zero."""
 
 
 def tilted(task: Task, compliance: Mapping[str, float]) -> Task:

@@ -172,12 +172,30 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
     return stacked._replace(taken=_triangle(np.vstack(taken)) if taken else None, all_rows=all_rows)
 
 
-def scaled_lstsq(A: FloatArray, b: FloatArray, rank: float = RANK) -> FloatArray:
-    """Minimise ‖A x − b‖ with columns of unit length; x is zero in directions that count as unseen."""
+def column_scale(A: FloatArray) -> FloatArray:
+    """Length of each column; 1 for one that is zero."""
     scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    x, *_ = np.linalg.lstsq(A / scale, b, rcond=rank)
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def scaled_lstsq(A: FloatArray, b: FloatArray) -> FloatArray:
+    """Minimise ‖A x − b‖ with columns of unit length; x is zero in directions that count as unseen (RANK)."""
+    scale = column_scale(A)
+    x, *_ = np.linalg.lstsq(A / scale, b, rcond=RANK)
     return np.asarray((x.T / scale).T)
+
+
+def scaled_pinv(A: FloatArray) -> FloatArray:
+    """Solve as :func:`scaled_lstsq` for any right-hand side."""
+    scale = column_scale(A)
+    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])
+
+
+def scaled_inverse(M: FloatArray) -> FloatArray:
+    """Pseudo-inverse of normal equations or a covariance, scaled to a diagonal of 1 (RANK_OF_SQUARES)."""
+    scale = np.sqrt(np.clip(np.diag(M), 0.0, None))
+    both = np.multiply.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
+    return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
 
 
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
@@ -260,8 +278,7 @@ def solve(
     priors = priors[:, np.append(free, True)]
     size = _row_noise(reduced, dof) if len(priors) else 0.0
     R = factorize(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
-    scale = np.linalg.norm(R[:count, :count], axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
+    scale = column_scale(R[:count, :count])
     unit, z = R[:count, :count] / scale, R[:count, count]
     U, sigma, Vt = np.linalg.svd(unit)
     seen = sigma > RANK * sigma[0]

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.motion_ranges import MotionRanges
+from exoid.regression.least_squares import scaled_pinv
 from exoid.regression.row_data import Rows
 
 TINY = 1e-300
 """Smallest variance to divide by."""
-
-RANK = 1e-6
-"""Columns this close to others, after scaling, are dependent."""
 
 
 class Evidence(NamedTuple):
@@ -81,7 +79,7 @@ class Evidence(NamedTuple):
         fitted = [r_factor(R[:, np.append(columns, -1)]) for R in self.factors]
         for _ in range(4 if start is None else 2):  # weights and residuals in turn; fewer from those of a similar fit
             R = np.vstack([w * R for w, R in zip(weights, fitted, strict=True)])
-            solution = pseudo_inverse(R[:, :-1]) @ R[:, -1]
+            solution = scaled_pinv(R[:, :-1]) @ R[:, -1]
             rms = [np.linalg.norm(R_j[:, -1] - R_j[:, :-1] @ solution) for R_j in fitted] / np.sqrt(self.counts)
             weights = 1.0 / np.maximum(rms, floor)
         return np.asarray(weights)
@@ -90,10 +88,3 @@ class Evidence(NamedTuple):
 def r_factor(rows: FloatArray) -> FloatArray:
     """Reduce rows to their R factor."""
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
-
-
-def pseudo_inverse(A: FloatArray) -> FloatArray:
-    """Compute the pseudo-inverse with columns scaled to unit length."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])

@@ -10,6 +10,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import column_scale, scaled_lstsq
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
@@ -89,13 +90,12 @@ class TorqueFactors(NamedTuple):
 
 def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
     """Least squares with some values not below zero, columns scaled to unit length."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    x, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
+    x = scaled_lstsq(A, b)
     if (x < lower).any():
+        scale = column_scale(A)
         R = r_factor(np.column_stack([A / scale, b]))
-        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x
-    return np.asarray(x / scale)
+        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x / scale
+    return np.asarray(x)
 
 
 def never_negative(model: TorqueModel) -> NDArray[np.bool_]:

@@ -15,6 +15,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.lift import check as can_exist
 from exoid.leg.lift import lift
 from exoid.leg.lift.lift import consistent_within
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence
@@ -32,14 +33,12 @@ def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
         R, terms = evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
         expected, torque = R[:, :rigid] @ urdf, R[:, -1]
         A = np.column_stack([expected, R[:, terms]])
-        size = np.linalg.norm(A, axis=0)
-        if (size == 0.0).any():
+        if not A.any(axis=0).all():
             continue
-        x, *_ = np.linalg.lstsq(A / size, torque, rcond=1e-9)
-        scale, whole = float(x[0] / size[0]), max(float(np.linalg.norm(torque)), 1e-300)
-        left = float(np.linalg.norm(torque - A / size @ x)) / whole
+        x, whole = scaled_lstsq(A, torque), max(float(np.linalg.norm(torque)), 1e-300)
+        scale, left = float(x[0]), float(np.linalg.norm(torque - A @ x)) / whole
         # Rigid bodies are to show, and with friction to explain most of the torque.
-        if abs(scale) * size[0] / whole > 0.1 and left < 0.4:
+        if abs(scale) * np.linalg.norm(expected) / whole > 0.1 and left < 0.4:
             scales[joint] = scale
     odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(3.0)}
     if len(odd) > 1 and len(odd) == len(scales):

@@ -18,9 +18,10 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import RANK, scaled_inverse, scaled_pinv
 from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 
-from .evidence import RANK, TINY, Evidence, pseudo_inverse, r_factor
+from .evidence import TINY, Evidence, r_factor
 from .kinds import Nuisance
 
 WORTH_A_LOOK = 0.01
@@ -101,7 +102,7 @@ class State:
             used = used if tested is None else np.union1d(columns, evidence.places(tested))
         else:
             weights, R = like.weights, like.R
-        pinv = pseudo_inverse(R[:, columns])
+        pinv = scaled_pinv(R[:, columns])
         solution = pinv @ R[:, -1]
         residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.parameter_count : -1]
         dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
@@ -264,7 +265,7 @@ class State:
         if len(found) < 10:
             return 1.0, 10.0
         seen = found.T @ found * len(found) / (len(found) - 1)
-        ratio = float(np.trace(np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ seen)) / len(step)
+        ratio = float(np.trace(scaled_inverse(noise) @ seen)) / len(step)
         return max(1.0, ratio), float(len(found))
 
 
@@ -273,5 +274,5 @@ def p_value_of(score: FloatArray, noise: FloatArray, dof: float) -> float:
     if len(score) == 1:
         statistic = float(score[0] ** 2 / max(noise[0, 0], TINY))
     else:
-        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
+        statistic = float(score @ scaled_inverse(noise) @ score)
     return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))

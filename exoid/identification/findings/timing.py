@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.estimate.finding import Finding
+from exoid.regression.least_squares import scaled_inverse, scaled_lstsq
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import central_difference
 from exoid.signals.noise_size import robust_std
@@ -150,13 +151,13 @@ def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] |
     """Gain, delay [s] and its standard deviation, from blocks of the record; None where nothing moves."""
     if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
         return None
-    whole, *_ = np.linalg.lstsq(rows, logged, rcond=None)
+    whole = scaled_lstsq(rows, logged)
     gain = float(whole[0])
     if gain == 0.0:
         return None
     residual = logged - rows @ whole
     blocks = np.array_split(np.arange(len(rows)), max(4, min(20, len(rows) // 50)))
-    inverse = np.linalg.pinv(rows.T @ rows)
+    inverse = scaled_inverse(rows.T @ rows)
     scores = np.array([rows[block].T @ residual[block] for block in blocks])
     covariance = inverse @ (scores.T @ scores) @ inverse * len(blocks) / (len(blocks) - 1)
     return gain, -float(whole[1]) / gain, float(np.sqrt(covariance[1, 1])) / abs(gain)
