@@ -17,9 +17,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
-from exoid.regression.row_data import NoiseKind, RowBlock, Rows
+from exoid.regression.row_data import NoiseKind, RowBlock, Rows, RowsFile
 from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class
-from exoid.regression.rows_file import RowsFile
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 

@@ -219,7 +219,7 @@ class Result:
     @cached_property
     def _trends(self) -> dict[int, tuple[Trend, ...]]:
         """Residuals of each joint against velocity and angle."""
-        fit, covariance = self.fitted.fit, self.uncertainty.found.stationary
+        fit, covariance = self.fitted.fit, self.uncertainty.stationary
         return residual_trends(
             self.fitted.problem,
             fit.point,
