@@ -37,7 +37,7 @@ from .agreement import Agreement, shared_agreement
 from .checkup import check_group, model_error
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
-from .findings.factors import never_negative
+from .findings.physics import never_negative
 from .fitting import Fitted, Task
 from .recording_summary import angles
 from .sole_compliance import SoleCompliance

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,42 +17,25 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
-
-class Once(NamedTuple):
-    """Groups of recordings without samples that are passed twice."""
-
-    groups: tuple[Group, ...]  # the groups
-    summaries: dict[str, list[RecordingSummary]]  # summaries of their recordings, by the name of the group
-    findings: tuple[tuple[Finding, ...], ...]  # what was left out of each group
+_Kept = tuple[Group, list[RecordingSummary], list[Finding]]
+"""A group of recordings that count, their summaries, and findings about the others."""
 
 
 def counted_once(
     groups: Sequence[Group], models: Mapping[str, TorqueModel], summaries: Mapping[str, Sequence[RecordingSummary]]
-) -> Once:
-    """Leave out samples that are passed twice in a group."""
+) -> tuple[tuple[Group, ...], dict[str, list[RecordingSummary]], tuple[tuple[Finding, ...], ...]]:
+    """Leave out samples that are passed twice in a group: groups, summaries by group, what was left out of each."""
     # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
     # overlap get a mask: their shared samples count in the first one only.
-    kept_groups, kept_summaries, findings = [], {}, []
+    kept = []
     for group in groups:
         of_group = list(summaries[group.name])
-        found: list[Finding] = []
-        if len(of_group) > 1:
-            group, of_group, found = _without_copies(group, of_group)  # noqa: PLW2901 - the group without copies
-            if not isinstance(group.data, Recordings):
-                group, of_group, more = _without_overlaps(models[group.name], group, of_group)  # noqa: PLW2901
-                found += more
-        kept_groups.append(group)
-        kept_summaries[group.name] = of_group
-        findings.append(tuple(found))
-    return Once(tuple(kept_groups), kept_summaries, tuple(findings))
-
-
-class _Kept(NamedTuple):
-    """Recordings that count, their summaries, and findings about the others."""
-
-    group: Group
-    summaries: list[RecordingSummary]
-    findings: list[Finding]
+        once = (group, of_group, list[Finding]()) if len(of_group) < 2 else _without_copies(group, of_group)
+        if len(of_group) > 1 and not isinstance(group.data, Recordings):
+            once = _without_overlaps(models[group.name], *once)
+        kept.append(once)
+    by_group = {group.name: of_group for group, of_group, _ in kept}
+    return tuple(group for group, _, _ in kept), by_group, tuple(tuple(found) for _, _, found in kept)
 
 
 def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
@@ -65,7 +47,7 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
         first.setdefault((one.evidence.sha256, one.evidence.samples, one.evidence.segments, *angles), place)
     kept, data = sorted(first.values()), group.data
     if len(kept) == len(summaries):
-        return _Kept(group, summaries, [])
+        return group, summaries, []
     findings = [
         _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
         for k in range(len(summaries))
@@ -76,36 +58,37 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
         if not isinstance(data, Recordings)
         else replace(data, items=tuple(data.items[k] for k in kept))
     )
-    return _Kept(group._replace(data=rest), [summaries[k] for k in kept], findings)
+    return group._replace(data=rest), [summaries[k] for k in kept], findings
 
 
-def _without_overlaps(model: TorqueModel, group: Group, summaries: list[RecordingSummary]) -> _Kept:
-    """Let samples that two recordings share count in the first one only."""
+def _without_overlaps(
+    model: TorqueModel, group: Group, summaries: list[RecordingSummary], findings: list[Finding]
+) -> _Kept:
+    """Let samples that two recordings share count in the first one only; what was found before stays."""
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
     recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     masks: dict[int, BoolArray] = {}
-    findings: list[Finding] = []
-    for overlap in overlaps(recordings):
-        first, second = moving[overlap.first], moving[overlap.second]
-        before = recordings[overlap.second].mask
-        once = ~overlap.again if before is None else before & ~overlap.again
+    for one, other, share, again in overlaps(recordings):
+        first, second = moving[one], moving[other]
+        before = recordings[other].mask
+        once = ~again if before is None else before & ~again
         masks[second] = masks.get(second, once) & once
         names = f"{_name(summaries, first)} and {_name(summaries, second)}"
-        message = f"{names} share {overlap.share:.0%} of their samples: counted once"
-        findings.append(_finding(overlap.share, message, summaries[second].source))
-    if not findings:
-        return _Kept(group, summaries, [])
+        message = f"{names} share {share:.0%} of their samples: counted once"
+        findings.append(_finding(share, message, summaries[second].source))
+    if not masks:
+        return group, summaries, findings
     data: list[Recording | Poses] = []
     kept = []
-    for k, (one, summary) in enumerate(zip(group.data, summaries, strict=True)):
+    for k, (log, summary) in enumerate(zip(group.data, summaries, strict=True)):
         if k not in masks:
-            data.append(one)
+            data.append(log)
             kept.append(summary)
-        elif isinstance(one, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
-            data.append(replace(one, mask=masks[k]))
+        elif isinstance(log, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
+            data.append(replace(log, mask=masks[k]))
             power = summary.acceleration_power  # that of the angles of the whole recording
             kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
-    return _Kept(group._replace(data=data), kept, findings)
+    return group._replace(data=data), kept, findings
 
 
 def _name(summaries: Sequence[RecordingSummary], place: int) -> str:
@@ -128,17 +111,8 @@ def repeated_data(
         yield _finding(share, message, parameters=parameters)
 
 
-class Overlap(NamedTuple):
-    """Two recordings that contain the same samples."""
-
-    first: int  # place of the earlier one
-    second: int  # place of the later one
-    share: float  # shared samples over those of the shorter one
-    again: BoolArray  # samples of the later one that occur in the earlier one, (N,)
-
-
-def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
-    """Find pairs of recordings that share more than 5 % of their samples; only samples that count are compared."""
+def overlaps(recordings: Sequence[Recording]) -> Iterator[tuple[int, int, float, BoolArray]]:
+    """Find pairs that share over 5 % of the samples that count: places, the share, a mask of those of the later one."""
     if len(recordings) < 2 or sum(map(len, recordings)) > 1_000_000:  # a search of more would take seconds
         return
     hashes = [_hashes(one) for one in recordings]
@@ -155,7 +129,7 @@ def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
         shortest = max(1, min(len(counted[first]), len(counted[second])))
         share = len(np.intersect1d(rows[first], rows[second])) / shortest
         if share > 0.05:
-            yield Overlap(first, second, share, np.isin(hashes[second], counted[first]))
+            yield first, second, share, np.isin(hashes[second], counted[first])
 
 
 def _hashes(recording: Recording) -> NDArray[np.uint64]:

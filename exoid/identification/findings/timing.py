@@ -17,12 +17,6 @@ WINDOW = 4
 """Samples on each side of an interval, through which lines are laid."""
 
 
-def timing_findings(recording: Recording) -> Iterator[Finding]:
-    """Check the times of a recording."""
-    for check in (wraps, missing_samples, late_velocities):
-        yield from check(recording)
-
-
 def wraps(recording: Recording) -> Iterator[Finding]:
     """Find angles that jump by a whole turn, to a tenth of it."""
     every = np.abs(np.diff(np.ascontiguousarray(recording.q.T), axis=1))
@@ -72,16 +66,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
     )
     remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
-    yield Finding(
-        "missing-samples",
-        "",
-        lost,
-        "s",
-        "warning",
-        message,
-        remedy,
-        interval=(max(0.0, lost - error), lost + error) if len(places) == 1 else None,
-    )
+    interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
+    yield Finding("missing-samples", "", lost, "s", "warning", message, remedy, interval)
 
 
 def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
@@ -131,16 +117,8 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
                 "of the angle"
             )
             remedy = "leave the velocity out of the log: exoid derives it from the angle without delay"
-            yield Finding(
-                "velocity-delay",
-                joint,
-                delay,
-                "s",
-                "warning",
-                message,
-                remedy,
-                interval=(delay - 2.0 * error, delay + 2.0 * error),
-            )
+            interval = delay - 2.0 * error, delay + 2.0 * error
+            yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)
         if abs(gain - 1.0) > 0.05:
             message = f"the logged velocity is {gain:.3g} times the derivative of the angle"
             remedy = "leave the velocity out of the log, or correct its unit or sign"
