@@ -51,11 +51,11 @@ def without_delays(task: Task, fitted: Fitted) -> Task:
     groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
         leg = _fitted_leg(fitted, k)
-        late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled()), len(leg.model.joint_names))
-        groups.append(_shifted(group, late.values) if late.values.any() else group)
-        found.append(late.values)
-        each = zip(group.leg.joint_names, late.values, late.half, strict=True)
-        shifts.append(tuple(_shift_finding(joint, delay, half) for joint, delay, half in each if delay))
+        late, half = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled()), len(leg.model.joint_names))
+        groups.append(_shifted(group, late) if late.any() else group)
+        found.append(late)
+        each = zip(group.leg.joint_names, late, half, strict=True)
+        shifts.append(tuple(_shift_finding(joint, delay, error) for joint, delay, error in each if delay))
     return task._replace(groups=tuple(groups), delays=tuple(found)).with_findings(shifts)
 
 

@@ -45,31 +45,19 @@ class Evidence(NamedTuple):
                 torque = part.tau[:, joint] - known @ W[: len(fixed)]
                 of_joint.append(np.asarray(np.vstack([W, torque]) * part.usable[:, joint]))
             rows = np.hstack(of_joint)
-            act = np.flatnonzero(rows.any(axis=1))
+            act = np.flatnonzero(rows.any(axis=1))  # fewer columns to factorise
             acting = r_factor(rows[act].T)
-            R = np.zeros((len(acting), len(rows)))
-            R[:, act] = acting
             tables.append(of_joint)
-            factors.append(R)
+            factors.append(np.zeros((len(acting), len(rows))))
+            factors[-1][:, act] = acting
         counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
         return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, factors, counts)
 
-    @property
-    def parameter_count(self) -> int:
-        """Number of parameters P; nuisance columns follow."""
-        return len(self.fixed)
-
     def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
         """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
-        found = [
-            np.linalg.norm(R[:, columns] @ sizes, axis=0) / max(float(np.linalg.norm(R[:, -1])), TINY)
-            for R in self.factors
-        ]
-        return np.asarray(np.max(found, axis=0))
-
-    def places(self, nuisances: Sequence[int]) -> NDArray[np.intp]:
-        """Find the columns of the free parameters, and some nuisance columns."""
-        return np.concatenate([self.free, self.parameter_count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
+        torques = [max(float(np.linalg.norm(R[:, -1])), TINY) for R in self.factors]
+        of_joints = [np.linalg.norm(R[:, columns] @ sizes, axis=0) for R in self.factors]
+        return np.asarray(np.max(of_joints / np.array(torques)[:, None], axis=0))
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
