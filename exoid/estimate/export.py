@@ -20,7 +20,7 @@ from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import distribute_bodies
 from exoid.leg.lift.masses import MASS_FACTOR, MassChange, mass_changes, refuse_mass_changes
 from exoid.leg.rewriting import rewrite
-from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.regression.least_squares import scaled_inverse
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Coulomb, Term, TorqueModel, Viscous
@@ -218,11 +218,8 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
     p = len(rigid)
     values = estimate.values.copy()
-    scale = np.where(estimate.std > 0.0, estimate.std, 1.0)
-    correlation = estimate.covariance / np.outer(scale, scale)
-    change = (rigid - values[:p]) / scale[:p]
-    pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=RANK_OF_SQUARES)
-    values[p:] += scale[p:] * (correlation[p:, :p] @ pull)
+    pull = scaled_inverse(estimate.covariance[:p, :p]) @ (rigid - values[:p])
+    values[p:] += estimate.covariance[p:, :p] @ pull
     values[:p] = rigid
     return values
 

@@ -16,7 +16,6 @@ from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
-from exoid.regression.influence import NO_ESTIMATE
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.tools.files import refuse_content, write_whole
@@ -184,7 +183,7 @@ def _evidence(data: Mapping[str, Any]) -> Evidence:
     if found.influence is None:
         return found
     change = found.influence.change
-    return replace(found, influence=found.influence._replace(change=np.where(np.isnan(change), NO_ESTIMATE, change)))
+    return replace(found, influence=found.influence._replace(change=np.where(np.isnan(change), np.inf, change)))
 
 
 def _moved(data: Mapping[str, Any], model: TorqueModel) -> dict[str, Any]:

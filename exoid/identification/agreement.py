@@ -57,9 +57,9 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
-        found = uncertainty_of(alone, fit, white=white).found
+        found = uncertainty_of(alone, fit, white=white)
         values.append(fit.solution.values)
-        blocks.append(found.matrix)
+        blocks.append(found.covariance)
         left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
         dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
     names = problem.groups[0].model.names

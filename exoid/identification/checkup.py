@@ -17,7 +17,7 @@ from exoid.signals import Poses, without_torque_delay
 from .findings.arms import arm_shapes
 from .findings.checkup import Checkup, check_fit
 from .findings.sample import FittedLeg, few_of
-from .findings.search import Delays, delays, find_faults
+from .findings.search import delays, find_faults
 from .friction_form import friction_form_error, friction_rows
 from .group_rows import Group
 from .problem import Fitted, Problem
@@ -51,15 +51,15 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
             leg = _fitted_leg(fitted, parts[0])
             late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled()), len(leg.model.joint_names))
         else:
-            late = Delays(*torque_delays(fitted, parts))
-        groups.append(_shifted(group, late) if late.values.any() else group)
+            late = torque_delays(fitted, parts)
+        groups.append(_shifted(group, late) if late[0].any() else group)
     return replace(problem, groups=tuple(groups))
 
 
-def _shifted(group: Group, late: Delays) -> Group:
+def _shifted(group: Group, late: tuple[FloatArray, FloatArray]) -> Group:
     """Shift the torques of a group, and say so."""
-    by_joint, found = {k: float(delay) for k, delay in enumerate(late.values) if delay}, list(group.findings)
-    for joint, delay, half in zip(group.model.joint_names, late.values.tolist(), late.half.tolist(), strict=True):
+    by_joint, found = {k: float(delay) for k, delay in enumerate(late[0]) if delay}, list(group.findings)
+    for joint, delay, half in zip(group.model.joint_names, late[0].tolist(), late[1].tolist(), strict=True):
         if delay:
             message = (
                 f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the "
@@ -70,7 +70,7 @@ def _shifted(group: Group, late: Delays) -> Group:
             found.append(Finding("torque-delay", joint, delay, "s", "info", message, remedy, interval))
     chosen = (for_leg(group.model, one) for one in group.data)
     data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
-    return replace(group, data=data, delays=late.values, findings=tuple(found))
+    return replace(group, data=data, delays=late[0], findings=tuple(found))
 
 
 def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:

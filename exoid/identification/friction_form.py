@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.model_error import COUNT, KINDS, ModelError, with_alternatives
-from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, decimated, form_rows, prepare
 from exoid.signals import Recording
@@ -82,10 +82,8 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
     WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
     used = free & (np.diag(WW) > TINY)
-    scale = 1.0 / np.sqrt(np.diag(WW)[used])
     G = np.zeros_like(WZ)
-    inverse = np.linalg.pinv(scale[:, None] * WW[np.ix_(used, used)] * scale, rcond=RANK_OF_SQUARES, hermitian=True)
-    G[used] = scale[:, None] * (inverse @ (scale[:, None] * WZ[used]))
+    G[used] = scaled_inverse(WW[np.ix_(used, used)]) @ WZ[used]
     return G
 
 

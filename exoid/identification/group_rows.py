@@ -18,9 +18,8 @@ from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
-from exoid.regression.row_data import NoiseKind, RowBlock, Rows
+from exoid.regression.row_data import NoiseKind, RowBlock, Rows, RowsFile
 from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class
-from exoid.regression.rows_file import RowsFile
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 

@@ -38,7 +38,7 @@ from .checkup import check_group, model_error
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
-from .findings.factors import never_negative
+from .findings.physics import never_negative
 from .group_rows import Group
 from .problem import Fitted
 from .row_changes import SoleCompliance
@@ -71,9 +71,11 @@ class Result:
     ) -> Result:
         """Find noise and covariance of a fit, and what stands behind its values."""
         problem, fit, solution = fitted.problem, fitted.fit, fitted.fit.solution
-        found, noises, _ = uncertainty_of(problem, fit, white=white)
-        covariance = found.matrix if soles is None else found.matrix + soles.slopes @ soles.covariance @ soles.slopes.T
-        noise = describe_noise(problem, fit.point, noises)
+        found = uncertainty_of(problem, fit, white=white)
+        covariance = (
+            found.covariance if soles is None else found.covariance + soles.slopes @ soles.covariance @ soles.slopes.T
+        )
+        noise = describe_noise(problem, fit.point, found.noises)
         rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
         if white:
@@ -104,7 +106,7 @@ class Result:
             trends={}
             if standing
             else residual_trends(
-                problem, fit.point, noises, solution, found.stationary, whitened=fit.noises is not None
+                problem, fit.point, found.noises, solution, found.stationary, whitened=fit.noises is not None
             ),
             collinearity=collinearity,
             nonlinear=nonlinear,
@@ -116,7 +118,7 @@ class Result:
                 *fitted.warnings,
                 *nonlinear.warnings,
                 *collinearity.warnings(problem.names),
-                *(() if white else short_runs(noises, problem.joint_names)),
+                *(() if white else short_runs(found.noises, problem.joint_names)),
             ),
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
-from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, without_torque_delay
@@ -24,9 +24,6 @@ TILT = 5e-5
 
 DELAY = 2e-3
 """Delay at which its effect is computed [s]."""
-
-TINY = 1e-300
-"""Stands for columns that are zero."""
 
 
 class RowChanges(NamedTuple):
@@ -112,14 +109,10 @@ def row_changes(fitted: Fitted, others: Sequence[Problem], step: float, *, prior
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
     prior = np.diag(np.append(np.zeros(count), np.full(more, prior_std**-2)))
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information + prior), TINY))
-    scaled = ((information + prior) * np.outer(scale, scale))[np.ix_(free, free)]
-    inverse = np.linalg.pinv(scaled, rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(scale[free], scale[free])
+    known = (information + prior)[np.ix_(free, free)]
+    inverse = scaled_inverse(known)
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, more))
-    bare = np.linalg.pinv(scaled[: len(own), : len(own)], rcond=RANK_OF_SQUARES, hermitian=True) * np.outer(
-        scale[own], scale[own]
-    )
-    slopes_of[own] = -bare @ information[own, count:]
+    slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ information[own, count:]
     return RowChanges((inverse @ right[free])[-more:], inverse[-more:, -more:], slopes_of)
 
 

@@ -3,10 +3,10 @@
 from .diagnostics import JointNoise
 from .fit import Fit
 from .influence import Influence
-from .least_squares import RFactor, Solution, joint_table, stack
+from .least_squares import joint_table, stack
 from .parameters import Prior
 from .problem import LeastSquaresProblem, RowProblem
-from .row_data import RowBlock, Rows
+from .row_data import Rows
 from .trends import Trend
 
 __all__ = [
@@ -15,11 +15,8 @@ __all__ = [
     "JointNoise",
     "LeastSquaresProblem",
     "Prior",
-    "RFactor",
-    "RowBlock",
     "RowProblem",
     "Rows",
-    "Solution",
     "Trend",
     "joint_table",
     "stack",

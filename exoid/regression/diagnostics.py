@@ -30,33 +30,14 @@ WEAKLY = 0.3
 SIZE = 0.1
 """A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
 
-SPEED, ACCELERATION = 1.0, np.pi
-"""Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
-
-ROOM, WARMING = 25.0, 20.0
-"""Temperature of a joint, and by how much it changes in use [°C, K]."""
-
-STATES = 1000
-"""Of calm exercises are looked at."""
-
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
-
-REMEMBERED = 0.3
-"""and longer ones too little if the autocorrelation at their length is still larger."""
-
 
 ILL_CONDITIONED = 100.0
 """Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
 
 HOPELESS = 300.0
 """and beyond this to a third."""
-
-LARGEST = 1e100
-"""Condition indices are cut off here."""
-
-NAMED = 3
-"""So many groups of parameters are named."""
 
 
 class Direction(NamedTuple):
@@ -80,7 +61,7 @@ class Collinearity(NamedTuple):
         # With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
         # sum is the variance-decomposition proportion of direction k.
         sigma, places = solution.sigma, solution.free
-        worst_first, columns = np.minimum(sigma[0] / sigma[::-1], LARGEST), solution.Vt[::-1]
+        worst_first, columns = np.minimum(sigma[0] / sigma[::-1], 1e100), solution.Vt[::-1]
         parts = (columns * worst_first[:, None]) ** 2
         summed = np.cumsum(parts, axis=0) / np.maximum(parts.sum(axis=0), np.finfo(np.float64).tiny)
         indices = np.ones(len(solution.values))
@@ -97,16 +78,16 @@ class Collinearity(NamedTuple):
         return cls(indices, tuple(directions))
 
     def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Name the parameters that move together, in one sentence."""
+        """Name the parameters that move together, three groups of them at most, in one sentence."""
         groups = [
             f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
             for direction in self.directions
         ]
         if not groups:
             return ()
-        more = f"; and {len(groups) - NAMED} other groups" if len(groups) > NAMED else ""
+        more = f"; and {len(groups) - 3} other groups" if len(groups) > 3 else ""
         return (
-            f"these recordings hardly tell apart {'; '.join(groups[:NAMED])}{more}: small errors of model, sensors or "
+            f"these recordings hardly tell apart {'; '.join(groups[:3])}{more}: small errors of model, sensors or "
             "filters move them together by much, so excite more, or plan a motion",
         )
 
@@ -173,13 +154,14 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
 
 def short_runs(noises: Noises, joint_names: Sequence[str]) -> tuple[str, ...]:
     """Warn of joints whose recordings or segments are too short to tell how long the noise remains correlated."""
-    # Recordings or segments with fewer independent samples tell nothing of correlated noise,
+    # Fewer than three independent samples tell nothing of correlated noise, and more too little if the
+    # autocorrelation at their length is still large.
     short = {
         joint: noise.longest_run
         for (kind, joint), noise in noises.items()
         if not kind.at_rest
         and noise.longest_run is not None
-        and (noise.longest_run < 3 or noise.autocorrelation(noise.longest_run) > REMEMBERED)
+        and (noise.longest_run < 3 or noise.autocorrelation(noise.longest_run) > 0.3)
     }
     if not short:
         return ()
@@ -204,7 +186,11 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,)."""
     # That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
-    columns, torques = norms[:, :-1], norms[:, -1:]
+    return _smallest_size(norms[:, :-1], norms[:, -1:])
+
+
+def _smallest_size(columns: FloatArray, torques: FloatArray) -> FloatArray:
+    """Size that explains a torque (n, 1) by a column (n, P) alone, where it is smallest, (P,); 0 for none."""
     there = (columns > 0.0) & (torques > 0.0)  # a passive joint has no torque to explain
     sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
@@ -217,17 +203,15 @@ def reference_scale(
     # A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error
     # of it would look small: a slow motion does not make an inertia sure. Nor does friction that acts for
     # moments only: such a column counts by its largest value, over √3 like one that is spread evenly.
+    # Calm is 0.5 Hz and ±18°: up to 1 rad/s and π rad/s², at 25 ± 20 °C.
     rng = np.random.default_rng(0)
-    q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
+    q, v, a = rng.uniform(-1.0, 1.0, (3, 1000, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
-    heat = ROOM + WARMING * rng.uniform(-1.0, 1.0, q.shape)
-    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a, temperature=heat)).max(axis=0) / math.sqrt(3.0)
+    heat = 25.0 + 20.0 * rng.uniform(-1.0, 1.0, q.shape)
+    columns = np.abs(model.regressor(q, v, np.pi * a, temperature=heat)).max(axis=0) / math.sqrt(3.0)
     joints = len(columns)
     squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
-    torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
-    there = (columns > 0.0) & (torques > 0.0)
-    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
-    return np.where(np.isfinite(sizes), sizes, 0.0)
+    return _smallest_size(columns, np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0)))
 
 
 def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:

@@ -10,7 +10,7 @@ from exoid.signals import Poses, Preparation, Recording
 
 from .model import RegressorModel
 from .row_data import Rows
-from .rows import Prepared, chain, form_rows, prepare
+from .rows import OF_SAMPLES, Prepared, chain, form_rows, prepare
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -32,7 +32,6 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
             payload = None if rows.payload is None else rows.payload / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
         if not counted.all():
-            names = ("time", "W", "tau", "q", "v", "usable", *(() if rows.payload is None else ("payload",)))
-            arrays = {name: getattr(rows, name)[counted] for name in names}
-            rows = rows._replace(**arrays)
+            names = OF_SAMPLES if rows.payload is None else (*OF_SAMPLES, "payload")
+            rows = rows._replace(**{name: getattr(rows, name)[counted] for name in names})
         yield rows

@@ -102,7 +102,7 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     """
     first = ols(problem).solution.values
     floor = noise_floor(problem)
-    weights = [1.0 / max(_rms(r_factor, first), floor) for r_factor in problem.r_factors]
+    weights = [1.0 / max(each.residual(first) / math.sqrt(max(each.rows, 1)), floor) for each in problem.r_factors]
     return Fit(problem.solve(stack(problem.r_factors, weights)), weights)
 
 
@@ -114,27 +114,14 @@ def noise_floor(problem: LeastSquaresProblem) -> float:
     return 1e-9 * torque
 
 
-def _rms(r_factor: RFactor, values: FloatArray) -> float:
-    """RMS residual of one joint [N·m]."""
-    return r_factor.residual(values) / math.sqrt(max(r_factor.rows, 1))
-
-
 class Uncertainty(NamedTuple):
     """Covariance of a fit, and the noise that it is for."""
 
-    found: Covariance  # the covariance
+    covariance: FloatArray  # covariance of the parameters, (P, P)
+    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
+    stationary: FloatArray  # covariance by models of stationary noise, independent between joints, alone, (P, P)
     noises: Noises  # noise of each kind and joint
     white: bool  # whether the covariance assumes white noise
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of the parameters, (P, P)."""
-        return self.found.matrix
-
-    @property
-    def dofs(self) -> FloatArray | None:
-        """Degrees of freedom of each variance, (P,); None where they follow from the number of samples."""
-        return self.found.dofs
 
 
 def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
@@ -143,33 +130,31 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
     textbook = Covariance(solution.covariance, None, solution.covariance)
     if fit.noises is None:
         bare = sandwich(problem, fit.point, solution)
-        found = textbook if white else _correlated(problem, fit.point, solution, bare)
-        return Uncertainty(_not_below(found, smallest_variances(problem, fit)), bare.noises, white)
+        found = textbook if white else _with_blocks(problem, fit.point, solution, bare)
+        return Uncertainty(*_no_surer_than_rows(found, problem, fit), bare.noises, white)
     if fit.correlated is not None:
-        return Uncertainty(textbook if white else fit.correlated, fit.noises, white)
+        return Uncertainty(*(textbook if white else fit.correlated), fit.noises, white)
     if white:
         raise NotSupportedError(
             "this estimator weighs rows by a model of correlated noise, so that noise='white' does not apply",
             remedy="leave noise out, or use wls",
         )
     if not fit.whitened:
-        return Uncertainty(textbook, fit.noises, white)
-    left_out = jackknife(problem, fit.point, fit.noises, solution, whitened=True)
-    return Uncertainty(_rescaled(solution.covariance, left_out), fit.noises, white)
+        return Uncertainty(*textbook, fit.noises, white)
+    bare = Sandwich(solution.covariance, fit.noises)
+    return Uncertainty(*_with_blocks(problem, fit.point, solution, bare, whitened=True), fit.noises, white)
 
 
 def correlated_covariance(rows: RowSource, point: Point, solution: Solution) -> Covariance:
     """Covariance of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
-    return _correlated(rows, point, solution, sandwich(rows, point, solution))
+    return _with_blocks(rows, point, solution, sandwich(rows, point, solution))
 
 
-def _correlated(rows: RowSource, point: Point, solution: Solution, bare: Sandwich) -> Covariance:
-    """Variances by the jackknife, correlations by the noise models."""
-    return _rescaled(bare.covariance, jackknife(rows, point, bare.noises, solution, whitened=False))
-
-
-def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
-    """S C S with S_i² = V_i / C_ii; there is nothing to rescale where fewer than two blocks are left out."""
+def _with_blocks(
+    rows: RowSource, point: Point, solution: Solution, bare: Sandwich, *, whitened: bool = False
+) -> Covariance:
+    """S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless too few blocks, correlations by the noise."""
+    found, covariance = jackknife(rows, point, bare.noises, solution, whitened=whitened), bare.covariance
     if not found.blocks:
         return Covariance(covariance, None, covariance)
     variances = np.diag(covariance)
@@ -177,20 +162,14 @@ def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
     return Covariance(covariance * np.multiply.outer(scale, scale), found.dofs, covariance)
 
 
-def smallest_variances(problem: RowProblem, fit: Fit) -> FloatArray:
-    """Compute the variances for white noise of :data:`ACCURACY` of the RMS torque of each joint."""
-    inverse = fit.solution.inverse
-    variances = np.zeros(len(inverse))
+def _no_surer_than_rows(found: Covariance, problem: RowProblem, fit: Fit) -> Covariance:
+    """Raise variances to those for white noise of :data:`ACCURACY` of each joint's RMS torque; correlations stay."""
+    inverse, variances = fit.solution.inverse, np.diag(found.matrix)
+    smallest = np.zeros(len(inverse))
     for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
         if r_factor.rows:
             size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
-            variances += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
-    return variances
-
-
-def _not_below(found: Covariance, smallest: FloatArray) -> Covariance:
-    """Raise the variances that are smaller; correlations stay."""
-    variances = np.diag(found.matrix)
+            smallest += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
     if (variances >= smallest).all():
         return found
     scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))

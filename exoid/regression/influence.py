@@ -15,15 +15,6 @@ from exoid.errors import ExoidError
 from .least_squares import stack
 from .problem import RowProblem
 
-NO_ESTIMATE = np.inf
-"""Change of a parameter that cannot be identified without a recording."""
-
-SIGNIFICANT = 0.05
-"""Probability with which one recording or other of the same leg would be said to move the estimate."""
-
-TINY = 1e-12
-"""Least share of the other recordings, to divide by."""
-
 
 class Influence(NamedTuple):
     """Influence of each of R recordings, in the order in which they were given.
@@ -43,17 +34,6 @@ class Influence(NamedTuple):
     share: FloatArray
     expected: FloatArray
 
-    def of(self, count: int) -> Influence:
-        """Keep the first so many parameters.
-
-        Args:
-            count: Number of parameters.
-
-        Returns:
-            Influence on the first ones.
-        """
-        return self.at(slice(count))
-
     def at(self, places: slice | NDArray[np.intp]) -> Influence:
         """Keep the parameters at these places.
 
@@ -68,7 +48,7 @@ class Influence(NamedTuple):
     def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
 
-        Only what noise does not explain either: in one of twenty estimates the largest change of all does by chance.
+        Only what noise does not explain either: in one of twenty estimates the largest change is that large by chance.
 
         Args:
             limit: Change in standard deviations, one number or (P,).
@@ -76,7 +56,7 @@ class Influence(NamedTuple):
         Returns:
             Name of each such recording, and indices of the parameters that it moves.
         """
-        chance = float(scipy.stats.norm.ppf(1.0 - 0.5 * SIGNIFICANT / self.change.size))
+        chance = float(scipy.stats.norm.ppf(1.0 - 0.5 * 0.05 / self.change.size))
         moved = np.isfinite(self.change) & (np.abs(self.change) > np.maximum(limit, chance * self.expected))
         found = zip(self.recordings, moved, strict=True)
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
@@ -94,7 +74,7 @@ def influence(problem: RowProblem, names: Sequence[str], weights: Sequence[float
         try:
             values = problem.without(index, stack([*each[:index], *each[index + 1 :]]), whole)
         except ExoidError:
-            values = np.full(len(std), NO_ESTIMATE)
+            values = np.full(len(std), np.inf)
         np.divide(values - whole.values, std, out=change[index], where=std > 0.0)
         share[index], expected[index] = _information(of_one.R[:, : len(std)], whole.inverse)
     return Influence(tuple(names), change, share, np.where(np.isfinite(change), expected, 0.0))
@@ -107,4 +87,4 @@ def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatA
     parts = (inverse @ R.T @ vectors) ** 2
     variance = np.diag(inverse)
     parts = np.divide(parts.T, variance, out=np.zeros_like(parts.T), where=variance > 0.0)
-    return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, TINY, 1.0)).sum(axis=1))
+    return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, 1e-12, 1.0)).sum(axis=1))

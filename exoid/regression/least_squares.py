@@ -31,37 +31,18 @@ ROUNDING = 1e-9
 TINY = 1e-150
 """Smallest number to divide by."""
 
-COLUMNS = 4
-"""Columns that are factorised at once: of so few as a joint has, fastest."""
-
 
 class RFactor(NamedTuple):
-    """R factor of the QR factorisation of [W τ] of one joint: all that least squares needs of its rows.
+    """R factor of the QR factorisation of [W τ] of one joint: all that least squares needs of its rows."""
 
-    Attributes:
-        R: Upper R factor, (P + 1, P + 1).
-        rows: Number of rows that it stands for.
-        samples: Number of independent samples among them.
-        taken: R factor of what was taken out of the rows at reversals, (M, P + 1); None for nothing.
-        all_rows: Number of rows with what was taken out.
-    """
-
-    R: FloatArray
-    rows: int
-    samples: float
-    taken: FloatArray | None = None
-    all_rows: int = 0
+    R: FloatArray  # upper R factor, (P + 1, P + 1)
+    rows: int  # number of rows that it stands for
+    samples: float  # number of independent samples among them
+    taken: FloatArray | None = None  # R factor of what was taken out at reversals, (M, P + 1); None for nothing
+    all_rows: int = 0  # number of rows with what was taken out
 
     def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
-        """Put the columns into the places that they have among so many, the others being zero.
-
-        Args:
-            columns: Index of each column among all.
-            width: Number of all columns.
-
-        Returns:
-            The R factor, zero in the other columns.
-        """
+        """Put the columns into the places that they have among so many, the others being zero."""
         R, taken = np.zeros((len(self.R), width)), None
         R[:, columns] = self.R
         if self.taken is not None:
@@ -70,27 +51,8 @@ class RFactor(NamedTuple):
         return factorize(R, self.rows, self.samples)._replace(taken=taken, all_rows=self.all_rows)
 
     def residual(self, values: FloatArray) -> float:
-        """Root of the sum of squared residuals ‖W β − τ‖ [N·m].
-
-        Args:
-            values: Parameters β, (P,).
-
-        Returns:
-            Norm of the residual [N·m].
-        """
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
-
-    def whole_residual(self, values: FloatArray) -> float:
-        """Root of the sum of squared residuals, with what was taken out of the rows at reversals.
-
-        Args:
-            values: Parameters β, (P,).
-
-        Returns:
-            Norm of the residual [N·m].
-        """
-        taken = 0.0 if self.taken is None else float(np.linalg.norm(self.taken @ np.append(values, -1.0)))
-        return math.hypot(self.residual(values), taken)
 
 
 def factorize_rows(rows: Rows) -> list[RFactor]:
@@ -99,10 +61,8 @@ def factorize_rows(rows: Rows) -> list[RFactor]:
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
         count = table.shape[1]
-        left, taken = (
-            (rows.reversals[joint].noise_left * count, rows.reversals[joint].table) if rows.reversals else (count, None)
-        )
-        r_factor = factorize(table.T, round(left), left * rows.independent_fraction)
+        taken, left = rows.reversals[joint] if rows.reversals else (None, 1.0)
+        r_factor = factorize(table.T, round(left * count), left * count * rows.independent_fraction)
         r_factor = r_factor.among(columns, rows.W.shape[2] + 1)
         r_factors.append(r_factor._replace(taken=_triangle(taken), all_rows=count))
     return r_factors
@@ -133,7 +93,7 @@ def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
-    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(4, width), table)  # blocks of 4: fastest for so few columns
     return RFactor(np.triu(factored[:width]), rows, samples)
 
 
@@ -146,7 +106,9 @@ def _triangle(table: FloatArray | None) -> FloatArray | None:
 
 def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
     """RMS residual over the rows of several R factors, reversals included [N·m]."""
-    squares = sum(r_factor.whole_residual(values) ** 2 for r_factor in r_factors)
+    error = np.append(values, -1.0)
+    parts = [part for each in r_factors for part in (each.R, each.taken) if part is not None]
+    squares = sum(float(np.linalg.norm(part @ error)) ** 2 for part in parts)
     return float(np.sqrt(squares / max(sum(max(t.rows, t.all_rows) for t in r_factors), 1)))
 
 
@@ -172,12 +134,30 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
     return stacked._replace(taken=_triangle(np.vstack(taken)) if taken else None, all_rows=all_rows)
 
 
-def scaled_lstsq(A: FloatArray, b: FloatArray, rank: float = RANK) -> FloatArray:
-    """Minimise ‖A x − b‖ with columns of unit length; x is zero in directions that count as unseen."""
+def column_scale(A: FloatArray) -> FloatArray:
+    """Length of each column; 1 for one that is zero."""
     scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    x, *_ = np.linalg.lstsq(A / scale, b, rcond=rank)
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def scaled_lstsq(A: FloatArray, b: FloatArray) -> FloatArray:
+    """Minimise ‖A x − b‖ with columns of unit length; x is zero in directions that count as unseen (RANK)."""
+    scale = column_scale(A)
+    x, *_ = np.linalg.lstsq(A / scale, b, rcond=RANK)
     return np.asarray((x.T / scale).T)
+
+
+def scaled_pinv(A: FloatArray) -> FloatArray:
+    """Solve as :func:`scaled_lstsq` for any right-hand side."""
+    scale = column_scale(A)
+    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])
+
+
+def scaled_inverse(M: FloatArray) -> FloatArray:
+    """Pseudo-inverse of normal equations or a covariance, scaled to a diagonal of 1 (RANK_OF_SQUARES)."""
+    scale = np.sqrt(np.clip(np.diag(M), 0.0, None))
+    both = np.multiply.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
+    return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
 
 
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
@@ -192,42 +172,21 @@ def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]
 
 
 class Solution(NamedTuple):
-    """Least-squares estimate with its evidence.
+    """Least-squares estimate with its evidence."""
 
-    Attributes:
-        values: β, (P,).
-        covariance: For independent noise of one size in all rows, as weighted, (P, P).
-        condition_number: Condition number of the regressor with columns scaled to unit length.
-        dof: Independent samples less parameters.
-        inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
-        prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
-        bounded: Indices of parameters that would have become negative.
-        sigma: Singular values of the regressor with columns scaled to unit length, the largest first, (p,).
-        Vt: Its right singular vectors, (p, p).
-        free: Indices of the p parameters that are not known.
-    """
-
-    values: FloatArray
-    covariance: FloatArray
-    condition_number: float
-    dof: float
-    inverse: FloatArray
-    prior_noise: FloatArray
-    bounded: tuple[int, ...] = ()
-    sigma: FloatArray = np.ones(0)
-    Vt: FloatArray = np.ones((0, 0))
-    free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+    values: FloatArray  # β, (P,)
+    covariance: FloatArray  # for independent noise of one size in all rows, as weighted, (P, P)
+    condition_number: float  # condition number of the regressor with columns scaled to unit length
+    dof: float  # independent samples less parameters
+    inverse: FloatArray  # (WᵀW)⁻¹ of the rows as weighted, with those of priors; zero for known parameters, (P, P)
+    prior_noise: FloatArray  # share of the priors' own uncertainty in Wᵀ Γ W, (P, P)
+    bounded: tuple[int, ...] = ()  # indices of parameters that would have become negative
+    sigma: FloatArray = np.ones(0)  # singular values of the regressor of unit columns, the largest first, (p,)
+    Vt: FloatArray = np.ones((0, 0))  # its right singular vectors, (p, p)
+    free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)  # indices of the p parameters that are not known
 
     def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
-        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K).
-
-        Args:
-            names: Names of the parameters, (P,).
-            prior_knowledge: Prior knowledge with K priors.
-
-        Returns:
-            ∂β/∂p, (P, K).
-        """
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
         places = [list(names).index(name) for name in prior_knowledge.prior.values]
         std = np.array([std for _, std in prior_knowledge.prior.values.values()])
         return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
@@ -258,10 +217,13 @@ def solve(
         )
     priors = prior_knowledge.pseudo_rows(names)
     priors = priors[:, np.append(free, True)]
-    size = _row_noise(reduced, dof) if len(priors) else 0.0
-    R = factorize(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
-    scale = np.linalg.norm(R[:count, :count], axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
+    size, R = 0.0, reduced.R
+    if len(priors):  # s is the noise of a row, whether or not the rows alone determine all parameters
+        W, tau = R[:, :-1], R[:, -1]
+        left = float(np.linalg.norm(tau - W @ scaled_lstsq(W, tau)))
+        size = max(left, ROUNDING * float(np.linalg.norm(tau)), TINY) / math.sqrt(dof)
+        R = factorize(np.vstack([R, size * priors]), 0, 0.0).R
+    scale = column_scale(R[:count, :count])
     unit, z = R[:count, :count] / scale, R[:count, count]
     U, sigma, Vt = np.linalg.svd(unit)
     seen = sigma > RANK * sigma[0]
@@ -272,7 +234,10 @@ def solve(
     values = Vt.T @ (U.T @ z / sigma) / scale
     bounded = np.zeros(count, dtype=np.bool_)
     if nonnegative is not None and (values[nonnegative[free]] < 0.0).any():
-        values, bounded = _bounded(unit, z, scale, nonnegative[free])
+        lower = np.where(nonnegative[free], 0.0, -np.inf)
+        found = scipy.optimize.lsq_linear(unit, z, (lower, np.inf), method="bvls", tol=1e-14)
+        bounded = found.active_mask < 0
+        values = np.where(bounded, 0.0, found.x / scale)
     V = Vt.T / sigma / scale[:, None]
     inverse = V @ V.T
     variance = size**2 if len(priors) else R[count, count] ** 2 / dof
@@ -292,24 +257,6 @@ def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]
         return r_factor
     torque = r_factor.R @ np.append(-fixed, 1.0)
     return factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
-
-
-def _row_noise(r_factor: RFactor, dof: float) -> float:
-    """Size s of the noise of a row, counted as independent, whether or not the rows determine all parameters."""
-    W, tau = r_factor.R[:, :-1], r_factor.R[:, -1]
-    left = float(np.linalg.norm(tau - W @ scaled_lstsq(W, tau)))
-    residual = max(left, ROUNDING * float(np.linalg.norm(tau)), TINY)
-    return residual / math.sqrt(dof)
-
-
-def _bounded(
-    unit: FloatArray, z: FloatArray, scale: FloatArray, nonnegative: NDArray[np.bool_]
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Minimise with some values not below zero, and say which are zero for that."""
-    lower = np.where(nonnegative, 0.0, -np.inf)
-    found = scipy.optimize.lsq_linear(unit, z, (lower, np.inf), method="bvls", tol=1e-14)
-    bounded = found.active_mask < 0
-    return np.where(bounded, 0.0, found.x / scale), bounded
 
 
 def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:

@@ -17,9 +17,6 @@ from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import RowProblem, RowSource
 from .row_data import NoiseKind, RowBlock
 
-PASSES = 5
-"""Noise and covariance depend on each other, and are computed in turn at most so often."""
-
 SETTLED = 1e-3
 """They have converged when no standard deviation changes by more than this part."""
 
@@ -56,67 +53,53 @@ Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
-class ColumnLayout(NamedTuple):
-    """Where the rows of joints belong in a problem, without the rows."""
-
-    columns: Sequence[NDArray[np.intp]]  # parameters that can act on each joint
-    weights: NDArray[np.intp]  # place of the weight of a joint's rows in motion, and at rest, (joints, 2)
-
-    @staticmethod
-    def of(problem: RowSource) -> ColumnLayout:
-        """Ask a problem."""
-        kinds = (NoiseKind(at_rest, 0) for at_rest in (False, True))
-        places = [[problem.weight_index(kind, joint) for joint in range(len(problem.columns))] for kind in kinds]
-        return ColumnLayout(problem.columns, np.transpose(places))
-
-
 T = TypeVar("T")
 
 
 def over_recordings(problem: RowSource, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
     """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
     # The rows may be elsewhere, on a disk or on other workers: what the work finds should be small.
-    yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
+    yield from problem.gather(partial(_on_series, work, _weigher(problem, point)))
 
 
 def _on_series(
-    work: Callable[[Iterator[Series]], T], layout: ColumnLayout, point: Point, blocks: Iterable[RowBlock]
+    work: Callable[[Iterator[Series]], T],
+    weigh: Callable[[Iterable[RowBlock]], Iterator[Series]],
+    blocks: Iterable[RowBlock],
 ) -> T:
-    return work(_series(blocks, layout, point))
+    return work(weigh(blocks))
 
 
 def series(problem: RowProblem, point: Point) -> Iterator[Series]:
     """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
-    return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
+    return _weigher(problem, point)(problem.blocks(decimated=True))
 
 
-def _series(blocks: Iterable[RowBlock], layout: ColumnLayout, point: Point) -> Iterator[Series]:
-    """Weigh rows joint by joint."""
+def _weigher(problem: RowSource, point: Point) -> Callable[[Iterable[RowBlock]], Iterator[Series]]:
+    """Make a function that weighs rows and knows no more of the problem than that needs: it may go to a worker."""
+    weights = [
+        [point.weights[problem.weight_index(NoiseKind(at_rest, 0), joint)] for at_rest in (False, True)]
+        for joint in range(len(problem.columns))
+    ]
+    return partial(_weigh, problem.columns, weights, point)
+
+
+def _weigh(
+    columns_of: Sequence[NDArray[np.intp]], weights: Sequence[Sequence[float]], point: Point, blocks: Iterable[RowBlock]
+) -> Iterator[Series]:
+    """Weigh rows joint by joint, with the weight of each joint in motion and at rest."""
     for kind, rows, begins, ends, first in blocks:
         for own, acting in enumerate(rows.acting):
             joint = first + own
-            weight = point.weights[layout.weights[joint, int(kind.at_rest)]]
-            usable = rows.usable[:, own].astype(np.float64)
-            columns = layout.columns[joint]
-            counted = weight * usable
+            usable, columns = rows.usable[:, own].astype(np.float64), columns_of[joint]
+            counted = weights[joint][kind.at_rest] * usable
             X = rows.W[:, own].T[acting]
             X *= counted
             residual = rows.tau[:, own] * counted - point.values[columns] @ X
             if np.isfinite(point.clip):
                 residual = np.clip(residual, -point.clip, point.clip)
-            yield Series(
-                kind,
-                joint,
-                columns,
-                X,
-                residual,
-                usable,
-                rows.q[:, own],
-                rows.v[:, own],
-                rows.stands_for,
-                begins,
-                ends,
-            )
+            q, v = rows.q[:, own], rows.v[:, own]
+            yield Series(kind, joint, columns, X, residual, usable, q, v, rows.stands_for, begins, ends)
 
 
 def fit_noise(
@@ -163,7 +146,7 @@ def sandwich(problem: RowSource, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals."""
     # Rows of priors are among those of W, with the noise that the priors say.
     inverse, covariance = solution.inverse, solution.covariance
-    for _ in range(PASSES):
+    for _ in range(5):  # noise and covariance depend on each other, and are computed in turn
         noises = fit_noise(problem, point, covariance)
         meat = solution.prior_noise.copy()
         for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):

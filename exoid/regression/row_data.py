@@ -1,13 +1,19 @@
-"""Rows of the least-squares problem, and the kinds of their noise."""
+"""Rows of the least-squares problem, the kinds of their noise, and the file in which they wait for the next pass."""
 
 from __future__ import annotations
 
+import os
+import pickle
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 
 
 class TakenOut(NamedTuple):
@@ -56,18 +62,52 @@ class NoiseKind(NamedTuple):
 
 
 class RowBlock(NamedTuple):
-    """Consecutive rows of one recording and the kind of their noise.
-
-    Attributes:
-        kind: Kind of the noise.
-        rows: The rows.
-        begins: Whether these are the first of the recording.
-        ends: Whether these are the last of it.
-        first: Index of the first joint of the rows among those of the problem.
-    """
+    """Consecutive rows of one recording and the kind of their noise."""
 
     kind: NoiseKind
     rows: Rows
-    begins: bool
-    ends: bool
-    first: int = 0
+    begins: bool  # whether these are the first of the recording
+    ends: bool  # whether these are the last of it
+    first: int = 0  # index of the first joint of the rows among those of the problem
+
+
+class RowsFile:
+    """Stretches of one recording's rows, written once and read in order as often as wanted; gone with the object."""
+
+    def __init__(self) -> None:
+        """Open a file that has no name."""
+        with _writing():
+            self._file = tempfile.TemporaryFile(prefix="exoid-")  # noqa: SIM115 - closed with the last reference
+        self._count = 0
+
+    def add(self, rows: Rows) -> None:
+        """Write one stretch more."""
+        with _writing():
+            pickle.dump(rows, self._file, protocol=pickle.HIGHEST_PROTOCOL)
+            self._file.flush()
+        self._count += 1
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __iter__(self) -> Iterator[Rows]:
+        """Read one stretch after the other."""
+        place = 0
+        for _ in range(self._count):
+            self._file.seek(place)  # somebody else may be reading, too
+            rows: Rows = pickle.load(self._file)
+            place = self._file.tell()
+            yield rows
+
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    """Turn an error of the operating system into one line about the folder of temporary files."""
+    try:
+        yield
+    except OSError as problem:
+        raise ExoidError(
+            f"temporary rows cannot be written: {problem.strerror or problem}",
+            where=os.environ.get("TMPDIR", ""),
+            remedy="free space there, or name another folder by the environment variable TMPDIR",
+        ) from None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ REACHES = 8.0
 
 BLOCKS = 12
 """Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
+
+OF_SAMPLES = ("time", "W", "tau", "q", "v", "usable")
+"""Arrays of :class:`Rows` with a row for each sample."""
 
 
 def rate_class(time: FloatArray) -> int:
@@ -99,6 +102,10 @@ def prepare(
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
     counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
+    pulses = None
+    if parallel is not None and slow is not None:
+        unknown = around_stops(slow, parallel).T & counting.T  # friction, where a torque was measured and counts
+        pulses = tuple(reversal_pulses(of_row, parallel) for of_row in unknown)
     return Prepared(
         recording.time,
         motion,
@@ -108,16 +115,8 @@ def prepare(
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
-        None if parallel is None or slow is None else _reversal_pulses(slow, parallel, counting),
+        pulses,
     )
-
-
-def _reversal_pulses(
-    slow: NDArray[np.bool_], parallel: ParallelFilter, counting: NDArray[np.bool_]
-) -> tuple[NDArray[np.intp], ...]:
-    """Place pulses at the reversals of each row whose torque was measured, where samples count."""
-    unknown = around_stops(slow, parallel).T & counting.T
-    return tuple(reversal_pulses(of_row, parallel) for of_row in unknown)
 
 
 def _without_payload(tau: FloatArray, motion: MotionSamples) -> FloatArray:
@@ -271,18 +270,9 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         return rows
     first = _first_kept(count, step)
     kept = slice((first - before) % step, None, step)
-    return Rows(
-        rows.time[kept],
-        rows.W[kept].copy(order="K"),
-        rows.tau[kept].copy(),
-        rows.q[kept].copy(),
-        rows.v[kept].copy(),
-        rows.usable[kept].copy(),
-        rows.acting,
-        min(1.0, rows.independent_fraction * step),
-        count / len(range(first, count, step)),
-        rows.reversals,
-    )
+    fraction, stands_for = min(1.0, rows.independent_fraction * step), count / len(range(first, count, step))
+    arrays: dict[str, Any] = {name: getattr(rows, name)[kept].copy(order="K") for name in OF_SAMPLES}
+    return rows._replace(**arrays, independent_fraction=fraction, stands_for=stands_for, payload=None)
 
 
 def decimated(prepared: Prepared) -> Prepared:
@@ -305,7 +295,9 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     """Put stretches of one recording together."""
     if len(stretches) == 1:
         return stretches[0]
-    W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
+    arrays: dict[str, Any] = {name: np.concatenate([getattr(rows, name) for rows in stretches]) for name in OF_SAMPLES}
+    # column by column, as they lie in memory
+    arrays["W"] = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
     lengths = [len(rows.time) for rows in stretches]
     reversals = tuple(
         TakenOut(
@@ -314,16 +306,7 @@ def chain(stretches: Sequence[Rows]) -> Rows:
         for parts in zip(*(rows.reversals for rows in stretches), strict=True)
     )
     payloads = [rows.payload for rows in stretches if rows.payload is not None]
-    return stretches[0]._replace(
-        reversals=reversals,
-        payload=np.concatenate(payloads) if payloads else None,
-        time=np.concatenate([rows.time for rows in stretches]),
-        W=W,
-        tau=np.concatenate([rows.tau for rows in stretches]),
-        q=np.concatenate([rows.q for rows in stretches]),
-        v=np.concatenate([rows.v for rows in stretches]),
-        usable=np.concatenate([rows.usable for rows in stretches]),
-    )
+    return stretches[0]._replace(**arrays, reversals=reversals, payload=np.concatenate(payloads) if payloads else None)
 
 
 Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)

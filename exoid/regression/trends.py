@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
 
@@ -20,9 +20,6 @@ from .row_data import NoiseKind
 
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
-
-QUANTILES = 1001
-"""Of a longer recording so many values of velocity and angle stand for all, to find the intervals."""
 
 SIGNIFICANT = 1e-3
 """A smaller probability is called a dependence,"""
@@ -80,7 +77,7 @@ def residual_trends(
     sums: dict[int, _Sums] = {}
     for of_recording in over_recordings(problem, point, partial(_sum_up, edges, noises)):
         for joint, found in of_recording.items():
-            sums[joint] = found.plus(sums[joint]) if joint in sums else found
+            sums[joint] = _Sums(*map(np.add, sums[joint], found)) if joint in sums else found
     trends = {}
     for joint, found in sorted(sums.items()):
         own = np.ix_(problem.columns[joint], problem.columns[joint])
@@ -108,30 +105,19 @@ _HINT = {
 }
 
 
-@dataclass
-class _Sums:
+class _Sums(NamedTuple):
     """Sums over the intervals of one joint, (2 B, …)."""
 
     residual: FloatArray
-    count: FloatArray
+    samples: FloatArray
     columns: FloatArray
     noise: FloatArray
     cross: FloatArray
 
-    @classmethod
-    def zero(cls, rows: int, columns: int) -> _Sums:
-        """Make sums of no samples."""
-        nonlinear = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
-        return cls(*(np.zeros(shape) for shape in nonlinear))
-
-    def plus(self, other: _Sums) -> _Sums:
-        """Add the sums of other samples."""
-        return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
-
 
 def _sum_up(edges: Mapping[int, FloatArray], noises: Noises, parts: Iterator[Series]) -> dict[int, _Sums]:
     """Sum over the intervals, joint by joint, what one recording in motion has there."""
-    sums: dict[int, _Sums] = {}
+    sums: dict[int, list[FloatArray]] = {}
     forms: dict[int, QuadraticForm] = {}
     for part in parts:
         if part.joint not in edges or part.kind.at_rest:
@@ -139,24 +125,18 @@ def _sum_up(edges: Mapping[int, FloatArray], noises: Noises, parts: Iterator[Ser
         D = _indicators(part, edges[part.joint])
         if part.begins:
             forms[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(D) + len(part.X))
-            sums[part.joint] = _Sums.zero(len(D), len(part.X))
+            sums[part.joint] = [np.zeros(()) for _ in _Sums._fields]
         forms[part.joint].add(np.vstack([D, part.X]))
-        found = sums[part.joint]
-        found.residual += D @ part.residual
-        found.count += D.sum(axis=1)
-        found.columns += D @ part.X.T
+        new = [D @ part.residual, D.sum(axis=1), D @ part.X.T, np.zeros(()), np.zeros(())]
         if part.ends:
             form = forms[part.joint].total()
-            found.noise += form[: len(D), : len(D)]
-            found.cross += part.stands_for * form[: len(D), len(D) :]
-    return sums
+            new[3:] = [form[: len(D), : len(D)], part.stands_for * form[: len(D), len(D) :]]
+        sums[part.joint] = list(map(np.add, sums[part.joint], new))
+    return {joint: _Sums(*found) for joint, found in sums.items()}
 
 
-class _Spread(NamedTuple):
-    """Velocities and angles of a joint in one recording, in ascending order, each for so many rows, (2, K)."""
-
-    values: FloatArray
-    stands_for: float
+_Spread = tuple[FloatArray, float]
+"""Velocities and angles of a joint in one recording, in ascending order, (2, K), each for so many rows."""
 
 
 def _edges(problem: RowProblem, point: Point) -> dict[int, FloatArray]:
@@ -165,8 +145,9 @@ def _edges(problem: RowProblem, point: Point) -> dict[int, FloatArray]:
     for of_recording in over_recordings(problem, point, _spreads):
         for joint, spread in of_recording.items():
             seen.setdefault(joint, []).append(spread)
-    # Independent samples wanted in each on average
-    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if _count(spreads) >= 10 * BINS}
+    counts = {joint: sum(values.shape[1] * stands_for for values, stands_for in seen[joint]) for joint in seen}
+    # 10 independent samples are wanted in each on average
+    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if counts[joint] >= 10 * BINS}
 
 
 def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:
@@ -179,20 +160,16 @@ def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:
     for joint, several in seen.items():
         values = np.sort(np.concatenate(several, axis=1), axis=1)
         count = values.shape[1]
-        if count > QUANTILES:
-            values = values[:, np.linspace(0, count - 1, QUANTILES).round().astype(np.intp)]
-        spreads[joint] = _Spread(values, count / max(values.shape[1], 1))
+        if count > 1001:  # so many stand for all, to find the intervals
+            values = values[:, np.linspace(0, count - 1, 1001).round().astype(np.intp)]
+        spreads[joint] = values, count / max(values.shape[1], 1)
     return spreads
-
-
-def _count(spreads: Sequence[_Spread]) -> float:
-    return float(sum(spread.values.shape[1] * spread.stands_for for spread in spreads))
 
 
 def _quantiles(spreads: Sequence[_Spread]) -> FloatArray:
     """Values that so many parts of all rows are below, (2, B + 1)."""
-    values = np.concatenate([spread.values for spread in spreads], axis=1)
-    weights = np.concatenate([np.full(spread.values.shape[1], spread.stands_for) for spread in spreads])
+    values = np.concatenate([values for values, _ in spreads], axis=1)
+    weights = np.concatenate([np.full(values.shape[1], stands_for) for values, stands_for in spreads])
     edges = []
     for of_one in values:
         order = np.argsort(of_one, kind="stable")
@@ -222,7 +199,7 @@ def _trends(
     kinds: tuple[Against, ...] = ("velocity", "angle")
     for k, against in enumerate(kinds):
         rows = slice(k * BINS, (k + 1) * BINS)
-        total, count = found.residual[rows], np.maximum(found.count[rows], 1.0)
+        total, count = found.residual[rows], np.maximum(found.samples[rows], 1.0)
         mean = total / count / weight
         share = float(np.sqrt(np.average(mean**2, weights=count))) / (torque or 1.0)
         std = np.sqrt(np.clip(np.diag(cov)[rows], 0.0, None)) / count / weight

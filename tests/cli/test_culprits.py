@@ -11,7 +11,7 @@ import pytest
 from one_joint import URDF, swing, write_urdf
 
 import exoid
-from exoid.regression.rows_file import RowsFile
+from exoid.regression.row_data import RowsFile
 from exoid.signals import Recording
 
 PYTHON = re.compile(

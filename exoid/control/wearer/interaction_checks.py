@@ -9,6 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import EstimateData
 from exoid.estimate.finding import Finding
+from exoid.regression.least_squares import scaled_inverse
 
 from .action import Evidence, JointAction
 
@@ -36,7 +37,7 @@ def body_like(
     weight = values @ A @ values
     if whole <= 0.0 or weight <= 0.0:
         return
-    change = np.linalg.lstsq(A, b, rcond=1e-10)[0]
+    change = scaled_inverse(A) @ b
     part, heavier = min(float(b @ change / whole), 1.0), -float(change @ A @ values / weight)
     if part < 0.9:
         return

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
-from exoid.estimate.finding import Finding
+from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
@@ -34,20 +34,13 @@ def out_of_plane_torque(
     return whole - leg.inverse_dynamics(q, v, a, base.within_plane(leg.plane, leg.hip)), whole
 
 
-def base_findings(fitted: FittedLeg) -> Iterator[Finding]:
-    """Check the base of each recording whose base moves."""
-    moving = [one for one in fitted.data if isinstance(one, Recording) and one.base is not None]
-    if fitted.model.leg.limbs and moving:
-        yield from _out_of_plane(fitted, moving)
-    for one in moving:
-        yield from _gravity_size(fitted, one)
-
-
-def _out_of_plane(fitted: FittedLeg, recordings: list[Recording]) -> Iterator[Finding]:
-    """Compare the torque of motion out of the plane with that of the whole motion, joint by joint."""
-    model, preparation = fitted.model, fitted.preparation
+def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
+    """Compare the torque of motion out of the plane of a leg with that of the whole motion, joint by joint."""
+    model, preparation, data = fitted.model, fitted.preparation, fitted.data
     worst, name = np.zeros(len(model.joint_names)), ""
-    for one in recordings:
+    for one in data if model.leg.limbs else ():
+        if not isinstance(one, Recording) or one.base is None:
+            continue
         recording = for_leg(model, one)
         base = base_during(recording, preparation)
         assert isinstance(base, BaseKinematics)
@@ -67,32 +60,23 @@ def _out_of_plane(fitted: FittedLeg, recordings: list[Recording]) -> Iterator[Fi
                 f"{joint} that X, Y and J do not describe"
             )
             remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
-            yield Finding(
-                "out-of-plane-base",
-                joint,
-                share,
-                "1",
-                "error" if share > 0.1 else "warning",
-                message,
-                remedy,
-                parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
-                recording=name if len(fitted.data) > 1 else "",
-            )
+            severity: Severity = "error" if share > 0.1 else "warning"
+            doubtful, where = tuple(np.array(model.names)[model.acting[j]].tolist()), name if len(data) > 1 else ""
+            yield Finding("out-of-plane-base", joint, share, "1", severity, message, remedy, None, doubtful, where)
 
 
-def _gravity_size(fitted: FittedLeg, one: Recording) -> Iterator[Finding]:
-    """Compare the mean vertical specific force of a base with gravity."""
+def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
+    """Compare the mean vertical specific force of each base with gravity."""
     # A base that does not fly away has no mean acceleration: the mean of f · u over a recording is g, with u
     # the vertical in its axes. A bias along it scales all gravity torques, which no residual shows.
-    assert one.base is not None
-    if one.base.pose is not None or one.contacts:
-        return
-    recording = for_leg(fitted.model, one)
-    assert recording.base is not None
-    size = _mean_vertical_force(recording.base, recording.sample_rate)
-    error = size - GRAVITY
-    # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
-    if abs(error) > 0.05 + 1.0 / recording.duration:
+    for one in fitted.data:
+        if not isinstance(one, Recording) or one.base is None or one.base.pose is not None or one.contacts:
+            continue
+        size = _mean_vertical_force(one.base, one.sample_rate)
+        error = size - GRAVITY
+        # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
+        if abs(error) <= 0.05 + 1.0 / one.duration:
+            continue
         message = (
             f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {GRAVITY}: "
             f"it is off, which changes mass moments by {100.0 * error / GRAVITY:.2g} %"
@@ -101,17 +85,8 @@ def _gravity_size(fitted: FittedLeg, one: Recording) -> Iterator[Finding]:
             "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
             "finds its bias"
         )
-        yield Finding(
-            "gravity-size",
-            "",
-            error,
-            "m/s²",
-            "warning",
-            message,
-            remedy,
-            parameters=fitted.model.leg.parameter_names,
-            recording=one.source.name if one.source else "",
-        )
+        doubtful, where = fitted.model.leg.parameter_names, one.source.name if one.source else ""
+        yield Finding("gravity-size", "", error, "m/s²", "warning", message, remedy, None, doubtful, where)
 
 
 def _mean_vertical_force(base: BaseMotion, rate: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -80,7 +80,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
         angle = Channel(recording.time, rate, angles[k], recording.q, joint)
-        yield from frozen_angle(angle)
+        for check in CHECKS["angle"]:
+            yield from check(angle)
         if torques is None or not driven[k]:
             continue
         torque = replace(angle, x=torques[k])
@@ -89,7 +90,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
             measured = ((name, x[:, k]) for name, x in read if x is not None and not np.isnan(x[:, k]).any())
             for name, x in list(measured)[:1]:
                 torque = replace(angle, x=x, noun=nouns[name], unit=UNITS[name])
-        for check in (saturation, frozen_torque, repeated_values, outliers):
+        for check in CHECKS["torque"]:
             yield from check(torque)
 
 
@@ -241,3 +242,10 @@ def quantum(x: FloatArray) -> float:
     steps = np.diff(values)
     steps = steps[steps > 1e-9 * float(values[-1] - values[0])]  # smaller ones are rounding
     return float(steps.min()) if len(steps) else 0.0
+
+
+CHECKS: dict[str, tuple[Callable[[Channel], Iterator[Finding]], ...]] = {
+    "angle": (frozen_angle,),
+    "torque": (saturation, frozen_torque, repeated_values, outliers),
+}
+"""Checks of each angle, and of each torque or what it was computed from."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -17,16 +18,15 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
-from .base_motion import base_findings
+from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
 from .evidence import Evidence
 from .physics import (
-    Residuals,
+    CheckedFit,
     far_from_urdf,
     impossible_leg,
     large_residuals,
     negative_friction,
-    negative_parameters,
     torque_scale,
     turned_segment,
 )
@@ -35,7 +35,20 @@ from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State
 from .search import find_faults, findings_of
-from .timing import timing_findings
+from .timing import late_velocities, missing_samples, wraps
+
+OF_RECORDINGS = (channel_findings, wraps, missing_samples, late_velocities)
+"""Checks of channels and times, by themselves; `channels.CHECKS` lists those of single channels."""
+
+OF_BASES = (out_of_plane_base, gravity_size)
+"""Checks of the motion of the base."""
+
+AGAINST_URDF = (far_from_urdf, turned_segment)
+"""Checks of fitted parameters against the URDF, where nothing else was found. Before them come other readings of the
+log (`readings.gross_findings`), the scale of the torque, and faults that columns describe (`kinds.KINDS`)."""
+
+AGAINST_PHYSICS = (impossible_leg, negative_friction)
+"""Checks of whether a leg with these parameters can exist, unless a fault explains that it cannot."""
 
 
 class Checkup(NamedTuple):
@@ -56,19 +69,16 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     fitted = fitted._replace(data=few_of(fitted.data))
     found = list(signal_findings(fitted.model, fitted.data))
     sample = fitted.sampled()
+    alike = sample.preparation is fitted.preparation
     try:
-        evidence = gather(sample, fitted.values, other_friction=sample.preparation is fitted.preparation)
+        evidence = gather(sample, fitted.values, other_friction=alike)
     except ExoidError:
         return Checkup(ordered(found))
-    found += base_findings(sample)
-    residuals = Residuals.of(evidence, fitted.values)
-    found += _fit_findings(sample, evidence, residuals, broken=any(one.severity == "error" for one in found))
-    ranges = evidence.ranges[0]
-    for other in evidence.ranges[1:]:
-        ranges = ranges.joined(other)
-    if sample.preparation is not fitted.preparation:
-        return Checkup(ordered(found), ranges)
-    return Checkup(ordered(found), ranges, tuple(evidence.friction), residuals.spread)
+    found += [finding for check in OF_BASES for finding in check(sample)]
+    checked = CheckedFit.of(sample, evidence)
+    found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
+    ranges = reduce(MotionRanges.joined, evidence.ranges)
+    return Checkup(ordered(found), ranges, *((tuple(evidence.friction), checked.spread) if alike else ()))
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
@@ -82,7 +92,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         names.append(one.source.name if one.source else "")
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
-            for finding in (*channel_findings(part), *timing_findings(part)):
+            for finding in (found_there for look in OF_RECORDINGS for found_there in look(part)):
                 key = (finding.kind, finding.joint)
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding
@@ -96,30 +106,25 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         yield from repeated_data(recordings, names, model.names)
 
 
-def _fit_findings(fitted: FittedLeg, evidence: Evidence, residuals: Residuals, *, broken: bool) -> Iterator[Finding]:
+def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
-    model, values = fitted.model, fitted.values
-    std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
-    below = negative_parameters(model, evidence, values, std)
     found: list[Finding] = []
     explained = False  # impossible parameters
     if not broken:
         # other readings of the log are worth trying where the model leaves a fifth of a torque
-        if (residuals.nrmse > 0.2).any() or below.any():
-            found += gross_findings(fitted)
-        scales = [] if found else list(torque_scale(model, evidence))
+        if (checked.nrmse > 0.2).any() or checked.below.any():
+            found += gross_findings(checked.fitted)
+        scales = [] if found else list(torque_scale(checked))
         if not found and all(finding.joint for finding in scales):
-            found, explained = _finer_findings(fitted, evidence, scales)
+            found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
         if not found:
-            found += far_from_urdf(model, values, std)
-            found += turned_segment(model, values, std)
+            found += [finding for check in AGAINST_URDF for finding in check(checked)]
     yield from found
     if not explained and not any(finding.severity == "error" for finding in found):
-        yield from impossible_leg(model, evidence, values, fitted.covariance)
-        yield from negative_friction(model, values, below)
-    doubted = broken or any(finding.severity != "info" for finding in found)
-    yield from large_residuals(model, residuals, doubted=doubted)
+        for check in AGAINST_PHYSICS:
+            yield from check(checked)
+    yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
 
 
 def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:

@@ -47,10 +47,10 @@ class NuisanceColumns:
     # moment arms of linear actuators, by the index of their joint
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)
 
-    @cached_property
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, (K,)."""
-        return tuple(f"{column.kind} {column.place} {column.other}" for column in self.columns)
+        return tuple(map(str, self.columns))
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -68,10 +68,8 @@ class NuisanceColumns:
         of_leg = np.tensordot(self.values[:rigid], columns[:rigid], axes=1)
         torque = of_leg + np.tensordot(self.values[rigid:], columns[rigid:count], axes=1)
         at = _Point(self, motion, torque, of_leg)
-        for column, of_column in zip(self.columns, out, strict=True):
-            of_column[... if column.kind in OF_ALL_JOINTS else column.place] = COLUMNS[column.kind](
-                at, column.place, column.other
-            )
+        for (kind, place, other), of_column in zip(self.columns, out, strict=True):
+            of_column[... if kind in OF_ALL_JOINTS else place] = COLUMNS[kind](at, place, other)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,16 +87,11 @@ class _Point:
         leg = self.of.model.leg
         return leg.with_parameters(self.of.values[: len(leg.parameter_names)])
 
-    @cached_property
-    def width(self) -> float:
-        """Width of the model's Coulomb friction [rad/s], 0.05 without it."""
+    def sign(self, j: int, sharper: float = 1.0) -> FloatArray:
+        """Direction of the motion of a joint, over the width of Coulomb friction, 0.05 rad/s without it, (N,)."""
         terms = (term for term in self.of.model.terms if isinstance(term, Coulomb))
         widths = (term.smoothing for term in terms if isinstance(term.smoothing, float) and term.smoothing > 0.0)
-        return next(widths, 0.05)
-
-    def sign(self, j: int) -> FloatArray:
-        """Direction of the motion of a joint, (N,)."""
-        return np.tanh(self.motion.v[:, j] / self.width)
+        return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
 
     @cached_property
     def slopes(self) -> TorqueSlopes:
@@ -201,7 +194,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
     "force": lambda at, _, other: at.motion.q[:, other],
     "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
-    "sharpness": lambda at, j, _: np.tanh(4.0 * at.motion.v[:, j] / at.width),
+    "sharpness": lambda at, j, _: at.sign(j, sharper=4.0),
     "friction |v|": lambda at, j, _: np.abs(at.motion.v[:, j]),
     "friction v²": lambda at, j, _: at.motion.v[:, j] * np.abs(at.motion.v[:, j]),
     "friction Stribeck": _stribeck,

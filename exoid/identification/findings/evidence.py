@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.evidence import MotionRanges
+from exoid.regression.least_squares import scaled_pinv
 from exoid.regression.row_data import Rows
 
 TINY = 1e-300
 """Smallest variance to divide by."""
-
-RANK = 1e-6
-"""Columns this close to others, after scaling, are dependent."""
 
 
 class Evidence(NamedTuple):
@@ -47,31 +45,19 @@ class Evidence(NamedTuple):
                 torque = part.tau[:, joint] - known @ W[: len(fixed)]
                 of_joint.append(np.asarray(np.vstack([W, torque]) * part.usable[:, joint]))
             rows = np.hstack(of_joint)
-            act = np.flatnonzero(rows.any(axis=1))
+            act = np.flatnonzero(rows.any(axis=1))  # fewer columns to factorise
             acting = r_factor(rows[act].T)
-            R = np.zeros((len(acting), len(rows)))
-            R[:, act] = acting
             tables.append(of_joint)
-            factors.append(R)
+            factors.append(np.zeros((len(acting), len(rows))))
+            factors[-1][:, act] = acting
         counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
         return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, factors, counts)
 
-    @property
-    def parameter_count(self) -> int:
-        """Number of parameters P; nuisance columns follow."""
-        return len(self.fixed)
-
     def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
         """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
-        found = [
-            np.linalg.norm(R[:, columns] @ sizes, axis=0) / max(float(np.linalg.norm(R[:, -1])), TINY)
-            for R in self.factors
-        ]
-        return np.asarray(np.max(found, axis=0))
-
-    def places(self, nuisances: Sequence[int]) -> NDArray[np.intp]:
-        """Find the columns of the free parameters, and some nuisance columns."""
-        return np.concatenate([self.free, self.parameter_count + np.array(nuisances, dtype=np.intp)]).astype(np.intp)
+        torques = [max(float(np.linalg.norm(R[:, -1])), TINY) for R in self.factors]
+        of_joints = [np.linalg.norm(R[:, columns] @ sizes, axis=0) for R in self.factors]
+        return np.asarray(np.max(of_joints / np.array(torques)[:, None], axis=0))
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
@@ -81,7 +67,7 @@ class Evidence(NamedTuple):
         fitted = [r_factor(R[:, np.append(columns, -1)]) for R in self.factors]
         for _ in range(4 if start is None else 2):  # weights and residuals in turn; fewer from those of a similar fit
             R = np.vstack([w * R for w, R in zip(weights, fitted, strict=True)])
-            solution = pseudo_inverse(R[:, :-1]) @ R[:, -1]
+            solution = scaled_pinv(R[:, :-1]) @ R[:, -1]
             rms = [np.linalg.norm(R_j[:, -1] - R_j[:, :-1] @ solution) for R_j in fitted] / np.sqrt(self.counts)
             weights = 1.0 / np.maximum(rms, floor)
         return np.asarray(weights)
@@ -90,10 +76,3 @@ class Evidence(NamedTuple):
 def r_factor(rows: FloatArray) -> FloatArray:
     """Reduce rows to their R factor."""
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
-
-
-def pseudo_inverse(A: FloatArray) -> FloatArray:
-    """Compute the pseudo-inverse with columns scaled to unit length."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])

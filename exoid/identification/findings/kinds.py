@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.estimate.finding import Finding, Severity
 from exoid.torques import TorqueModel
 
 from .arms import ArmShapes
@@ -219,14 +218,3 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0)))
     always = tuple(k for k, column in enumerate(columns) if column.kind == "sharpness")
     return Library(tuple(columns), tuple(faults), always)
-
-
-def describe(fault: Nuisance, delta: FloatArray, half: FloatArray, severity: Severity) -> Finding:
-    """Write a finding for a fault with its size, and the half width of its interval."""
-    kind, interval = KINDS[fault.kind], None
-    value = float(np.linalg.norm(delta))
-    if len(delta) == 1:
-        value, *ends = (kind.value(float(delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
-        interval = (min(ends), max(ends))
-    message = kind.message(fault, value, delta)
-    return Finding(fault.kind, fault.joint, value, fault.unit, severity, message, kind.remedy, interval)

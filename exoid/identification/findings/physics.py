@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -10,69 +10,99 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.finding import Finding
+from exoid.estimate.finding import SEVERITIES, Finding
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check as can_exist
 from exoid.leg.lift import lift
 from exoid.leg.lift.lift import consistent_within
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence
-from .factors import never_negative
+from .sample import FittedLeg
 
 IMPOSSIBLE = 4.5
 """Parameters that no leg can have are so many standard deviations from the nearest that one can."""
 
 
-def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
+class CheckedFit(NamedTuple):
+    """A fit with the rows that its checks look at, and the residuals on them, joint by joint."""
+
+    fitted: FittedLeg  # the fit, and a sample of its data
+    evidence: Evidence  # rows of the sample
+    std: FloatArray  # standard deviations of the parameters, (P,)
+    below: NDArray[np.bool_]  # parameters that are negative although they cannot be, (P,)
+    spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
+    nrmse: FloatArray  # RMS residual over that, (n,)
+    # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
+    persistence: FloatArray
+
+    @classmethod
+    def of(cls, fitted: FittedLeg, evidence: Evidence) -> CheckedFit:
+        """Compute residuals on the rows of a check."""
+        # Behind the filter, rows are about as far apart as the samples that carry independent noise.
+        values, parts, n = fitted.values, evidence.parts, len(evidence.counts)
+        left = [np.where(part.usable, part.tau - part.W[..., : len(values)] @ values, 0.0) for part in parts]
+        spread, rms = np.zeros((2, n))
+        for j, count in enumerate(sum(part.usable.sum(axis=0) for part in parts)):
+            if count:
+                spread[j] = np.std(np.concatenate([part.tau[part.usable[:, j], j] for part in parts]))
+                squares = [of_part[part.usable[:, j], j] ** 2 for part, of_part in zip(parts, left, strict=True)]
+                rms[j] = np.sqrt(np.mean(np.concatenate(squares)))
+        moving = [of_part for of_part, rest in zip(left, evidence.at_rest, strict=True) if not rest]
+        power, product = np.zeros((2, n))
+        for residual in moving:
+            power += np.sum(residual**2, axis=0)
+            product += np.sum(residual[1:] * residual[:-1], axis=0)
+        std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
+        # by more than their errors and 2 % of the torque
+        shares = evidence.torque_shares(np.arange(len(values)), np.diag(values))
+        below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02) & never_negative(fitted.model)
+        nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
+        return cls(fitted, evidence, std, below, spread, nrmse, product / np.maximum(power, np.finfo(float).tiny))
+
+
+def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     """Compare the torque of each joint with that of the URDF's inertias, friction left free."""
+    model = checked.fitted.model
     urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
     scales: dict[str, float] = {}
     for j, joint in enumerate(model.joint_names):
-        R, terms = evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
+        R, terms = checked.evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
         expected, torque = R[:, :rigid] @ urdf, R[:, -1]
         A = np.column_stack([expected, R[:, terms]])
-        size = np.linalg.norm(A, axis=0)
-        if (size == 0.0).any():
+        if not A.any(axis=0).all():
             continue
-        x, *_ = np.linalg.lstsq(A / size, torque, rcond=1e-9)
-        scale, whole = float(x[0] / size[0]), max(float(np.linalg.norm(torque)), 1e-300)
-        left = float(np.linalg.norm(torque - A / size @ x)) / whole
+        x, whole = scaled_lstsq(A, torque), max(float(np.linalg.norm(torque)), 1e-300)
+        scale, left = float(x[0]), float(np.linalg.norm(torque - A @ x)) / whole
         # Rigid bodies are to show, and with friction to explain most of the torque.
-        if abs(scale) * size[0] / whole > 0.1 and left < 0.4:
+        if abs(scale) * np.linalg.norm(expected) / whole > 0.1 and left < 0.4:
             scales[joint] = scale
     odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(3.0)}
     if len(odd) > 1 and len(odd) == len(scales):
         odd = {"": float(np.exp(np.mean(np.log(np.abs(list(odd.values()))))))}
-    for joint, scale in odd.items():
-        yield _scale_finding(joint, abs(scale), model.names)
+    for joint, signed in odd.items():
+        size, looks = abs(signed), "as another unit would make it"
+        if 300.0 < size < 3000.0:
+            looks = "as N·mm would be, or a current in mA times N·m per A"
+        elif size < 1.0:
+            looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
+        message = (
+            f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask "
+            f"for, {looks}; the log alone cannot tell"
+        )
+        remedy = (
+            "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+            "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+        )
+        yield Finding("torque-scale", joint, size, "1", "error", message, remedy, parameters=model.names)
 
 
-def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:
-    """Describe a torque in another unit."""
-    looks = "as another unit would make it"
-    if 300.0 < scale < 3000.0:
-        looks = "as N·mm would be, or a current in mA times N·m per A"
-    elif scale < 1.0:
-        looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    message = (
-        f"{f'the torque of {joint}' if joint else 'all torques'} is {scale:.3g} times what the URDF's inertias ask "
-        f"for, {looks}; the log alone cannot tell"
-    )
-    remedy = (
-        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
-        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
-    )
-    return Finding("torque-scale", joint, scale, "1", "error", message, remedy, parameters=tuple(names))
-
-
-def impossible_leg(
-    model: TorqueModel, evidence: Evidence, values: FloatArray, covariance: FloatArray
-) -> Iterator[Finding]:
+def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:
     """Find parameters that no leg can have, by more than their errors."""
-    leg = model.leg
+    fitted, leg = checked.fitted, checked.fitted.model.leg
     rigid = len(leg.parameter_names)
-    bodies, errors = values[:rigid], covariance[:rigid, :rigid]
+    bodies, errors = fitted.values[:rigid], fitted.covariance[:rigid, :rigid]
     reasons = can_exist(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
     if not reasons:
         return
@@ -81,7 +111,7 @@ def impossible_leg(
         if apart < IMPOSSIBLE and consistent_within(leg, bodies, errors, IMPOSSIBLE):
             return
         nearest = lift(leg, bodies, errors)
-        change = evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest.values)).max()
+        change = checked.evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest.values)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
             return
         apart = max(apart, nearest.distance)
@@ -109,39 +139,29 @@ def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
     return max(sizes)
 
 
-def negative_parameters(
-    model: TorqueModel, evidence: Evidence, values: FloatArray, std: FloatArray
-) -> NDArray[np.bool_]:
-    """Which parameters are negative although they cannot be, by more than their errors and 2 % of the torque."""
-    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(values))
-    below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02)
-    return np.asarray(below & never_negative(model))
+def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
+    """Find the parameters that cannot be negative: friction, rotor inertia, J of planar segments and the total mass."""
+    rigid = set(model.leg.parameter_names) if model.leg.limbs else set()
+    return np.asarray(model.nonnegative | np.array([name in rigid and name[0] in "JM" for name in model.names]))
 
 
-def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.bool_]) -> Iterator[Finding]:
+def negative_friction(checked: CheckedFit) -> Iterator[Finding]:
     """Find friction and rotor inertia that are negative."""
-    rigid = set(model.leg.parameter_names)
-    names = tuple(name for name, is_below in zip(model.names, below, strict=True) if is_below and name not in rigid)
-    if names:
+    model, rigid = checked.fitted.model, len(checked.fitted.model.leg.parameter_names)
+    places = [k for k in np.flatnonzero(checked.below).tolist() if k >= rigid]
+    if places:
+        names = tuple(model.names[k] for k in places)
         message = f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors"
         remedy = "a term is missing, a sign is wrong, or the torque is not that of this joint"
-        yield Finding(
-            "impossible-leg",
-            "",
-            float(values[model.names.index(names[0])]),
-            model.units[model.names.index(names[0])],
-            "warning",
-            message,
-            remedy,
-            parameters=names,
-        )
+        value, unit = float(checked.fitted.values[places[0]]), model.units[places[0]]
+        yield Finding("impossible-leg", "", value, unit, "warning", message, remedy, parameters=names)
 
 
-def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+def far_from_urdf(checked: CheckedFit) -> Iterator[Finding]:
     """Find segments whose mass moment or inertia is far from the URDF's, beyond their errors; only of planar legs."""
-    leg = model.leg
+    leg = checked.fitted.model.leg
     for k, joint in enumerate(leg.joint_names if leg.limbs else ()):
-        urdf, found, errors = (_segments(leg, x)[k] for x in (leg.parameters, values, std))
+        urdf, found, errors = (_segments(leg, x)[k] for x in (leg.parameters, checked.fitted.values, checked.std))
         pairs = (
             ("mass moment", float(np.hypot(*urdf[:2])), float(np.hypot(*found[:2])), errors[:2].max(), "kg·m"),
             ("inertia", float(urdf[2]), float(found[2]), float(errors[2]), "kg·m²"),
@@ -163,19 +183,19 @@ def _segments(leg: Leg, values: FloatArray) -> FloatArray:
     return values[rigid - 3 * len(leg.joint_names) : rigid].reshape(-1, 3)
 
 
-def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
     """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs."""
     # A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does
     # not show it. A tilt of the base turns all segments alike, and a small one changes little else.
-    leg = model.leg
+    leg = checked.fitted.model.leg
     for limb in leg.limbs:
-        drawn, found = (_segments(leg, x)[limb.joints, :2] for x in (leg.parameters, values))
+        drawn, found = (_segments(leg, x)[limb.joints, :2] for x in (leg.parameters, checked.fitted.values))
         size = np.hypot(*found.T)
         if (np.hypot(*drawn.T) == 0.0).any() or (size == 0.0).any():
             continue
         cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
         turns = limb.chain.signs * np.arctan2(cross, dot)
-        errors = _segments(leg, std)[limb.joints, :2].max(axis=1) / size
+        errors = _segments(leg, checked.std)[limb.joints, :2].max(axis=1) / size
         angle, error = float(turns[-1]), float(errors[-1])
         if abs(angle) <= max(0.03, 4.0 * error):  # 1.7°: URDFs of CAD are no better
             continue
@@ -201,58 +221,20 @@ def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> I
         yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
 
 
-class Residuals(NamedTuple):
-    """Residuals of a fit, joint by joint."""
-
-    spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
-    nrmse: FloatArray  # RMS residual over that, (n,)
-    # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
-    persistence: FloatArray
-
-    @classmethod
-    def of(cls, evidence: Evidence, values: FloatArray) -> Residuals:
-        """Compute residuals on the rows of a check."""
-        # Behind the filter, rows are about as far apart as the samples that carry independent noise.
-        n = len(evidence.counts)
-        power, product = np.zeros((2, n))
-        torques: list[list[FloatArray]] = [[] for _ in range(n)]
-        squares: list[list[FloatArray]] = [[] for _ in range(n)]
-        for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
-            residual = np.where(part.usable, part.tau - part.W[..., : evidence.parameter_count] @ values, 0.0)
-            for j in range(n):
-                torques[j].append(part.tau[part.usable[:, j], j])
-                squares[j].append(residual[part.usable[:, j], j] ** 2)
-            if not at_rest:
-                power += np.sum(residual**2, axis=0)
-                product += np.sum(residual[1:] * residual[:-1], axis=0)
-        every = [(np.concatenate(tau), np.concatenate(square)) for tau, square in zip(torques, squares, strict=True)]
-        spread = np.array([float(np.std(tau)) if len(tau) else 0.0 for tau, _ in every])
-        rms = np.array([float(np.sqrt(np.mean(square))) if len(square) else 0.0 for _, square in every])
-        nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
-        return cls(spread, nrmse, product / np.maximum(power, np.finfo(float).tiny))
-
-
-def large_residuals(model: TorqueModel, residuals: Residuals, *, doubted: bool) -> Iterator[Finding]:
+def large_residuals(checked: CheckedFit, *, doubted: bool) -> Iterator[Finding]:
     """Find joints whose torque the model does not explain; where nothing else was found, by smaller residuals."""
+    model = checked.fitted.model
     for j, joint in enumerate(model.joint_names):
-        nrmse, poor = float(residuals.nrmse[j]), 0.5
+        nrmse, poor = float(checked.nrmse[j]), 0.5
         # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
-        moves = not doubted and residuals.persistence[j] > 0.5
-        if nrmse > (0.15 if moves else poor):
-            remedy = "check whether this channel is the torque of this joint, and record larger or faster motions"
-            if nrmse <= poor:
-                remedy = (
-                    "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
-                    "contacts, straps and cables"
-                )
-            message = f"the model leaves {nrmse:.0%} of the torque unexplained"
-            yield Finding(
-                "large-residual",
-                joint,
-                nrmse,
-                "1",
-                "error" if nrmse > 0.9 else "warning",
-                message,
-                remedy,
-                parameters=tuple(np.array(model.names)[model.acting[j]].tolist()),
+        if nrmse <= (poor if doubted or checked.persistence[j] <= 0.5 else 0.15):
+            continue
+        remedy = "check whether this channel is the torque of this joint, and record larger or faster motions"
+        if nrmse <= poor:
+            remedy = (
+                "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
+                "contacts, straps and cables"
             )
+        message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= 0.9)]
+        doubtful = tuple(np.array(model.names)[model.acting[j]].tolist())
+        yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, parameters=doubtful)

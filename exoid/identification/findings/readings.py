@@ -1,23 +1,43 @@
-"""Gross faults: does the log fit by far better with other signs, another order of joints, or angles in degrees?"""
+"""Gross faults: does the log fit by far better with other signs, orders, or units, or as torques of coupled motors?
+
+Motors of a coupling have the torques τ_m = Aᵀ τ, so that τ = B τ_m with B = A⁻ᵀ. A common factor of B is one of the
+masses. Near a guess of B, corrections b and b' to τ_i + b τ_k = W_i β and τ_k + b' τ_i = W_k β are linear beside β.
+Friction of the motors depends on B, which is therefore found in a few rounds, from several guesses.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
+from exoid._typing import FloatArray
+from exoid.actuators import Coupling, motor_terms
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.signals import Poses, Recording
+from exoid.torques import CoupledTerm, TorqueModel
 
-from .coupled import coupled_joints, coupling_finding, pairs_of
-from .factors import TorqueFactors
+from .factors import driven_joints, fit_torques, torque_factors
 from .sample import FittedLeg
 
 CLEARLY = 1.1
 """A reading that is more far-fetched than another has to fit so many times better."""
+
+GUESSES = (
+    ((1.0, 1.0), (1.0, -1.0)),
+    ((1.0, 1.0), (-1.0, 1.0)),
+    ((1.0, -1.0), (1.0, 1.0)),
+    ((-1.0, 1.0), (1.0, 1.0)),
+    ((1.0, 1.0), (0.0, 1.0)),
+    ((1.0, -1.0), (0.0, 1.0)),
+    ((1.0, 0.0), (1.0, 1.0)),
+    ((1.0, 0.0), (-1.0, 1.0)),
+)
+"""B of differentials and of belts, from which the search starts."""
 
 
 class Reading(NamedTuple):
@@ -32,13 +52,6 @@ class Reading(NamedTuple):
     angle_order: tuple[int, ...]  # index of the logged angle of each joint, (n,)
     torque_order: tuple[int, ...]  # index of the logged torque of each joint, (n,)
     value: float = 0.0  # factor of the logged values; 0 to report how many times smaller residuals become
-
-    def angles_of(self, one: Recording | Poses) -> Recording | Poses:
-        """Read the angles of a recording otherwise."""
-        order, factors = list(self.angle_order), np.array(self.angles)
-        every = ("q",) if isinstance(one, Poses) else ("q", "v", "a")
-        changed = {name: x[:, order] * factors for name in every if (x := getattr(one, name)) is not None}
-        return replace(one, **changed)
 
 
 def readings(names: Sequence[str]) -> Iterator[Reading]:
@@ -63,7 +76,7 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
             yield turned._replace(message=f"the angle of {joint} has the wrong sign, or its axis in the URDF has")
             text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
             yield turned._replace(message=text, torques=only(j, -1.0))
-    for i, k in pairs_of(n):
+    for i, k in _pairs_of(n):
         swapped = tuple(k if j == i else i if j == k else j for j in range(n))
         both, remedy = f"{names[i]} and {names[k]}", "map the columns by name (columns=, --column NAME=HEADER)"
         swap = plain._replace(kind="joint-order", joint=f"{names[i]}, {names[k]}", remedy=remedy)
@@ -77,20 +90,25 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
         yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only(j, unit))
 
 
+def _pairs_of(joints: int) -> Iterable[tuple[int, int]]:
+    """Pairs of joints that may be confused: beyond four joints only neighbours."""
+    return combinations(range(joints), 2) if joints <= 4 else ((j, j + 1) for j in range(joints - 1))
+
+
 def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
     """Try other signs, orders of joints and units, and coupled motors; report the one that fits by far better."""
     model, trial = fitted.model, fitted._replace(data=_shortened(fitted.data))
     try:
-        as_logged = TorqueFactors.of(trial, trial.data)
-        reference = as_logged.fit(trial).misfit
+        as_logged = torque_factors(trial, trial.data)
+        reference, _ = fit_torques(trial, as_logged)
         best, least = _best_reading(trial, as_logged, reference)
         loaded = any(isinstance(one, Recording) and one.loaded_links for one in trial.data)
-        coupled = None if loaded else coupled_joints(trial, as_logged, reference)  # errors of a force mix torques too
+        coupled = None if loaded else _coupled_joints(trial, as_logged, reference)  # errors of a force mix torques too
     except (ExoidError, np.linalg.LinAlgError):
         return ()
     # Coupled joints have numbers of their own to fit, and have to fit half as well again.
     if coupled is not None and coupled.misfit < least - np.log(1.5):
-        return (coupling_finding(model, coupled, reference),)
+        return (_coupling_finding(model, coupled, reference),)
     if best is None:
         return ()
     ratio = float(np.exp(reference - least) / CLEARLY)
@@ -98,21 +116,30 @@ def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
     return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=model.names),)
 
 
-def _best_reading(fitted: FittedLeg, as_logged: TorqueFactors, reference: float) -> tuple[Reading | None, float]:
+def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: float) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
     plain, *others = readings(fitted.model.joint_names)
+    driven = driven_joints(as_logged)
     best, least = None, reference - np.log(1.6)  # residuals over torques 1.6 times smaller (geometric mean)
     for reading in others:
         moved = [(j, k) for j, k in enumerate(reading.torque_order) if j != k]
-        if not all(as_logged.driven[j] and as_logged.driven[k] for j, k in moved):
+        if not all(driven[j] and driven[k] for j, k in moved):
             continue
         factors = as_logged
         if (reading.angles, reading.angle_order) != (plain.angles, plain.angle_order):
-            factors = TorqueFactors.of(fitted, [reading.angles_of(one) for one in fitted.data])
-        misfit = factors.fit(fitted, reading.torque_order, reading.torques).misfit
+            factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
+        misfit, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
         if misfit < least:
             best, least = reading, misfit - np.log(CLEARLY)
     return best, float(least)
+
+
+def _angles_of(reading: Reading, one: Recording | Poses) -> Recording | Poses:
+    """Read the angles of a recording otherwise."""
+    order, factors = list(reading.angle_order), np.array(reading.angles)
+    every = ("q",) if isinstance(one, Poses) else ("q", "v", "a")
+    changed = {name: x[:, order] * factors for name in every if (x := getattr(one, name)) is not None}
+    return replace(one, **changed)
 
 
 def _shortened(data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
@@ -126,3 +153,74 @@ def _shortened(data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ..
         kept.append(one.slice(0, left) if cut and isinstance(one, Recording) else one)
         left -= len(one)
     return tuple(kept)
+
+
+class _Coupled(NamedTuple):
+    """Two joints whose logged torques are mixed."""
+
+    joints: tuple[int, int]  # indices of both
+    matrix: FloatArray  # B, with the largest entry of each row 1 or −1, (2, 2)
+    misfit: float  # mean logarithm of residual over torque of the joints
+
+
+def _coupled_joints(fitted: FittedLeg, factors: Sequence[FloatArray], reference: float) -> _Coupled | None:
+    """Look for two joints whose torques are mixed."""
+    driven = driven_joints(factors)
+    pairs = [pair for pair in _pairs_of(len(driven)) if driven[pair[0]] and driven[pair[1]]]
+    found = [
+        better for pair in pairs for guess in GUESSES for better in _corrected(fitted, pair, np.array(guess), rounds=1)
+    ]
+    found.sort(key=lambda one: one.misfit)
+    # the three guesses that fit best after a round are followed for three more
+    ends = [end for one in found[:3] for end in _corrected(fitted, one.joints, one.matrix, rounds=3)]
+    best = min(ends, key=lambda one: one.misfit, default=None)
+    # A joint has a tenth of the other torque at least, in whatever order, and residuals are 2.5 times smaller.
+    if best is None or np.sort(np.abs(best.matrix), axis=1)[:, 0].max() <= 0.1:
+        return None
+    return best if best.misfit < reference - np.log(2.5) else None
+
+
+def _corrected(fitted: FittedLeg, pair: tuple[int, int], B: FloatArray, *, rounds: int) -> Iterator[_Coupled]:
+    """Correct B, with friction of motors as it would be, A = B⁻ᵀ; nothing where that fails."""
+    model, (one, other) = fitted.model, (fitted.model.joint_names[k] for k in pair)
+    of_joints = tuple(term for term in model.terms if not isinstance(term, CoupledTerm))
+    known = {name: value for name, value in zip(model.names, fitted.fixed, strict=True) if np.isfinite(value)}
+    try:
+        for _ in range(rounds):
+            coupling = Coupling((one, other), tuple(map(tuple, np.linalg.inv(B).T.tolist())))
+            coupled = TorqueModel(model.leg, (*of_joints, *motor_terms(coupling)), separate=tuple(known))
+            fixed = np.array([known.get(name, np.nan) for name in coupled.names])
+            trial = fitted._replace(model=coupled, fixed=fixed)
+            factors = torque_factors(trial, [_unmixed(log, pair, B) for log in fitted.data])
+            misfit, shares = fit_torques(trial, factors, mixed=pair)
+            B = np.array([[1.0, shares[0]], [shares[1], 1.0]]) @ B
+            B = B / np.abs(B).max(axis=1, keepdims=True)
+    except (ExoidError, np.linalg.LinAlgError):
+        return
+    if np.isfinite(B).all():
+        yield _Coupled(pair, B, misfit)
+
+
+def _unmixed(one: Recording | Poses, pair: Sequence[int], B: FloatArray) -> Recording | Poses:
+    """Torques of the joints, if those logged were of motors: τ = B τ_m."""
+    if one.tau is None:
+        return one
+    tau = one.tau.copy()
+    tau[:, list(pair)] = tau[:, list(pair)] @ B.T
+    return replace(one, tau=tau)
+
+
+def _coupling_finding(model: TorqueModel, coupled: _Coupled, reference: float) -> Finding:
+    """Describe two joints whose torques are mixed."""
+    one, other = (model.joint_names[k] for k in coupled.joints)
+    ratio = float(np.exp(reference - coupled.misfit))
+    sums = [f"{row[0]:+.2g} τ({one}) {row[1]:+.2g} τ({other})" for row in coupled.matrix.tolist()]
+    message = (
+        f"the torques logged for {one} and {other} are mixed, as those of motors of a differential or a belt are: "
+        f"residuals are {ratio:.2g} times smaller with {sums[0]} for {one} and {sums[1]} for {other}, in some unit"
+    )
+    remedy = (
+        'describe the coupling, q = A θ_m (exoid.actuators.Coupling, or type = "coupling" in the file for '
+        "--actuators), and read these columns as motor torques, tm_<joint>"
+    )
+    return Finding("coupled-joints", f"{one}, {other}", ratio, "1", "error", message, remedy, parameters=model.names)

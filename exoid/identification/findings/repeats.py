@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,9 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings
 from exoid.torques import TorqueModel
 
+_Kept = tuple[Group, list[RecordingSummary], list[Finding]]
+"""A group of recordings that count, their summaries, and findings about the others."""
+
 
 def counted_once(groups: Sequence[Group]) -> tuple[Group, ...]:
     """Leave out samples that are passed twice in a group."""
@@ -25,22 +27,14 @@ def counted_once(groups: Sequence[Group]) -> tuple[Group, ...]:
     # overlap get a mask: their shared samples count in the first one only.
     kept = []
     for group in groups:
-        of_group, summaries, found = group, list(group.summaries), list[Finding]()
-        if len(summaries) > 1:
-            of_group, summaries, found = _without_copies(group, summaries)
-            if not isinstance(of_group.data, Recordings):
-                of_group, summaries, more = _without_overlaps(group.model, of_group, summaries)
-                found += more
+        once = (group, list(group.summaries), list[Finding]())
+        if len(group.summaries) > 1:
+            once = _without_copies(*once[:2])
+            if not isinstance(group.data, Recordings):
+                once = _without_overlaps(group.model, *once)
+        of_group, summaries, found = once
         kept.append(replace(of_group, summaries=summaries, findings=(*group.findings, *found)))
     return tuple(kept)
-
-
-class _Kept(NamedTuple):
-    """Recordings that count, their summaries, and findings about the others."""
-
-    group: Group
-    summaries: list[RecordingSummary]
-    findings: list[Finding]
 
 
 def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
@@ -52,7 +46,7 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
         first.setdefault((one.evidence.sha256, one.evidence.samples, one.evidence.segments, *angles), place)
     kept, data = sorted(first.values()), group.data
     if len(kept) == len(summaries):
-        return _Kept(group, summaries, [])
+        return group, summaries, []
     findings = [
         _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
         for k in range(len(summaries))
@@ -63,36 +57,37 @@ def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
         if not isinstance(data, Recordings)
         else replace(data, items=tuple(data.items[k] for k in kept))
     )
-    return _Kept(replace(group, data=rest), [summaries[k] for k in kept], findings)
+    return replace(group, data=rest), [summaries[k] for k in kept], findings
 
 
-def _without_overlaps(model: TorqueModel, group: Group, summaries: list[RecordingSummary]) -> _Kept:
-    """Let samples that two recordings share count in the first one only."""
+def _without_overlaps(
+    model: TorqueModel, group: Group, summaries: list[RecordingSummary], findings: list[Finding]
+) -> _Kept:
+    """Let samples that two recordings share count in the first one only; what was found before stays."""
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
     recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     masks: dict[int, BoolArray] = {}
-    findings: list[Finding] = []
-    for overlap in overlaps(recordings):
-        first, second = moving[overlap.first], moving[overlap.second]
-        before = recordings[overlap.second].mask
-        once = ~overlap.again if before is None else before & ~overlap.again
+    for one, other, share, again in overlaps(recordings):
+        first, second = moving[one], moving[other]
+        before = recordings[other].mask
+        once = ~again if before is None else before & ~again
         masks[second] = masks.get(second, once) & once
         names = f"{_name(summaries, first)} and {_name(summaries, second)}"
-        message = f"{names} share {overlap.share:.0%} of their samples: counted once"
-        findings.append(_finding(overlap.share, message, summaries[second].source))
-    if not findings:
-        return _Kept(group, summaries, [])
+        message = f"{names} share {share:.0%} of their samples: counted once"
+        findings.append(_finding(share, message, summaries[second].source))
+    if not masks:
+        return group, summaries, findings
     data: list[Recording | Poses] = []
     kept = []
-    for k, (one, summary) in enumerate(zip(group.data, summaries, strict=True)):
+    for k, (log, summary) in enumerate(zip(group.data, summaries, strict=True)):
         if k not in masks:
-            data.append(one)
+            data.append(log)
             kept.append(summary)
-        elif isinstance(one, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
-            data.append(replace(one, mask=masks[k]))
+        elif isinstance(log, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
+            data.append(replace(log, mask=masks[k]))
             power = summary.acceleration_power  # that of the angles of the whole recording
             kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
-    return _Kept(replace(group, data=data), kept, findings)
+    return replace(group, data=data), kept, findings
 
 
 def _name(summaries: Sequence[RecordingSummary], place: int) -> str:
@@ -115,17 +110,8 @@ def repeated_data(
         yield _finding(share, message, parameters=parameters)
 
 
-class Overlap(NamedTuple):
-    """Two recordings that contain the same samples."""
-
-    first: int  # place of the earlier one
-    second: int  # place of the later one
-    share: float  # shared samples over those of the shorter one
-    again: BoolArray  # samples of the later one that occur in the earlier one, (N,)
-
-
-def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
-    """Find pairs of recordings that share more than 5 % of their samples; only samples that count are compared."""
+def overlaps(recordings: Sequence[Recording]) -> Iterator[tuple[int, int, float, BoolArray]]:
+    """Find pairs that share over 5 % of the samples that count: places, the share, a mask of those of the later one."""
     if len(recordings) < 2 or sum(map(len, recordings)) > 1_000_000:  # a search of more would take seconds
         return
     hashes = [_hashes(one) for one in recordings]
@@ -142,7 +128,7 @@ def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
         shortest = max(1, min(len(counted[first]), len(counted[second])))
         share = len(np.intersect1d(rows[first], rows[second])) / shortest
         if share > 0.05:
-            yield Overlap(first, second, share, np.isin(hashes[second], counted[first]))
+            yield first, second, share, np.isin(hashes[second], counted[first])
 
 
 def _hashes(recording: Recording) -> NDArray[np.uint64]:

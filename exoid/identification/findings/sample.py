@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.model_error import AlternativeFriction
@@ -63,7 +63,7 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
             (k, slice(start, start + segment))
             for k, one in enumerate(data)
             for start in range(0, max(len(one) - segment // 2, 1), segment)
-            if isinstance(one, Poses) or one.mask is None or _counts(one, slice(start, start + segment))
+            if isinstance(one, Poses) or one.mask is None or _inner(one.mask[start : start + segment]).any()
         ]
         evenly = np.unique(np.linspace(0, len(places) - 1, most // segment).round().astype(int))
         chosen = []
@@ -74,11 +74,9 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
     return tuple(one.resampled() if isinstance(one, Recording) else one for one in selected)
 
 
-def _counts(recording: Recording, where: slice) -> bool:
-    """Whether a segment has samples that count, away from its ends, which derivatives may spoil."""
-    assert recording.mask is not None
-    mask = recording.mask[where]
-    return bool(mask[len(mask) // 10 : len(mask) - len(mask) // 10].any())
+def _inner(mask: BoolArray) -> BoolArray:
+    """Samples of a segment away from its ends, which derivatives may spoil."""
+    return mask[len(mask) // 10 : len(mask) - len(mask) // 10]
 
 
 def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Poses:

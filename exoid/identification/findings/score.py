@@ -18,9 +18,10 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import RANK, scaled_inverse, scaled_pinv
 from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 
-from .evidence import RANK, TINY, Evidence, pseudo_inverse, r_factor
+from .evidence import TINY, Evidence, r_factor
 from .kinds import Nuisance
 
 WORTH_A_LOOK = 0.01
@@ -93,17 +94,17 @@ class State:
         near: State | None = None,
     ) -> State:
         """Fit parameters and some nuisance columns, to test others (all if None), from weights near those of a fit."""
-        columns, used = evidence.places(active), np.arange(evidence.factors[0].shape[1] - 1)
+        count, used = len(evidence.fixed), np.arange(evidence.factors[0].shape[1] - 1)
+        columns = np.append(evidence.free, count + np.array(active, dtype=np.intp))  # nuisances follow the parameters
         if like is None:
             weights = evidence.weights(columns, None if near is None else near.weights)
-            weighted = np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)])
-            R = r_factor(weighted)
-            used = used if tested is None else np.union1d(columns, evidence.places(tested))
+            R = r_factor(np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)]))
+            used = used if tested is None else np.union1d(columns, count + np.array(tested, dtype=np.intp))
         else:
             weights, R = like.weights, like.R
-        pinv = pseudo_inverse(R[:, columns])
+        pinv = scaled_pinv(R[:, columns])
         solution = pinv @ R[:, -1]
-        residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, evidence.parameter_count : -1]
+        residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, count:-1]
         dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
         return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like, dof)
 
@@ -117,7 +118,7 @@ class State:
     @cached_property
     def _tests(self) -> _Tests:
         """Score test of each nuisance column, before they are combined."""
-        k = self.evidence.parameter_count
+        k = len(self.evidence.fixed)
         nuisances = self.R[:, k:-1]
         rests = nuisances - self.R[:, self.columns] @ self.shares
         crossed = self.meat[k:, self.columns] @ self.shares
@@ -139,24 +140,20 @@ class State:
         total = np.zeros((self.R.shape[1] - 1,) * 2)
         each = zip(self.weights, self.evidence.tables, self._residuals, self.evidence.counts, strict=True)
         for weight, tables, residuals, count in each:
-            noise = self._noise(residuals, float(count))
+            # an autoregressive model of the joint's residuals; poses have no neighbours in time
+            order = int(min(LARGEST_ORDER, count // 10))
+            sums, pairs = np.zeros(order + 1), 0
+            for residual, rest in zip(residuals, self.evidence.at_rest, strict=True):
+                sums[: 1 if rest else None] += autocovariance_sums(residual, order)[: 1 if rest else None]
+                pairs += len(residual)
+            lost = count / max(1.0, count - len(self.columns) / len(self.weights))
+            noise = AutoregressiveNoise.from_autocovariances(lost * sums / max(pairs, 1.0), int(count))
             for table, rest in zip(tables, self.evidence.at_rest, strict=True):
                 act = self.used[table[self.used].any(axis=1)]
                 some = weight * table[act]
                 size = float(noise.variances[0])
                 total[np.ix_(act, act)] += size * some @ some.T if rest else noise.quadratic_form(some)
         return total
-
-    def _noise(self, residuals: Sequence[FloatArray], count: float) -> AutoregressiveNoise:
-        """Noise of one joint's weighted residuals; poses have no neighbours in time."""
-        order = int(min(LARGEST_ORDER, count // 10))
-        sums, pairs = np.zeros((2, order + 1))
-        for residual, rest in zip(residuals, self.evidence.at_rest, strict=True):
-            keep = slice(0, 1) if rest else slice(None)
-            sums[keep] += autocovariance_sums(residual, order)[keep]
-            pairs[keep] += np.maximum(len(residual) - np.arange(order + 1), 0)[keep]
-        lost = count / max(1.0, count - len(self.columns) / len(self.weights))
-        return AutoregressiveNoise.from_autocovariances(lost * sums / np.maximum(pairs[0], 1.0), int(count))
 
     @cached_property
     def half(self) -> FloatArray:
@@ -171,7 +168,7 @@ class State:
 
     def reach(self, columns: Sequence[int], sizes: FloatArray, others: Sequence[int]) -> FloatArray:
         """Largest change of the parameters by a fault of the same torque that consists of other columns, (P,)."""
-        nuisances = self.R[:, self.evidence.parameter_count : -1]
+        nuisances = self.R[:, len(self.evidence.fixed) : -1]
         torque = float(np.linalg.norm(nuisances[:, list(columns)] @ sizes))
         kept = [k for k in others if nuisances[:, k].any()]
         norms = np.linalg.norm(nuisances[:, kept], axis=0)
@@ -182,7 +179,7 @@ class State:
 
     def _spread(self, of_free: FloatArray) -> FloatArray:
         """Put numbers of free parameters among those of all, (P,)."""
-        every = np.zeros(self.evidence.parameter_count)
+        every = np.zeros(len(self.evidence.fixed))
         every[self.evidence.free] = of_free
         return every
 
@@ -249,7 +246,7 @@ class State:
         """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks."""
         # Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time: at most 60
         # of a recording, of at least 8 rows. Fewer than 10 say nothing.
-        count, scores = self.evidence.parameter_count, []
+        count, scores = len(self.evidence.fixed), []
         share, places = C.T @ self.shares[:, columns].T, count + np.array(columns)
         for place, rest in enumerate(self.evidence.at_rest):
             total = np.zeros((len(step), self.evidence.tables[0][place].shape[1]))
@@ -264,7 +261,7 @@ class State:
         if len(found) < 10:
             return 1.0, 10.0
         seen = found.T @ found * len(found) / (len(found) - 1)
-        ratio = float(np.trace(np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ seen)) / len(step)
+        ratio = float(np.trace(scaled_inverse(noise) @ seen)) / len(step)
         return max(1.0, ratio), float(len(found))
 
 
@@ -273,5 +270,5 @@ def p_value_of(score: FloatArray, noise: FloatArray, dof: float) -> float:
     if len(score) == 1:
         statistic = float(score[0] ** 2 / max(noise[0, 0], TINY))
     else:
-        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
+        statistic = float(score @ scaled_inverse(noise) @ score)
     return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))

@@ -15,7 +15,7 @@ from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence
-from .kinds import KINDS, Nuisance, describe, library
+from .kinds import KINDS, Nuisance, library
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, Score, State, in_half_widths, p_value_of
 
@@ -25,13 +25,6 @@ doubtful that it moves by more than a quarter. It is an error where one moves by
 
 UNDECIDED = 3.0
 """Faults whose evidence is less than this below that of the best (20 times less likely) are named beside it."""
-
-
-class Taken(NamedTuple):
-    """A fault that was accepted."""
-
-    applied: float  # part of it that was taken out of the recordings
-    alternatives: tuple[Score, ...]  # faults that explain the log about as well
 
 
 class Fault(NamedTuple):
@@ -44,10 +37,9 @@ class Fault(NamedTuple):
     share: float  # RMS torque of the largest change of a parameter over that of a joint
 
     @property
-    def matters(self) -> bool:
-        """Whether the fault moves a parameter out of half its interval, and has a size that matters."""
-        large = self.score.nuisance.is_large_enough(self.score.delta, self.torque)
-        return large and bool(self.score.moves.max(initial=0.0) > SMALLEST_MOVE)
+    def is_large(self) -> bool:
+        """Whether the fault has a size that matters."""
+        return self.score.nuisance.is_large_enough(self.score.delta, self.torque)
 
     @property
     def moves_far(self) -> bool:
@@ -74,13 +66,14 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
                 most = KINDS[best.kind].most
                 delta = float(np.clip(likely[0].delta[0], -most, most))
                 fitted = fitted._replace(data=tuple(_corrected(one, best, delta) for one in fitted.data))
-            old = beside.faults.pop(best, Taken(0.0, tuple(likely[1:])))  # one that was found before grows
-            beside.faults[best] = old._replace(applied=old.applied + delta)
+            applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
+            beside.faults[best] = applied + delta, others
             if best.is_corrected:
                 beside = beside._replace(evidence=gather(fitted, State.of(beside.evidence, beside.staying()).values))
         forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
         sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
-        found = [size for size in sizes if size is not None and size.score.p_value < limit and size.matters]
+        found = [fault for fault in sizes if fault is not None and fault.score.p_value < limit]
+        found = [fault for fault in found if fault.score.moves.max(initial=0.0) > SMALLEST_MOVE and fault.is_large]
         if found:  # the first is blamed for what all together move more than it does alone
             total, first = State.of(beside.evidence, beside.staying()).values - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
@@ -94,7 +87,8 @@ class _Beside(NamedTuple):
     """Faults that were found so far, beside which others are tested."""
 
     evidence: Evidence  # the rows, without the faults that were taken out
-    faults: dict[Nuisance, Taken]  # faults in the order in which they were found
+    # faults in the order in which they were found: the part that was taken out, and those that explain as much
+    faults: dict[Nuisance, tuple[float, tuple[Score, ...]]]
     always: tuple[int, ...]  # columns that protect every test
 
     def staying(self, without: Nuisance | None = None) -> list[int]:
@@ -140,18 +134,19 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
     score, plain = beside.test(fault)
     if score is None:  # others explain it now
         return None
-    evidence, taken = beside.evidence, beside.faults[fault]
-    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(evidence.parameter_count)
+    evidence, (applied, alternatives) = beside.evidence, beside.faults[fault]
+    count = len(evidence.fixed)
+    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(count)
     if fault.is_corrected:
-        total = taken.applied + score.delta[:1]
+        total = applied + score.delta[:1]
         t = float(total[0]) / max(float(score.std[0]), 1e-300)
         move = -plain.moved(fault.columns, np.repeat(total, len(fault.columns)))
         p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
         score = score._replace(delta=total, p_value=p_value, move=move)
     sizes = score.delta if fault.group else np.repeat(score.delta, len(fault.columns))
-    torque = evidence.torque_shares(evidence.parameter_count + np.array(fault.columns), sizes[:, None])
-    shares = evidence.torque_shares(np.arange(evidence.parameter_count), np.diag(score.move))
-    return Fault(score, taken.alternatives, reach, float(torque[0]), float(shares.max()))
+    torque = evidence.torque_shares(count + np.array(fault.columns), sizes[:, None])
+    shares = evidence.torque_shares(np.arange(count), np.diag(score.move))
+    return Fault(score, alternatives, reach, float(torque[0]), float(shares.max()))
 
 
 def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Recording | Poses:
@@ -173,21 +168,14 @@ def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Record
     return replace(data, **changes)
 
 
-class Delays(NamedTuple):
-    """Delays of the torques of all joints."""
-
-    values: FloatArray  # delays, 0 where none is significant [s], (n,)
-    half: FloatArray  # half widths of their 95 % intervals [s], (n,)
-
-
-def delays(faults: Sequence[Fault], joints: int) -> Delays:
-    """Add up the delays of the torque of each joint."""
+def delays(faults: Sequence[Fault], joints: int) -> tuple[FloatArray, FloatArray]:
+    """Delay of the torque of each joint, 0 where none is significant, and half widths of 95 % intervals [s], (n,)."""
     total, variance = np.zeros((2, joints))
     for score in (fault.score for fault in faults if fault.score.nuisance.kind == "torque-delay"):
         joint = slice(None) if score.nuisance.place < 0 else score.nuisance.place
         total[joint] += score.delta[0]
         variance[joint] += score.std[0] ** 2
-    return Delays(total, HALF_WIDTH * np.sqrt(variance))
+    return total, HALF_WIDTH * np.sqrt(variance)
 
 
 def findings_of(model: TorqueModel, faults: Sequence[Fault]) -> tuple[Finding, ...]:
@@ -218,8 +206,13 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
             both.append((one, one.moves > DOUBTFUL_MOVE))
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
-        finding = describe(one.nuisance, one.delta, HALF_WIDTH * one.std, severity)
+        what, half, interval = one.nuisance, HALF_WIDTH * one.std, None
+        kind, value = KINDS[what.kind], float(np.linalg.norm(one.delta))
+        if len(one.delta) == 1:
+            value, *ends = (kind.value(float(one.delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
+            interval = (min(ends), max(ends))
         others = " or ".join((*names_of[:k], *names_of[k + 1 :]))
         more = f"; {others} would explain this log about as well" if others else ""
-        names = [name for name, doubted in zip(model.names, is_doubtful, strict=True) if doubted]
-        yield replace(finding, message=f"{finding.message}{more}", parameters=tuple(names))
+        message = f"{kind.message(what, value, one.delta)}{more}"
+        names = tuple(np.array(model.names)[is_doubtful].tolist())
+        yield Finding(what.kind, what.joint, value, what.unit, severity, message, kind.remedy, interval, names)

@@ -8,18 +8,13 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.estimate.finding import Finding
+from exoid.regression.least_squares import scaled_inverse, scaled_lstsq
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import robust_std
 from exoid.signals.differentiation import central_difference
 
 WINDOW = 4
 """Samples on each side of an interval, through which lines are laid."""
-
-
-def timing_findings(recording: Recording) -> Iterator[Finding]:
-    """Check the times of a recording."""
-    for check in (wraps, missing_samples, late_velocities):
-        yield from check(recording)
 
 
 def wraps(recording: Recording) -> Iterator[Finding]:
@@ -71,16 +66,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
     )
     remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
-    yield Finding(
-        "missing-samples",
-        "",
-        lost,
-        "s",
-        "warning",
-        message,
-        remedy,
-        interval=(max(0.0, lost - error), lost + error) if len(places) == 1 else None,
-    )
+    interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
+    yield Finding("missing-samples", "", lost, "s", "warning", message, remedy, interval)
 
 
 def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
@@ -130,16 +117,8 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
                 "of the angle"
             )
             remedy = "leave the velocity out of the log: exoid derives it from the angle without delay"
-            yield Finding(
-                "velocity-delay",
-                joint,
-                delay,
-                "s",
-                "warning",
-                message,
-                remedy,
-                interval=(delay - 2.0 * error, delay + 2.0 * error),
-            )
+            interval = delay - 2.0 * error, delay + 2.0 * error
+            yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)
         if abs(gain - 1.0) > 0.05:
             message = f"the logged velocity is {gain:.3g} times the derivative of the angle"
             remedy = "leave the velocity out of the log, or correct its unit or sign"
@@ -150,13 +129,13 @@ def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] |
     """Gain, delay [s] and its standard deviation, from blocks of the record; None where nothing moves."""
     if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
         return None
-    whole, *_ = np.linalg.lstsq(rows, logged, rcond=None)
+    whole = scaled_lstsq(rows, logged)
     gain = float(whole[0])
     if gain == 0.0:
         return None
     residual = logged - rows @ whole
     blocks = np.array_split(np.arange(len(rows)), max(4, min(20, len(rows) // 50)))
-    inverse = np.linalg.pinv(rows.T @ rows)
+    inverse = scaled_inverse(rows.T @ rows)
     scores = np.array([rows[block].T @ residual[block] for block in blocks])
     covariance = inverse @ (scores.T @ scores) @ inverse * len(blocks) / (len(blocks) - 1)
     return gain, -float(whole[1]) / gain, float(np.sqrt(covariance[1, 1])) / abs(gain)

@@ -1,38 +1,114 @@
-"""The friction model of each joint, then filter and estimator, then the fit that has to confirm them."""
+"""Ways to identify a leg: the friction model of each joint, then filter and estimator, then the fit that confirms."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.estimate import Estimate
-from exoid.signals import ZeroPhase
+from exoid.identification.identify import identify
+from exoid.leg.leg import Leg
+from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 from exoid.torques import Armature, Term
 
-from .candidates import Candidate, best_of
 from .design import base_model
 from .held_out import held_out_errors
 from .patterns import PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 
-class Chosen(NamedTuple):
-    """Choice for all joints."""
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One way to identify a leg, and how it did."""
 
-    candidates: tuple[Candidate, ...]  # all that were compared
-    chosen: int  # index of the one that was chosen
-    columns: tuple[Columns, ...]  # friction of each joint, n of them
-    estimate: Estimate  # the fit that confirmed it
+    name: str  # short name for tables
+    terms: tuple[Term, ...]  # terms of the torque model
+    zero: tuple[str, ...]  # names of coefficients of the terms that are held at zero
+    preparation: Preparation  # from recordings to rows
+    estimator: str = "wls"  # name of the estimator
+    numbers: int = 0  # number of parameters that it fits, and of settings that were chosen
+    nrmse: FloatArray = field(default_factory=lambda: np.zeros(0))  # NRMSE of each joint over all folds, (n,)
+    # NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,)
+    folds: FloatArray = field(default_factory=lambda: np.zeros(0))
+    # NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do not suffice
+    extrapolation: FloatArray = field(default_factory=lambda: np.zeros(0))
+    failure: str = ""  # why it could not be fitted; empty if it could
+
+    @property
+    def fast(self) -> float:
+        """Mean of the extrapolation over the joints; not a number where there is none."""
+        known = self.extrapolation[np.isfinite(self.extrapolation)]
+        return float(known.mean()) if len(known) else np.nan
+
+    @property
+    def mean(self) -> float:
+        """Mean NRMSE over joints and folds, by which candidates are compared."""
+        return np.inf if self.failure else float(self.folds.mean())
+
+    def standard_error(self, best: Candidate) -> float:
+        """Standard error of the difference from another candidate, fold by fold."""
+        return float(np.std(self.folds - best.folds, ddof=1) / np.sqrt(len(best.folds)))
+
+    def fit(self, leg: Leg, recordings: Recording | Sequence[Recording]) -> Estimate:
+        """Identify; coefficients that are left out are held at zero."""
+        known = dict.fromkeys(self.zero, 0.0) or None
+        return identify(leg, recordings, self.terms, self.estimator, preparation=self.preparation, known=known)
+
+    def others(self, cutoff: float) -> tuple[tuple[Candidate, ...], tuple[Candidate, ...]]:
+        """Other filters for the same terms (lower, higher, none for columns and torques), then other estimators."""
+        filters: dict[str, Preparation] = {
+            f"{factor * cutoff:g} Hz": ZeroPhase(factor * cutoff) for factor in (0.6, 1.5)
+        }
+        filters["no parallel filter"] = Smoothed(2.0 * cutoff)
+        return (
+            tuple(replace(self, name=f"{self.name}, {text}", preparation=how) for text, how in filters.items()),
+            (replace(self, name=f"{self.name}, huber", estimator="huber"),),
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn the figures into what JSON can hold."""
+        arrays = {"nrmse": self.nrmse, "folds": self.folds, "fast": self.extrapolation}
+        figures = {
+            name: [value if np.isfinite(value) else None for value in array.tolist()] for name, array in arrays.items()
+        }
+        return {"name": self.name, "numbers": self.numbers, **figures, "failure": self.failure}
 
 
-def select_by_joint(search: Search, *, tune: bool, progress: Callable[[float], None]) -> Chosen:
-    """Choose the friction of each joint, then filter and estimator."""
-    found = _searched(search, progress)
+def least(candidates: Sequence[Candidate]) -> int:
+    """Find the smallest mean error."""
+    best = int(np.argmin([candidate.mean for candidate in candidates]))
+    if candidates[best].failure:
+        raise NotIdentifiableError(
+            f"no candidate can be fitted: {candidates[0].failure}", remedy="record longer and richer motions"
+        )
+    return best
+
+
+def best_of(candidates: Sequence[Candidate]) -> int:
+    """Find the one with the fewest numbers among those within one standard error of the best."""
+    best = candidates[least(candidates)]
+    within = [
+        k for k, one in enumerate(candidates) if not one.failure and one.mean - best.mean <= one.standard_error(best)
+    ]
+    return min(within, key=lambda k: (candidates[k].numbers, k))
+
+
+def select_by_joint(
+    search: Search, *, tune: bool, progress: Callable[[float], None]
+) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
+    """Choose the friction of each joint, then filter and estimator: all candidates, which, friction, and its fit."""
+    # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts.
+    ends = []
+    for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
+        report = partial(lambda first, share: progress(first + 0.3 * share), begin)
+        ends.append(search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report)))
+    found = ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
     candidates = [_scored(search, "coulomb", plain), _scored(search, "by joint", found.choice)]
     progress(0.65)
@@ -51,16 +127,7 @@ def select_by_joint(search: Search, *, tune: bool, progress: Callable[[float], N
         estimate = candidates[chosen].fit(search.leg, search.recordings)
         progress(0.9)
     progress(1.0)
-    return Chosen(tuple(candidates), chosen, found.choice.columns, estimate)
-
-
-def _searched(search: Search, progress: Callable[[float], None]) -> Found:
-    """Search from two starts, as the search may end elsewhere if it starts elsewhere, and take the better end."""
-    ends = []
-    for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
-        report = partial(lambda first, share: progress(first + 0.3 * share), begin)
-        ends.append(search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report)))
-    return ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
+    return candidates, chosen, found.choice.columns, estimate
 
 
 def _scored(search: Search, name: str, choice: Choice, like: Candidate | None = None) -> Candidate:
@@ -90,9 +157,8 @@ def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
             robust=candidate.estimator == "huber",
         )
     except ExoidError as error:
-        nothing = np.full(len(choice.columns), np.nan)
-        failed = np.full(search.folds, np.nan)
-        return replace(candidate, nrmse=nothing, folds=failed, extrapolation=nothing, failure=error.what)
+        nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
+        return replace(candidate, nrmse=nothing, folds=folds, extrapolation=nothing, failure=error.what)
     failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
     numbers = len(choice.base) + numbers_of(choice.columns)
     return replace(candidate, numbers=numbers, failure=failure, **found._asdict())

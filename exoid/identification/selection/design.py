@@ -127,7 +127,12 @@ def _form(
     tau = np.zeros((columns.shape[1], len(inside)))
     for joint, of_joint in enumerate(library):
         acting = np.flatnonzero(model.acting[joint])
-        extra = [_friction_column(motion, joint, load[joint], column, states, around) for column in of_joint]
+        extra = []
+        for term, symbol in ((column.term, column.symbol) for column in of_joint):
+            state = None if term.internal_state is None else states[joint, term.internal_state][around]
+            both = np.zeros((len(term.symbols), len(motion.q)))
+            term.fill(JointMotion(motion.q[:, joint], motion.v[:, joint], motion.a[:, joint], load[joint], state), both)
+            extra.append(both[term.symbols.index(symbol)])
         signals = np.vstack([columns[acting, joint], *extra, prepared.tau[around, joint]])
         if prepared.parallel is None:
             filtered = signals[:, inside.start : inside.stop : inside.step]
@@ -139,20 +144,3 @@ def _form(
     rows = slice(stretch.start, stretch.stop, stretch.step)
     of_all = np.zeros(len(inside), dtype=np.intp)
     return Design(of_all, prepared.time[rows], prepared.motion.v[rows], tau, base, tuple(friction), (), 1.0)
-
-
-def _friction_column(
-    motion: Motion,
-    joint: int,
-    load: FloatArray,
-    column: Column,
-    states: dict[tuple[int, InternalState], FloatArray],
-    around: slice,
-) -> FloatArray:
-    """One friction column of a joint, (N,)."""
-    term = column.term
-    state = None if term.internal_state is None else states[joint, term.internal_state][around]
-    of_joint = JointMotion(motion.q[:, joint], motion.v[:, joint], motion.a[:, joint], load, state)
-    both = np.zeros((len(term.symbols), len(load)))
-    term.fill(of_joint, both)
-    return np.asarray(both[term.symbols.index(column.symbol)])

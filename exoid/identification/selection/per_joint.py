@@ -128,14 +128,6 @@ def search_joint_by_joint(search: Search, sweeps: int = 4) -> Found:
     return Found(search, tables, choice, (frozenset(),) * joints)
 
 
-class _Candidate(NamedTuple):
-    """Friction model of a joint at its best settings."""
-
-    pattern: Pattern
-    columns: Columns
-    loss: FloatArray  # share of each row in the held-out error, (N,)
-
-
 def choose(
     tables: Tables,
     joint: int,
@@ -155,18 +147,22 @@ def choose(
     weights = [*np.full(in_time, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]  # mean in time plus mean of fast rows
     rows = [design.some(tables.folds[k].tested) for k in folds]
     held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
-    candidates: list[_Candidate] = []
+    candidates: list[tuple[Pattern, Columns, FloatArray]] = []
     gains: dict[Pattern, float] = {}
     for pattern in patterns():
         if banned & set(pattern.symbols) or (with_offset and "offset" not in pattern.symbols):
             continue
         settings = tables.grids[joint].settings(pattern)
         sets = np.array([design.indices(joint, columns) for columns in settings])
-        solved = whole.solve(sets)
-        best = _best(pattern, design.independent_fraction, *solved)
-        if best is None or any(column.velocity == VELOCITIES[0] for column in settings[best]):
+        c, variance, explained = whole.solve(sets)
+        offset = np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
+        # all but the offset are to be positive, and determined to 30 %
+        sure = (variance <= (0.3 * c) ** 2 * design.independent_fraction) | offset
+        good = pattern.dissipative(c) & sure.all(axis=1)
+        best = int(np.argmax(np.where(good, explained, -np.inf)))
+        if not good.any() or any(column.velocity == VELOCITIES[0] for column in settings[best]):
             continue
-        gain = float(solved[2][best])
+        gain = float(explained[best])
         if any(other >= gain for simpler, other in gains.items() if simpler.within(pattern)):
             continue  # a bound would be active: the best positive coefficients are those of the simpler model
         gains[pattern] = gain
@@ -177,32 +173,22 @@ def choose(
             index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best
             error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
             loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
-        candidates.append(_Candidate(pattern, settings[best], loss))
+        candidates.append((pattern, settings[best], loss))
     return _fewest(candidates)
 
 
-def _best(
-    pattern: Pattern, independent_fraction: float, c: FloatArray, variance: FloatArray, gain: FloatArray
-) -> int | None:
-    """Index of the best setting whose coefficients are positive and determined to 30 %; None if there is none."""
-    limit = (0.3 * c) ** 2 * independent_fraction
-    sure = (variance <= limit) | np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
-    good = pattern.dissipative(c) & sure.all(axis=1)
-    return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
-
-
-def _fewest(candidates: Sequence[_Candidate]) -> Columns:
-    """Columns with the fewest numbers among those within one standard error of the best."""
-    errors = [float(one.loss.sum()) for one in candidates]
+def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Columns:
+    """Columns with the fewest numbers within one standard error of the best, by the share of each row in the error."""
+    errors = [float(loss.sum()) for _, _, loss in candidates]
     best = int(np.argmin(errors))
-    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k].pattern.complexity, errors[k])):
+    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k][0].complexity, errors[k])):
         # Residuals are correlated: the standard error of the difference comes from sums over 20 blocks of rows.
-        difference = candidates[k].loss - candidates[best].loss
+        difference = candidates[k][2] - candidates[best][2]
         sums = [float(block.sum()) for block in np.array_split(difference, min(20, len(difference)))]
         standard_error = float(np.sqrt(len(sums)) * np.std(sums, ddof=1)) if len(sums) > 1 else 0.0
         if errors[k] - errors[best] <= standard_error:
-            return candidates[k].columns
-    return candidates[best].columns
+            return candidates[k][1]
+    return candidates[best][1]
 
 
 def _normal(design: Design, rows: NDArray[np.bool_], sigma: FloatArray) -> NormalEquations:

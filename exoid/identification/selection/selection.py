@@ -25,8 +25,7 @@ from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
 
-from .by_joint import select_by_joint
-from .candidates import Candidate, least
+from .by_joint import Candidate, least, select_by_joint
 from .design import evaluation
 from .patterns import JointFriction
 from .per_joint import Search
@@ -202,17 +201,8 @@ def select_terms(
         raise BadArgumentError("poses cannot be cut into stretches of time", remedy="pass recordings only")
     if cutoff is None:
         cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
-    _refuse_unusable(leg, several, tuple(beside))
-    search = Search(leg, several, cutoff, folds, beside=tuple(beside))
-    found = select_by_joint(search, tune=tune, progress=progress or (lambda share: None))
-    joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, found.columns, strict=True))
-    return Selection(leg, found.candidates, found.chosen, cutoff, folds, joints, found.estimate)
-
-
-def _refuse_unusable(leg: Leg, recordings: Sequence[Recording], beside: tuple[Term, ...]) -> None:
-    """Raise an error if a joint stands still, or its torque is dead or was not measured."""
-    model = TorqueModel.at_start(leg, beside)
-    summaries = [summarize(model, recording, for_cutoff=False) for recording in recordings]
+    model = TorqueModel.at_start(leg, tuple(beside))
+    summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)
     refuse_dead_torques(model, summaries)
     if missing := unmeasured_joints(leg.joint_labels, [summaries]):
@@ -222,3 +212,8 @@ def _refuse_unusable(leg: Leg, recordings: Sequence[Recording], beside: tuple[Te
             command="name the joints that were measured by --joints",
             joints=tuple(missing),
         )
+    search = Search(leg, several, cutoff, folds, beside=tuple(beside))
+    report = progress or (lambda share: None)
+    candidates, chosen, columns, estimate = select_by_joint(search, tune=tune, progress=report)
+    joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
+    return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
+from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.cutoff import white_noise
 
@@ -139,8 +140,7 @@ def _fit(
             (of_force - biases[3:]).ravel() / max(noise[1], TINY),
         ]
     )
-    information = rows.T @ rows + TINY * np.eye(3)
-    covariance = np.linalg.pinv(information, rcond=1e-9, hermitian=True)
+    covariance = scaled_inverse(rows.T @ rows + TINY * np.eye(3))
     rotation = covariance @ (rows.T @ left)
     spread = np.sqrt(np.diag(covariance))
     # A misalignment is kept apart from a bias where it is larger than so many of its standard deviations
