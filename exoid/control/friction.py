@@ -59,7 +59,8 @@ class FrictionCompensation:
             Torque [N·m], of the shape of ``state.q``.
         """
         velocity = target.v if self.velocity == "desired" else state.v
-        return self.scale * model.friction(state.q, velocity, self.width)
+        friction = model.friction(state.q, velocity, self.width)
+        return friction if self.scale == 1.0 else self.scale * friction
 
     def in_c(self, measured: str) -> tuple[str, str]:
         """Write the compensation in C.

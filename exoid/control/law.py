@@ -83,6 +83,8 @@ def refuse_rate(rate: float) -> None:
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
     """Turn one value for each joint into a column if the state has columns."""
+    if values.shape == like.shape:  # first: a step from Python is mostly such small calls
+        return values
     if values.ndim > 0 and values.shape[0] != like.shape[0]:
         raise BadArgumentError(
             f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one for each joint"
