@@ -206,26 +206,6 @@ class ControlModel:
                 torque[list(other.joints)] += moving.reshape(-1, *v.shape[1:])
         return np.asarray(torque)
 
-    def spring_rate(self, q: FloatArray) -> FloatArray:
-        """Compute the derivative of the springs: of the polynomials, and of terms that couple joints.
-
-        Args:
-            q: Angles [rad], (n,).
-
-        Returns:
-            Derivatives [N·m/rad], (n, n).
-        """
-        powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
-        rate = np.diag((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
-        step = 1e-6  # [rad], of differences
-        above, below = (q[:, None] + change * np.eye(self.n) for change in (step, -step))
-        still = np.zeros_like(above)
-        for other in self.others:
-            if len(other.joints) > 1:
-                difference = other.torque(above, still, still, still) - other.torque(below, still, still, still)
-                rate[list(other.joints)] += difference / (2.0 * step)
-        return rate
-
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Compute M(q) with rotors and other terms that depend on accelerations.
 

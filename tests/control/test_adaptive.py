@@ -26,7 +26,7 @@ from exoid.control.adaptive import FAR, FLOOR
 from exoid.control.parameter_change import point_masses
 from exoid.control.parameter_cone import ParameterCone
 from exoid.control.slotine_li import SlotineLiModel
-from exoid.control.track import SENSORS
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.experiments import Hold, healthy_gait
 from exoid.leg.lift import check, lift

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target
+from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 from exoid import load_leg
 from exoid.control import (
@@ -33,7 +33,7 @@ from exoid.control import (
     stateful,
 )
 from exoid.control.closed_loop import plant_step
-from exoid.control.motion_filter import MotionFilter
+from exoid.control.sensitivity_amplification import MotionFilter
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
@@ -114,10 +114,9 @@ REFUSED = {
     "law": [
         (stateful, {}),
         (lambda law: Limited(law).torque(REST, AIM), Integrator()),
-        (lambda law: SideBySide((law,)).torque(REST, AIM), Integrator()),
         (SideBySide, (pd(1.0, 1.0, rate=30.0), pd(1.0, 1.0))),
-        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2, 3)),
-        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2,)),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).begin(_state(shape)), (2, 3)),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).begin(_state(shape)), (2,)),
     ],
     "run": [
         (lambda x: simulate(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),

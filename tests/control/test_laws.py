@@ -94,7 +94,7 @@ def test_laws_side_by_side_drive_a_leg_each():
     laws = (LAWS["pd"], LAWS["pd+g+f"], LAWS["p"])
     state, target = random_state(shape=(2, 3)), random_target()
     column = Target(*(x[:, None] for x in target))
-    torque = SideBySide(laws).torque(state, column)
+    torque, _ = SideBySide(laws).step(((),) * len(laws), state, column)
     for k, law in enumerate(laws):
         np.testing.assert_allclose(torque[:, k], law.torque(State(state.q[:, k], state.v[:, k]), target), atol=1e-12)
 

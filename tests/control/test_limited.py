@@ -49,4 +49,4 @@ def test_side_by_side_each_controller_receives_its_last_torque():
     laws = (Limited(HARD, slew=100.0), Limited(HARD, slew=1000.0))
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), last=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.array([[1.0], [-1.0]]), np.zeros((2, 1)))
-    np.testing.assert_allclose(SideBySide(laws).torque(state, aim), [[2.0, 12.0], [2.0, -6.0]])
+    np.testing.assert_allclose(SideBySide(laws).step(((), ()), state, aim)[0], [[2.0, 12.0], [2.0, -6.0]])

@@ -27,8 +27,8 @@ from scipy.signal import lfilter
 import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
 from exoid.control import ControlModel, KalmanObserver, MomentumObserver, SensorNoise
-from exoid.control.observers.band import crossings_per_minute, threshold
 from exoid.control.observers.momentum import MomentumModel
+from exoid.control.observers.noise import threshold
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.rig import Plant
 
@@ -342,8 +342,8 @@ def test_noise_crosses_the_threshold_as_often_as_asked(pole):
 def test_fine_sampling_of_smooth_noise_is_rices_formula():
     """ρ = 1 − (ω T)²/2 with ω the RMS frequency."""
     w, rate = 2.0 * np.pi * 5.0, 1e5
-    found = crossings_per_minute(4.0, 1.0 - 0.5 * (w / rate) ** 2, rate)
-    assert found == pytest.approx(60.0 * 2.0 * w / (2.0 * np.pi) * np.exp(-8.0), rel=1e-3)
+    alarms = 60.0 * 2.0 * w / (2.0 * np.pi) * np.exp(-8.0)
+    assert threshold(alarms, 1.0 - 0.5 * (w / rate) ** 2, rate) == pytest.approx(4.0, rel=1e-4)
 
 
 def test_threshold_grows_as_fewer_alarms_are_asked_for():

@@ -15,7 +15,7 @@ from exoid.control import (
     simulate_many,
 )
 from exoid.control.known_leg import as_estimate
-from exoid.control.track import SENSORS
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Payload, Target, plant_with_payloads
