@@ -32,10 +32,6 @@ def test_the_limit_holds_even_where_the_last_torque_was_beyond_it():
     np.testing.assert_allclose(law.torque(REST._replace(last=np.array([90.0, -90.0])), FAR), [50.0, -50.0])
 
 
-def test_without_limits_it_is_the_law():
-    np.testing.assert_array_equal(Limited(HARD).torque(REST, FAR), HARD.torque(REST, FAR))
-
-
 def test_limits_hold_throughout_a_run():
     law = Limited(pd(300.0, 30.0), limit=(15.0, 8.0), slew=200.0)
     pose = Hold(np.array([[0.6], [0.8]]))

@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from controlled_legs import cuhk_plant, exact_estimate
 from worn_legs import GAIT, LIMB, PASSIVE, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
 
 from exoid.control import (
     ControlModel,
-    Limited,
     PassiveFriction,
     State,
     admittance,
@@ -20,7 +18,6 @@ from exoid.control import (
     sensitivity_amplification,
     simulate,
     simulate_many,
-    stateful,
     transparent,
 )
 from exoid.errors import ExoidError
@@ -30,15 +27,6 @@ from exoid.rig import Payload, Plant, Sensors, Target, Wearer, plant_with_payloa
 POSE = np.array([0.5, 0.8])
 HOLD = Hold(POSE[:, None])
 EXACT = Sensors(np.inf)
-LAWS = {
-    "gravity_support": gravity_support(RUBBING, (0.5, 0.8), friction=PassiveFriction()),
-    "transparent": transparent(RUBBING),
-    "impedance": impedance(RUBBING, (60.0, 40.0), 5.0),
-    "admittance": admittance(RUBBING, (0.5, 0.3), 2.0, 5.0, reach=0.5),
-    "assist_as_needed": assist_as_needed(RUBBING, 80.0, 4.0, learning=40.0),
-    "sensitivity_amplification": sensitivity_amplification(RUBBING, (5.0, 3.0)),
-}
-EACH = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
 
 def random_state(seed=0, columns=()):
@@ -48,62 +36,6 @@ def random_state(seed=0, columns=()):
 
 
 # ------------------------------------------------------------------------------------------ every law
-
-
-@EACH
-def test_many_legs_at_once_get_what_each_gets_alone(law):
-    law = stateful(law)
-    many, aim = random_state(1, (5,)), Target(*np.random.default_rng(2).uniform(-1.0, 1.0, (3, 2, 5)))
-    after, memory = [], law.begin(many)
-    for k in range(5):
-        columns = [x[:, k] if isinstance(x, np.ndarray) else x for x in many]
-        one, own = State(*columns), Target(*(x[:, k] for x in aim))
-        kept = law.begin(one)
-        for _ in range(4):
-            torque, kept = law.step(kept, one._replace(q=one.q + 0.1), own)
-        after.append(torque)
-    for _ in range(4):
-        torque, memory = law.step(memory, many._replace(q=many.q + 0.1), aim)
-    np.testing.assert_allclose(torque, np.transpose(after), rtol=1e-10, atol=1e-10)
-
-
-@EACH
-def test_laws_are_pure_functions(law):
-    """The same memory and state give the same torque, whatever the law did in between."""
-    law, state, aim = stateful(law), random_state(), Target(POSE, np.zeros(2), np.zeros(2))
-    memory = law.begin(state)
-    first, after = law.step(memory, state, aim)
-    law.step(after, random_state(5), aim)
-    again, _ = law.step(memory, state, aim)
-    np.testing.assert_array_equal(first, again)
-
-
-@pytest.mark.slow
-@EACH
-def test_limits_hold_for_a_worn_leg(law):
-    law = Limited(law, limit=(6.0, 4.0), slew=300.0)
-    run = simulate(RUBBING, law, GAIT, 1.2, wearer=WALKING)
-    assert (np.abs(run.tau).max(axis=0) <= [6.0 + 1e-12, 4.0 + 1e-12]).all()
-    assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 300.0 / law.rate + 1e-9
-    assert run.audit.relative_error < 1e-4
-
-
-@EACH
-def test_an_estimate_may_be_the_model(law):
-    """Terms of an estimate are those of the plant it describes."""
-    makers = {
-        "GravitySupport": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
-        "Impedance": lambda source: impedance(source, 60.0, 5.0),
-        "Admittance": lambda source: admittance(source, 0.5, 2.0),
-        "AssistAsNeeded": lambda source: assist_as_needed(source, 80.0, 4.0),
-        "SensitivityAmplification": lambda source: sensitivity_amplification(source, 5.0),
-    }
-    state, aim = random_state(3), Target(*np.random.default_rng(4).uniform(-1.0, 1.0, (3, 2)))
-    torques = []
-    for source in (exact_estimate(), cuhk_plant()):
-        own = stateful(makers[getattr(law, "name", type(law).__name__)](source))
-        torques.append(own.step(own.begin(state), state, aim)[0])
-    np.testing.assert_allclose(*torques, atol=1e-9)
 
 
 # ------------------------------------------------------------------------------------------- friction
