@@ -12,7 +12,7 @@ import numpy as np
 import exoid
 from exoid._typing import FloatArray
 from exoid.control import State
-from exoid.control.stateful import AnyLaw, Memory, stateful
+from exoid.control.law import AnyLaw, Memory, stateful
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait, norm_gait
 from exoid.experiments.excitation import plan_excitation
 from exoid.experiments.references import from_coefficients

@@ -31,7 +31,7 @@ import pinocchio as pin
 import exoid
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, adaptive, default_gains, feedforward_pd, mean_pose, self_tuning
-from exoid.control.stateful import AnyLaw
+from exoid.control.law import AnyLaw
 from exoid.online import RecursiveEstimator, load_change
 from exoid.rig import Plant, plant_with_payloads
 

@@ -17,8 +17,8 @@ from .options import DryRunOptions, GainOptions, LogOptions
 from .refusals import refuse
 
 if TYPE_CHECKING:
+    from exoid.control.law import AnyLaw
     from exoid.control.model import ModelSource
-    from exoid.control.stateful import AnyLaw
     from exoid.signals import Recording
 
 WITHOUT_TARGET = ("gravity_support", "transparent")

@@ -19,8 +19,8 @@ from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.codegen import CSource
+    from exoid.control.law import AnyLaw
     from exoid.control.observers import TorqueObserver
-    from exoid.control.stateful import AnyLaw
     from exoid.estimate import Estimate
 
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")

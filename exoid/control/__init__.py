@@ -5,10 +5,9 @@ from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
-from .compare_laws import compare_laws
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
-from .law import Law, State
+from .law import Law, State, StatefulLaw, stateful
 from .laws import (
     computed_torque,
     feedforward_pd,
@@ -21,17 +20,14 @@ from .laws import (
 )
 from .limited import Limited
 from .lqr import Weights, lqr
-from .mean_pose import mean_pose
 from .model import ControlModel, default_gains
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .parameter_change import ExpectedChange
 from .replay import LawReplay, replay_law
 from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
-from .side_by_side import SideBySide
-from .standard_laws import LAWS, standard_laws
-from .stateful import StatefulLaw, stateful
-from .track import track
+from .side_by_side import SideBySide, compare_laws
+from .standard_laws import LAWS, mean_pose, standard_laws, track
 from .tracking import Tracking, command_table
 
 __all__ = [

@@ -160,13 +160,6 @@ def admittance(
     Example:
         >>> law = admittance(est, mass=0.5, damping=2.0, reach=0.8)  # doctest: +SKIP
     """
-    return Admittance(
-        mass=gains(mass, "mass"),
-        damping=gains(damping, "damping"),
-        stiffness=gains(stiffness, "stiffness"),
-        model=ControlModel.of(source),
-        frequency=gains(frequency, "frequency"),
-        reach=np.asarray(reach, dtype=np.float64),
-        friction=friction,
-        rate=rate,
-    )
+    virtual = gains(mass, "mass"), gains(damping, "damping"), gains(stiffness, "stiffness")
+    limits = gains(frequency, "frequency"), np.asarray(reach, dtype=np.float64)
+    return Admittance(*virtual, ControlModel.of(source), *limits, friction, rate)

@@ -131,13 +131,6 @@ def assist_as_needed(
     Example:
         >>> law = assist_as_needed(est, stiffness=80.0, damping=4.0, learning=40.0)  # doctest: +SKIP
     """
-    return AssistAsNeeded(
-        stiffness=gains(stiffness, "stiffness"),
-        damping=gains(damping, "damping"),
-        model=ControlModel.of(source),
-        tunnel=gains(tunnel, "tunnel"),
-        learning=gains(learning, "learning"),
-        forgetting=forgetting,
-        friction=friction,
-        rate=rate,
-    )
+    tracking = gains(stiffness, "stiffness"), gains(damping, "damping")
+    tunnelled = gains(tunnel, "tunnel"), gains(learning, "learning")
+    return AssistAsNeeded(*tracking, ControlModel.of(source), *tunnelled, forgetting, friction, rate)

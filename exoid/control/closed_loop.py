@@ -26,8 +26,7 @@ from exoid.rig import (
 )
 from exoid.rig import simulate as simulate_rig
 
-from .law import State
-from .stateful import AnyLaw, Memory, name_of, stateful
+from .law import AnyLaw, Memory, State, name_of, stateful
 from .tracking import Tracking, tracking_of
 
 if TYPE_CHECKING:

@@ -8,9 +8,8 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.rig import Target
 
-from .law import State
+from .law import Memory, State, stateful, torque_without_memory
 from .limited import Wrapped
-from .stateful import Memory, stateful, torque_without_memory
 
 
 @dataclass(frozen=True, eq=False)

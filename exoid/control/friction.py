@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,8 +20,23 @@ WIDTH = 0.05
 """Width of a smooth sign [rad/s]: several times the noise of a tachometer, a tenth of the speed of a slow gait."""
 
 
+class Friction(ABC):
+    """Friction compensation, whose torque is to be added to that of a law."""
+
+    width: float  # width of the smooth sign [rad/s]
+    scale: float  # share of the model's friction that is compensated
+
+    @abstractmethod
+    def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
+        """Compute the torque that compensates friction [N·m], of the shape of ``state.q``."""
+
+    @abstractmethod
+    def in_c(self, measured: str) -> tuple[str, str]:
+        """Write statements that fill ``friction``, at velocities such as ``in->v``, and the words of the equation."""
+
+
 @dataclass(frozen=True)
-class FrictionCompensation:
+class FrictionCompensation(Friction):
     """F_r of doc. 2, eq. (25): c0 sgn(θ̇) + d θ̇, with a sign that may be smooth.
 
     With the measured velocity the compensation follows the true motion, but it is late. A sharp sign chatters with
@@ -48,35 +64,20 @@ class FrictionCompensation:
             )
 
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Compute the torque that compensates friction.
-
-        Args:
-            model: Model with the friction coefficients.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
+        """Compute the torque that compensates friction."""
         velocity = target.v if self.velocity == "desired" else state.v
-        return self.scale * model.friction(state.q, velocity, self.width)
+        friction = model.friction(state.q, velocity, self.width)
+        return friction if self.scale == 1.0 else self.scale * friction
 
     def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the compensation in C.
-
-        Args:
-            measured: Measured velocities in C, such as ``in->v``.
-
-        Returns:
-            Statements that fill ``friction``, and the words of the equation.
-        """
+        """Write the compensation in C."""
         velocity = "in->v_d" if self.velocity == "desired" else measured
         share = "" if self.scale == 1.0 else f"{self.scale:g} "
         return f"    {{{{p}}}}_friction({velocity}, friction);", f" + {share}F({velocity.split('->')[1]})"
 
 
 @dataclass(frozen=True)
-class PassiveFriction:
+class PassiveFriction(Friction):
     """τ_f = share · r(v) where r(v) v > 0, else 0, with r(v) = c0 tanh(v / width) + d v of the model.
 
     It is zero at rest, has the sign of the velocity, and is at most ``share`` of the model's friction. So it never
@@ -105,46 +106,17 @@ class PassiveFriction:
             raise BadArgumentError(f"a smooth sign of width {self.width:g} rad/s", remedy="give a positive width")
 
     @property
-    def scale(self) -> float:
+    def scale(self) -> float:  # type: ignore[override]
         """Share of the model's friction that is compensated."""
         return self.share
 
-    def of(self, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the torque that compensates friction.
-
-        Args:
-            model: Model with the friction coefficients.
-            q: Measured angles [rad], (n,) or (n, B).
-            v: Measured velocities [rad/s], likewise.
-
-        Returns:
-            Torque [N·m], of the same shape.
-        """
-        friction = model.friction(q, v, self.width)
-        return np.asarray(np.where(friction * v > 0.0, self.share * friction, 0.0))
-
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Compute the torque that compensates friction, at the measured velocity.
-
-        Args:
-            model: Model with the friction coefficients.
-            state: Measured state, (n,) or (n, B).
-            target: Not used.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-        """
-        return self.of(model, state.q, state.v)
+        """Compute the torque that compensates friction, at the measured velocity."""
+        friction = model.friction(state.q, state.v, self.width)
+        return np.asarray(np.where(friction * state.v > 0.0, self.scale * friction, 0.0))
 
     def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the compensation in C.
-
-        Args:
-            measured: Measured velocities in C, such as ``in->v``.
-
-        Returns:
-            Statements that fill ``friction``, and the words of the equation.
-        """
+        """Write the compensation in C."""
         statements = (
             f"    {{{{p}}}}_friction({measured}, friction);\n"
             "    for (j = 0; j < {{N}}; ++j) { /* never drives */\n"
@@ -154,9 +126,6 @@ class PassiveFriction:
         )
         return statements, f" + {self.share:g} F(v), never driving"
 
-
-Friction = FrictionCompensation | PassiveFriction
-"""Friction compensation, whose torque is to be added to that of a law."""
 
 SMOOTH = FrictionCompensation()
 """Measured velocity, smooth: doc. 2, eq. (25), without the chatter of the sign function."""
@@ -173,7 +142,7 @@ PASSIVE = PassiveFriction()
 
 def wearer_friction(friction: PassiveFriction | None, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
     """Compute the torque of a friction compensation that may be absent."""
-    return np.zeros_like(v) if friction is None else friction.of(model, q, v)
+    return np.zeros_like(v) if friction is None else friction.torque(model, State(q, v), Target(q, v))
 
 
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:

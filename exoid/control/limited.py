@@ -13,8 +13,7 @@ from exoid.codegen.law_in_c import law_in_c
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
-from .law import State, spread
-from .stateful import AnyLaw, Memory, stateful, torque_without_memory
+from .law import AnyLaw, Memory, State, spread, stateful, torque_without_memory
 
 
 @dataclass(frozen=True, eq=False)

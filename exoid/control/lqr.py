@@ -1,4 +1,4 @@
-"""Linear-quadratic regulation about a trajectory."""
+"""Linear-quadratic regulation about a trajectory, by Pinocchio's analytical derivatives of the dynamics."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import MOTION, Dialect, InputInC, LawInC
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.model import configuration
 from exoid.rig import Reference, Target
 
 from .c_description import describe
 from .friction import AHEAD, FrictionCompensation, model_to_compensate
 from .law import RATE, State, acceleration, refuse_rate
-from .linearise import discretise, linearise
-from .mean_pose import poses_along
 from .model import ControlModel, ModelSource
+
+INSTANTS = 64
+"""Number of instants of a period at which poses are taken."""
 
 
 class Weights(NamedTuple):
@@ -163,6 +166,16 @@ def lqr(
     return LQR(model, gains, period, friction, rate)
 
 
+def poses_along(reference: Reference, period: float) -> FloatArray:
+    """Take angles of a reference at :data:`INSTANTS` equally spaced instants."""
+    if not 0.0 < period < np.inf:
+        raise BadArgumentError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")
+    angles = [np.asarray(reference.at(period * k / INSTANTS).q) for k in range(INSTANTS)]
+    if angles[0].ndim != 2 or angles[0].shape[1] != 1:
+        raise BadArgumentError(f"a reference of shape {angles[0].shape}", remedy="give that of one leg, (n, 1)")
+    return np.array(angles)[:, :, 0]
+
+
 def _optimal_gain(
     model: ControlModel, pose: FloatArray, costs: tuple[FloatArray, FloatArray], rate: float
 ) -> FloatArray:
@@ -177,3 +190,50 @@ def _optimal_gain(
             f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
         ) from error
     return np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A))
+
+
+class Linear(NamedTuple):
+    """ẋ = A x + B u, or x⁺ = A x + B u, with x = (δq, δv) and u = δτ."""
+
+    A: FloatArray  # state matrix, (2n, 2n)
+    B: FloatArray  # input matrix, (2n, n)
+
+
+def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) -> Linear:
+    """Linearise forward dynamics in continuous time."""
+    #     δv̇ = −M⁻¹ (∂τ/∂q + s'(q)) δq − M⁻¹ (∂τ/∂v + d) δv + M⁻¹ δτ
+    #
+    # with τ = RNEA(q, v, a). Springs that couple joints, and rotors that several joints turn, are included. Coulomb
+    # friction, which has no derivative at rest, and terms of other kinds are left out.
+    pinocchio, n = model.pinocchio, model.n
+    data = pinocchio.createData()
+    at = configuration(pinocchio, q[None])[0]
+    by_q, by_v, _ = pin.computeRNEADerivatives(pinocchio, data, at, v, a)
+    inverse = np.linalg.inv(model.mass_matrix(q))
+    A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, n))
+    A[:n, n:] = np.eye(n)
+    A[n:, :n] = -inverse @ (by_q + _spring_rate(model, q))
+    A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
+    B[n:] = inverse
+    return Linear(A, B)
+
+
+def discretise(continuous: Linear, period: float) -> Linear:
+    """Discretise with the torque held over each period."""
+    A, B = continuous
+    sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
+    return Linear(*sampled[:2])
+
+
+def _spring_rate(model: ControlModel, q: FloatArray) -> FloatArray:
+    """Derivative of the springs [N·m/rad], (n, n): of the polynomials, and of terms that couple joints."""
+    powers = np.arange(len(model.spring) - 1, 0, -1.0)[:, None]
+    rate = np.diag((powers * model.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
+    step = 1e-6  # [rad], of differences
+    above, below = (q[:, None] + change * np.eye(model.n) for change in (step, -step))
+    still = np.zeros_like(above)
+    for other in model.others:
+        if len(other.joints) > 1:
+            difference = other.torque(above, still, still, still) - other.torque(below, still, still, still)
+            rate[list(other.joints)] += difference / (2.0 * step)
+    return rate

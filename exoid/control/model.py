@@ -18,7 +18,6 @@ from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
-from .law import spread
 from .other_term import OtherTerm
 
 
@@ -165,6 +164,8 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
+        if q.ndim == 1:
+            return np.array(pin.computeGeneralizedGravity(self.pinocchio, self._data, self._configuration(q)))
         still = np.zeros_like(q)
         return self._bodies(q, still, still)
 
@@ -194,7 +195,8 @@ class ControlModel:
             Torque [N·m], of the same shape.
         """
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
-        torque = spread(self.coulomb, v) * sign + spread(self.viscous, v) * v
+        c0, d = (self.coulomb, self.viscous) if v.ndim == 1 else (self.coulomb[:, None], self.viscous[:, None])
+        torque = c0 * sign + d * v
         if self.others:
             load = self.gravity(q)
             at, rate, pull = (x.reshape(self.n, -1) for x in (q, v, load))
@@ -203,26 +205,6 @@ class ControlModel:
                 moving = other.torque(at, rate, still, pull) - other.torque(at, still, still, pull)
                 torque[list(other.joints)] += moving.reshape(-1, *v.shape[1:])
         return np.asarray(torque)
-
-    def spring_rate(self, q: FloatArray) -> FloatArray:
-        """Compute the derivative of the springs: of the polynomials, and of terms that couple joints.
-
-        Args:
-            q: Angles [rad], (n,).
-
-        Returns:
-            Derivatives [N·m/rad], (n, n).
-        """
-        powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
-        rate = np.diag((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
-        step = 1e-6  # [rad], of differences
-        above, below = (q[:, None] + change * np.eye(self.n) for change in (step, -step))
-        still = np.zeros_like(above)
-        for other in self.others:
-            if len(other.joints) > 1:
-                difference = other.torque(above, still, still, still) - other.torque(below, still, still, still)
-                rate[list(other.joints)] += difference / (2.0 * step)
-        return rate
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Compute M(q) with rotors and other terms that depend on accelerations.
@@ -279,6 +261,16 @@ class ControlModel:
     def _turns(self) -> bool:
         return bool(self.pinocchio.nq != self.pinocchio.nv)
 
+    def _configuration(self, q: FloatArray) -> FloatArray:
+        """Pinocchio's configuration of one leg, in which a joint without limits is (cos q, sin q)."""
+        return configuration(self.pinocchio, q[None])[0] if self._turns else q
+
+    @cached_property
+    def _powers(self) -> list[FloatArray]:
+        """Coefficients of the springs from the highest power that any joint has."""
+        highest = next((k for k, row in enumerate(self.spring) if row.any()), len(self.spring) - 1)
+        return list(self.spring[highest:])
+
     @cached_property
     def _inertial(self) -> bool:
         """Whether some other term depends on accelerations."""
@@ -287,8 +279,7 @@ class ControlModel:
     def _bodies(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """RNEA(q, v, a) + Ia a, of one leg by Pinocchio, of many at once."""
         if q.ndim == 1:
-            at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-            return np.array(pin.rnea(self.pinocchio, self._data, at, v, a))
+            return np.array(pin.rnea(self.pinocchio, self._data, self._configuration(q), v, a))
         leg = self.leg
         rows = (
             leg.inverse_dynamics(q.T, v.T, a.T) if leg.chain is None else leg.regressor(q.T, v.T, a.T) @ leg.parameters
@@ -315,7 +306,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        first, *rest = self.spring if q.ndim == 1 else self.spring[..., None]
+        first, *rest = self._powers if q.ndim == 1 else [row[:, None] for row in self._powers]
         torque = first
         for coefficient in rest:
             torque = torque * q + coefficient

@@ -19,9 +19,8 @@ from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import DataTable, to_text
 
-from .law import State
+from .law import AnyLaw, State, name_of, stateful
 from .limited import Limited
-from .stateful import AnyLaw, name_of, stateful
 
 
 @dataclass(frozen=True, eq=False, repr=False)

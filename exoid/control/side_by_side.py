@@ -1,7 +1,8 @@
-"""Several legs in one run, each with a different controller."""
+"""Several controllers on the same leg and reference, in one run."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,14 +10,15 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.rig import Target
+from exoid.rig import Plant, Reference, Sensors, Target
 
-from .law import State
-from .stateful import AnyLaw, Memory, StatefulLaw, stateful, torque_without_memory
+from .closed_loop import simulate_many
+from .law import AnyLaw, Memory, State, StatefulLaw, stateful
+from .tracking import Tracking
 
 
 @dataclass(frozen=True)
-class SideBySide:
+class SideBySide(StatefulLaw):
     """Controller k for rig k: to compare controllers, or controllers with different estimates.
 
     Attributes:
@@ -41,51 +43,12 @@ class SideBySide:
         """Sampling rate of all controllers [Hz]."""
         return self.laws[0].rate
 
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque of each controller for its rig.
-
-        Args:
-            state: Measured state, (n, B), or (n,) for one rig.
-            target: Reference at this moment, (n, B) or (n, 1).
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: The number of rigs is not that of the controllers, or a controller has memory.
-        """
-        inputs = self._inputs(state, target)
-        columns = [torque_without_memory(law, *one) for law, one in zip(self.laws, inputs, strict=True)]
-        return np.array(columns).T.reshape(state.q.shape)
-
     def begin(self, state: State) -> tuple[Memory, ...]:
-        """Compute the memory of each controller before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n, B), or (n,) for one rig.
-
-        Returns:
-            Memories, one for each controller.
-
-        Raises:
-            ExoidError: The number of rigs is not that of the controllers.
-        """
+        """Compute the memory of each controller before the first sample."""
         return tuple(law.begin(one) for law, one in zip(self._stateful, self._states(state), strict=True))
 
     def step(self, memory: tuple[Memory, ...], state: State, target: Target) -> tuple[FloatArray, tuple[Memory, ...]]:
-        """Compute the torque of each controller for its rig, and the memories.
-
-        Args:
-            memory: Memories, one for each controller.
-            state: Measured state, (n, B), or (n,) for one rig.
-            target: Reference at this moment, (n, B) or (n, 1).
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memories for the next sample.
-
-        Raises:
-            ExoidError: The number of rigs is not that of the controllers.
-        """
+        """Compute the torque of each controller for its rig, and the memories."""
         inputs = self._inputs(state, target)
         steps = [law.step(own, *one) for law, own, one in zip(self._stateful, memory, inputs, strict=True)]
         return np.array([torque for torque, _ in steps]).T.reshape(state.q.shape), tuple(own for _, own in steps)
@@ -111,3 +74,60 @@ class SideBySide:
             (one, Target(*(None if x is None else x[k] for x in aims)))  # type: ignore[arg-type]
             for k, one in enumerate(states)
         ]
+
+
+def compare_laws(
+    plant: Plant | Mapping[str, Plant],
+    laws: Mapping[str, AnyLaw],
+    reference: Reference,
+    duration: float,
+    *,
+    sensors: Sensors | None = None,
+    settle: float = 0.0,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> dict[str, Tracking]:
+    """Run several controllers; those of the same rate run in one simulation.
+
+    Args:
+        plant: The true leg, one rig; or that of each controller by its name, all of the same leg.
+        laws: Controllers by name, with or without memory.
+        reference: Reference of one leg, which all follow.
+        duration: Duration [s].
+        sensors: See :func:`exoid.control.simulate`; the noise differs from controller to controller.
+        settle: Time at the beginning that the metrics leave out [s].
+        seed: Seed of the sensor noise.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        Result of each controller by name, in the order of ``laws``.
+
+    Raises:
+        ExoidError: There are no controllers, one has no plant, or a run is refused or diverges.
+    """
+    plants = dict.fromkeys(laws, plant) if isinstance(plant, Plant) else plant
+    missing = [name for name in laws if name not in plants]
+    if missing or not laws:
+        raise BadArgumentError(
+            f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
+        )
+    groups: dict[float, list[str]] = {}
+    for name, law in laws.items():
+        groups.setdefault(law.rate, []).append(name)
+    found: dict[str, Tracking] = {}
+    for names in groups.values():
+        done, share = len(found) / len(laws), len(names) / len(laws)
+        part = None if progress is None else lambda x, done=done, share=share: progress(done + share * x)
+        runs = simulate_many(
+            Plant.concatenate([plants[name] for name in names]),
+            SideBySide(tuple(laws[name] for name in names)),
+            reference,
+            duration,
+            sensors=sensors,
+            settle=settle,
+            seed=seed,
+            names=tuple(names),
+            progress=part,
+        )
+        found |= dict(zip(names, runs, strict=True))
+    return {name: found[name] for name in laws}

@@ -17,7 +17,7 @@ from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observers, random_
 import exoid
 from exoid.codegen import Safety, c_source
 from exoid.control import State, default_gains, gravity_friction_pd, simulate, stateful
-from exoid.control.track import SENSORS
+from exoid.control.standard_laws import SENSORS
 from exoid.rig import Plant, Wearer
 
 pytestmark = needs_compiler

@@ -4,7 +4,6 @@ import os
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from arms import Arm
 from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless
@@ -19,15 +18,13 @@ from exoid.control import (
     adaptive,
     compare_laws,
     feedforward_pd,
-    simulate,
     simulate_many,
 )
 from exoid.control.adaptive import FAR, FLOOR
 from exoid.control.parameter_change import point_masses
 from exoid.control.parameter_cone import ParameterCone
 from exoid.control.slotine_li import SlotineLiModel
-from exoid.control.track import SENSORS
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
+from exoid.control.standard_laws import SENSORS
 from exoid.experiments import Hold, healthy_gait
 from exoid.leg.lift import check, lift
 from exoid.rig import Payload, Target, plant_with_payloads
@@ -71,15 +68,6 @@ def test_the_regressor_is_that_of_slotine_and_li(leg):
     expected = leg.mass_matrix(q[None])[0] @ a_r + C @ v_r + leg.gravity(q[None])[0]
     Y = model.regressor(*(x[:, None] for x in (q, v, v_r, a_r)))[0]
     np.testing.assert_allclose(Y @ leg.parameters, expected, atol=1e-8)
-
-
-def test_on_a_planar_leg_pinocchios_coriolis_matrix_is_the_same():
-    model = SlotineLiModel.of(LEG, ExpectedChange())
-    q, v, v_r, a_r = np.random.default_rng(2).uniform(-1.0, 1.0, (4, 2))
-    C = pin.computeCoriolisMatrix(LEG.model, LEG.model.createData(), q, v)
-    expected = LEG.mass_matrix(q[None])[0] @ a_r + C @ v_r + LEG.gravity(q[None])[0]
-    Y = model.regressor(*(x[:, None] for x in (q, v, v_r, a_r)))[0]
-    np.testing.assert_allclose(Y @ LEG.parameters, expected, atol=1e-12)
 
 
 def test_at_the_reference_the_torque_is_the_feedforward_of_the_estimate():
@@ -234,14 +222,6 @@ def heavy_rig():
 
 
 @pytest.mark.slow
-def test_an_unknown_payload_is_learned_within_a_stride():
-    """Gait of 4 s, noisy sensors: less than half the error without adaptation, and 1.5 kg · 0.3 m are found in X2."""
-    laws = {"uninformed": feedforward_pd(exact_estimate(), KP, KD), "adaptive": adaptive(exact_estimate(), KP, KD)}
-    runs = compare_laws(heavy_rig(), laws, healthy_gait(0.8, 4.0), 8.0, sensors=SENSORS, settle=4.0)
-    assert (runs["adaptive"].rms_deg < 0.5 * runs["uninformed"].rms_deg).all()
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3 if FULL else 1))
 def test_the_error_is_at_most_a_quarter_above_that_of_a_controller_that_knew(seed):
     """Document 2's gait of 10 s with 1.5 kg on the shank, second stride; without adaptation 2.9 and 3.4 degrees."""
@@ -269,18 +249,10 @@ def test_standing_still_teaches_nothing():
     states = [State(q, v + rng.normal(0.0, 0.01, (2, 10))) for _ in range(3000)]
     _, memory = run_law(law, states, [aim] * len(states))
     watched = _Watched(law)
-    simulate_many(heavy_rig().repeat(2), watched, Hold(POSE), 3.0, sensors=SENSORS, start=POSE + 0.05)
+    duration = 300.0 if FULL else 10.0  # [s]
+    simulate_many(heavy_rig().repeat(2), watched, Hold(POSE), duration, sensors=SENSORS, start=POSE + 0.05)
     for kept in (memory, watched.last):
         assert np.abs(kept.values - law.model.values[:, None]).max() <= STD.min()
-
-
-@pytest.mark.slow
-def test_standing_on_the_rig_moves_no_parameter_by_a_standard_deviation():
-    law = adaptive(exact_estimate(), KP, KD)
-    watched = _Watched(law)
-    duration = 600.0 if FULL else 20.0  # [s]
-    simulate_many(heavy_rig(), watched, Hold(POSE), duration, sensors=SENSORS, start=POSE + 0.05)
-    assert (np.abs(np.ravel(watched.last.values) - law.model.values) <= STD.min()).all()
 
 
 def test_without_its_precautions_a_standing_leg_would_drift():
@@ -317,37 +289,7 @@ def test_a_limited_joint_teaches_nothing():
     assert np.abs(free.values - after.values).max() > 1e-3
 
 
-def test_limits_hold_on_the_rig():
-    run = simulate(
-        heavy_rig(), Limited(adaptive(exact_estimate(), KP, KD), (15.0, 8.0), 200.0), healthy_gait(0.8, 4.0), 4.0
-    )
-    assert (np.abs(run.tau).max(axis=0) <= (15.0, 8.0)).all()
-    assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 2.0 + 1e-9
-
-
 # ------------------------------------------------------------------------------------------ as a law
-
-
-def test_many_legs_at_once_get_what_each_gets_alone():
-    law = adaptive(exact_estimate(), KP, KD)
-    state, aim = on_the_move(8, (3,))
-    torque, memory = run_law(law, [state] * 5, [aim] * 5)
-    for k in range(3):
-        one, own = State(state.q[:, k], state.v[:, k]), Target(*(x[:, k] for x in aim))
-        alone, kept = run_law(law, [one] * 5, [own] * 5)
-        np.testing.assert_allclose(alone, torque[:, k], rtol=1e-9)
-        np.testing.assert_allclose(kept.values, memory.values[:, k], rtol=1e-9)
-
-
-def test_the_law_is_a_pure_function():
-    law = adaptive(exact_estimate(), KP, KD)
-    state, aim = on_the_move(9)
-    memory = law.begin(state)
-    first, after = law.step(memory, state, aim)
-    law.step(after, *on_the_move(10))
-    again, _ = law.step(memory, state, aim)
-    np.testing.assert_array_equal(first, again)
-    assert law.estimate_of(memory)["X1"] == pytest.approx(exact_estimate()["X1"].value)
 
 
 def test_what_an_estimate_does_not_know_adapts_faster():
@@ -374,31 +316,6 @@ def test_an_impossible_estimate_begins_at_the_nearest_possible_leg():
     assert law.model.values[law.names.index("d_hip")] >= 0.0
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"kp": -1.0},
-        {"kp": 0.0},
-        {"kd": (1.0, 2.0, 3.0)},
-        {"time_constant": 0.0},
-        {"time_constant": np.nan},
-        {"dead_zone": -0.1},
-        {"still": np.inf},
-        {"rate": 0.0},
-        {"source": LEG, "change": ExpectedChange(0.0, 0.0)},
-    ],
-)
-def test_impossible_settings_raise_errors(settings):
-    with pytest.raises(ExoidError):
-        adaptive(**{"source": exact_estimate(), "kp": KP, "kd": KD, **settings})
-
-
-@pytest.mark.parametrize("numbers", [(-1.0, 0.0), (np.nan, 0.0), (1.0, np.inf)])
-def test_impossible_changes_raise_errors(numbers):
-    with pytest.raises(BadArgumentError):
-        ExpectedChange(*numbers)
-
-
 def test_a_joint_with_a_vertical_axis_adapts():
     """A mass on that axis moves no parameter: its column of the cone is left out."""
     arm = Arm("ur5").leg
@@ -416,21 +333,6 @@ def test_the_variance_of_a_parameter_that_is_not_determined_is_no_gain():
     lost[0, 0] = 4e8
     known, vague = (adaptive(one, KP, KD).model.covariance for one in (est, replace(est, covariance=lost)))
     np.testing.assert_allclose(vague[0, 0], known[0, 0], rtol=1e-3)
-
-
-@pytest.mark.parametrize("what", ["q", "v"])
-def test_readings_that_are_not_finite_raise_an_error(what):
-    law = adaptive(exact_estimate(), KP, KD)
-    state, aim = on_the_move(12)
-    with pytest.raises(UnreadableInputError):
-        law.step(law.begin(state), state._replace(**{what: np.array([0.5, np.nan])}), aim)
-
-
-def test_a_target_without_acceleration_raises_an_error():
-    law = adaptive(exact_estimate(), KP, KD)
-    state, aim = on_the_move(13)
-    with pytest.raises(ExoidError):
-        law.step(law.begin(state), state, aim._replace(a=None))
 
 
 def test_parameters_that_are_known_exactly_have_a_millionth_of_their_value_as_deviation():

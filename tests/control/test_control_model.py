@@ -6,7 +6,6 @@ from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate,
 
 import exoid
 from exoid.control import ControlModel
-from exoid.rig import Plant
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 
 RNG = np.random.default_rng(3)
@@ -52,18 +51,14 @@ def test_many_legs_at_once_give_what_each_gives_alone(count):
         np.testing.assert_allclose(model.friction(q, v, 0.0)[:, k], model.friction(q[:, k], v[:, k], 0.0), atol=1e-14)
 
 
-def test_a_leg_alone_has_no_friction():
-    model = ControlModel.of(LEG)
-    q, v, a = RNG.uniform(-1.0, 1.0, (3, 2))
-    np.testing.assert_allclose(model.inverse_dynamics(q, v, a), LEG.inverse_dynamics(q, v, a)[0], atol=1e-12)
+@pytest.mark.parametrize(
+    "leg", [LEG, exoid.load_leg("bleex"), exoid.load_leg("bleex", side="right", inertias="identified")]
+)
+def test_a_leg_alone_has_no_friction(leg):
+    model = ControlModel.of(leg)
+    q, v, a = RNG.uniform(-1.0, 1.0, (3, model.n))
+    np.testing.assert_allclose(model.inverse_dynamics(q, v, a), leg.inverse_dynamics(q, v, a)[0], atol=1e-12)
     assert not model.friction(q, v, 0.0).any()
-
-
-def test_three_joints_and_a_numeric_leg():
-    for leg in (exoid.load_leg("bleex"), exoid.load_leg("bleex", side="right", inertias="identified")):
-        model = ControlModel.of(leg)
-        q, v, a = RNG.uniform(-1.0, 1.0, (3, 3))
-        np.testing.assert_allclose(model.inverse_dynamics(q, v, a), leg.inverse_dynamics(q, v, a)[0], atol=1e-12)
 
 
 class Cubic(Viscous):
@@ -121,8 +116,3 @@ def test_friction_can_be_made_wrong_on_purpose():
     q, v = RNG.uniform(-1.0, 1.0, (2, 2))
     np.testing.assert_allclose(model.with_friction(0.5).friction(q, v, 0.1), 0.5 * model.friction(q, v, 0.1))
     np.testing.assert_array_equal(model.with_friction(0.5).statics(q), model.statics(q))
-
-
-def test_a_plant_of_one_rig_among_several_is_taken():
-    several = Plant.concatenate([cuhk_plant(), cuhk_plant()])
-    assert ControlModel.of(several.take([1])).n == 2

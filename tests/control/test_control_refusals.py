@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target
+from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 from exoid import load_leg
 from exoid.control import (
     ControlModel,
+    ExpectedChange,
     FrictionCompensation,
     Limited,
     PassiveFriction,
@@ -27,14 +28,15 @@ from exoid.control import (
     p,
     pd,
     replay_law,
+    self_tuning,
     sensitivity_amplification,
     simulate,
     simulate_many,
     stateful,
 )
 from exoid.control.closed_loop import plant_step
-from exoid.control.motion_filter import MotionFilter
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.control.sensitivity_amplification import MotionFilter
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 from exoid.signals import Recording
@@ -101,7 +103,8 @@ REFUSED = {
         for bad in ((0.0, 100.0), (-5.0, 100.0), (50.0, 100.0), (NAN, 100.0), (5.0, 0.0))
     ],
     "target without acceleration": [
-        (lambda make: make(LEG, 1.0, 1.0).torque(REST, AIM), make) for make in (feedforward_pd, computed_torque)
+        *((lambda make: make(LEG, 1.0, 1.0).torque(REST, AIM), make) for make in (feedforward_pd, computed_torque)),
+        *((lambda make: _step(make(LEG, 1.0, 1.0), REST, AIM), make) for make in (adaptive, self_tuning)),
     ],
     "LQR": [
         *((lambda x: lqr(LEG, GAIT, x), bad) for bad in (0.0, NAN)),
@@ -110,14 +113,25 @@ REFUSED = {
         (lambda x: lqr(LEG, GAIT.tile(x), 10.0), 2),
         (lambda x: lqr(load_leg(x), GAIT, 10.0), "bleex"),
     ],
+    "adaptive": [
+        (lambda x, make=make: make(**{"source": exact_estimate(), "kp": 20.0, "kd": 2.0, **x}), bad)
+        for make, own in (
+            (adaptive, ({"kp": 0.0}, {"kd": (1.0,) * 3}, {"time_constant": NAN}, {"dead_zone": -0.1}, {"still": INF})),
+            (self_tuning, ({"slew": -1.0}, {"bound": NAN}, {"cutoff": 60.0}, {"memory": 0.0})),
+        )
+        for bad in (
+            *({"kp": -1.0}, {"time_constant": 0.0}, {"rate": 0.0}),
+            *({"source": LEG, "change": ExpectedChange(0.0, 0.0)}, *own),
+        )
+    ],
+    "expected change": [(lambda x: ExpectedChange(*x), bad) for bad in ((-1.0, 0.0), (NAN, 0.0), (1.0, INF))],
     "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
     "law": [
         (stateful, {}),
         (lambda law: Limited(law).torque(REST, AIM), Integrator()),
-        (lambda law: SideBySide((law,)).torque(REST, AIM), Integrator()),
         (SideBySide, (pd(1.0, 1.0, rate=30.0), pd(1.0, 1.0))),
-        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2, 3)),
-        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).torque(_state(shape), random_target()), (2,)),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).begin(_state(shape)), (2, 3)),
+        (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).begin(_state(shape)), (2,)),
     ],
     "run": [
         (lambda x: simulate(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
@@ -131,6 +145,10 @@ REFUSED = {
         (lambda law: replay_law(law, logged().select(LEG.joint_names[:1]), GAIT), pd((1.0, 1.0), (1.0, 1.0))),
     ],
 }  # fmt: skip
+
+
+def _step(law, state, target):
+    return law.step(law.begin(state), state, target)
 
 
 def _state(shape):
@@ -175,7 +193,7 @@ def test_logs_with_gaps_or_missing_values_and_torques_that_are_not_finite_are_re
 
 
 @pytest.mark.parametrize("what", ["q", "v"])
-def test_adaptive_control_refuses_readings_that_are_not_finite(what):
-    law = adaptive(exact_estimate(), 60.0, 6.0)
-    with pytest.raises(ExoidError, match="not finite"):
-        law.step(law.begin(REST), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))
+@pytest.mark.parametrize("make", [adaptive, self_tuning])
+def test_readings_that_are_not_finite_are_refused(make, what):
+    with pytest.raises(UnreadableInputError):
+        _step(make(LEG, 1.0, 1.0), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))

@@ -12,13 +12,10 @@ from exoid.control import (
     SMOOTH,
     ControlModel,
     FrictionCompensation,
-    SideBySide,
     State,
     gravity_friction_pd,
-    p,
     pd,
 )
-from exoid.rig import Target
 
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
@@ -31,11 +28,6 @@ def random_state(seed=1, shape=(2,)):
 
 def feedback(state, target):
     return np.array(KP) * (target.q - state.q) + np.array(KD) * (target.v - state.v)
-
-
-def test_p_is_its_equation():
-    state, target = random_state(), random_target()
-    np.testing.assert_allclose(p(KP).torque(state, target), np.array(KP) * (target.q - state.q))
 
 
 def test_pd_is_its_equation():
@@ -73,30 +65,6 @@ def test_friction_may_be_compensated_in_part():
     }
     np.testing.assert_allclose(torque[1.5] - torque[0.0], 1.5 * (torque[1.0] - torque[0.0]))
     np.testing.assert_allclose(torque[0.0], gravity_friction_pd(PLANT, KP, KD, friction=None).torque(state, target))
-
-
-LAWS = {"p": p(KP), "pd": pd(KP, KD), "pd+g+f": gravity_friction_pd(exact_estimate(), KP, KD)}
-
-
-def test_a_law_does_not_remember():
-    """The same question gets the same answer, whatever was asked in between, and inputs stay as they are."""
-    for law in LAWS.values():
-        state, target = random_state(), random_target()
-        before = [x.copy() for x in (state.q, state.v, target.q, target.v)]
-        first = law.torque(state, target)
-        law.torque(random_state(9), random_target(8))
-        np.testing.assert_array_equal(law.torque(state, target), first)
-        for x, kept in zip((state.q, state.v, target.q, target.v), before, strict=True):
-            np.testing.assert_array_equal(x, kept)
-
-
-def test_laws_side_by_side_drive_a_leg_each():
-    laws = (LAWS["pd"], LAWS["pd+g+f"], LAWS["p"])
-    state, target = random_state(shape=(2, 3)), random_target()
-    column = Target(*(x[:, None] for x in target))
-    torque = SideBySide(laws).torque(state, column)
-    for k, law in enumerate(laws):
-        np.testing.assert_allclose(torque[:, k], law.torque(State(state.q[:, k], state.v[:, k]), target), atol=1e-12)
 
 
 def test_gains_cannot_be_changed_afterwards():

@@ -32,10 +32,6 @@ def test_the_limit_holds_even_where_the_last_torque_was_beyond_it():
     np.testing.assert_allclose(law.torque(REST._replace(last=np.array([90.0, -90.0])), FAR), [50.0, -50.0])
 
 
-def test_without_limits_it_is_the_law():
-    np.testing.assert_array_equal(Limited(HARD).torque(REST, FAR), HARD.torque(REST, FAR))
-
-
 def test_limits_hold_throughout_a_run():
     law = Limited(pd(300.0, 30.0), limit=(15.0, 8.0), slew=200.0)
     pose = Hold(np.array([[0.6], [0.8]]))
@@ -49,4 +45,4 @@ def test_side_by_side_each_controller_receives_its_last_torque():
     laws = (Limited(HARD, slew=100.0), Limited(HARD, slew=1000.0))
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), last=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.array([[1.0], [-1.0]]), np.zeros((2, 1)))
-    np.testing.assert_allclose(SideBySide(laws).torque(state, aim), [[2.0, 12.0], [2.0, -6.0]])
+    np.testing.assert_allclose(SideBySide(laws).step(((), ()), state, aim)[0], [[2.0, 12.0], [2.0, -6.0]])

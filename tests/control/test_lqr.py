@@ -7,7 +7,7 @@ from controlled_legs import cuhk_plant, exact_estimate, frictionless, random_tar
 
 from exoid import load_leg
 from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate
-from exoid.control.linearise import Linear, discretise, linearise
+from exoid.control.lqr import Linear, discretise, linearise
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits
 from exoid.rig import Payload, Plant, plant_with_payloads

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.control.motion_filter import MotionFilter
+from exoid.control.sensitivity_amplification import MotionFilter
 
 FILTERS = pytest.mark.parametrize(("bandwidth", "rate"), [(5.0, 1000.0), (20.0, 500.0), (20.0, 100.0), (45.0, 100.0)])
 

@@ -7,7 +7,6 @@ from controlled_legs import LEG, cuhk_plant, estimate_of, exact_estimate
 import exoid
 from exoid.control import (
     ControlModel,
-    ExpectedChange,
     State,
     compare_laws,
     feedforward_pd,
@@ -15,8 +14,7 @@ from exoid.control import (
     simulate_many,
 )
 from exoid.control.known_leg import as_estimate
-from exoid.control.track import SENSORS
-from exoid.errors import ExoidError, UnreadableInputError
+from exoid.control.standard_laws import SENSORS
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Payload, Target, plant_with_payloads
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
@@ -112,28 +110,6 @@ def test_a_leg_that_stands_on_the_rig_teaches_nothing():
     assert np.abs(np.ravel(seen[-1].values) - np.ravel(seen[300].values)).max() <= std
 
 
-def test_many_legs_at_once_get_what_each_gets_alone():
-    law = self_tuning(exact_estimate(), KP, KD)
-    both, alone = fed(law, 0.5, heavy_rig(), columns=(2,))[-1], fed(law, 0.5, heavy_rig(), columns=(1,))[-1]
-    assert both.values.shape == (len(law.names), 2)
-    assert len(both.online) == 2
-    assert alone.values.shape == (len(law.names), 1)
-    step = law.step(both, State(np.ones((2, 2)), np.ones((2, 2))), Target(*np.ones((3, 2, 2))))[0]
-    assert step.shape == (2, 2)
-
-
-def test_the_law_is_a_pure_function():
-    law = self_tuning(exact_estimate(), KP, KD)
-    memory = fed(law, 0.39, heavy_rig())[-1]
-    state = State(np.array([0.3, 0.5]), np.array([0.5, 0.4]), 0.4, np.array([3.0, 2.0]))
-    aim = Target(state.q, state.v, 0.0 * state.q)
-    first = law.step(memory, state, aim)
-    law.step(first[1], state, aim)
-    again = law.step(memory, state, aim)
-    np.testing.assert_array_equal(first[0], again[0])
-    np.testing.assert_array_equal(first[1].aim, again[1].aim)
-
-
 @pytest.mark.parametrize(
     "source", [LEG, cuhk_plant(), ControlModel.of(exact_estimate())], ids=["leg", "plant", "model"]
 )
@@ -168,31 +144,6 @@ def test_its_error_is_at_most_a_fifth_above_that_of_a_feedforward_that_knew():
     runs = compare_laws(heavy_rig(), laws, healthy_gait(1.2, 10.0), 20.0, sensors=SENSORS, settle=10.0)
     assert (runs["self-tuning"].rms_deg <= 1.2 * runs["knew"].rms_deg).all()
     assert (runs["self-tuning"].peak_deg <= 1.2 * runs["knew"].peak_deg).all()
-
-
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"kp": -1.0},
-        {"time_constant": 0.0},
-        {"slew": -1.0},
-        {"bound": np.nan},
-        {"rate": 0.0},
-        {"cutoff": 60.0},
-        {"memory": 0.0},
-        {"change": ExpectedChange(0.0, 0.0), "source": LEG},
-    ],
-)
-def test_impossible_settings_raise_errors(settings):
-    with pytest.raises(ExoidError):
-        self_tuning(**{"source": exact_estimate(), "kp": KP, "kd": KD, **settings})
-
-
-def test_readings_that_are_not_finite_raise_an_error():
-    law = self_tuning(exact_estimate(), KP, KD)
-    state = State(np.array([0.5, np.nan]), np.zeros(2))
-    with pytest.raises(UnreadableInputError):
-        law.step(law.begin(state), state, Target(np.zeros(2), np.zeros(2), np.zeros(2)))
 
 
 def test_the_estimate_of_a_leg_can_be_read():

@@ -103,4 +103,6 @@ def test_side_by_side_each_law_receives_its_interaction():
 
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), interaction=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.zeros((2, 1)), np.zeros((2, 1)))
-    np.testing.assert_array_equal(SideBySide((Follow(), Follow())).torque(state, aim), 2.0 * state.interaction)
+    np.testing.assert_array_equal(
+        SideBySide((Follow(), Follow())).step(((), ()), state, aim)[0], 2.0 * state.interaction
+    )

@@ -13,7 +13,7 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.codegen import c_source
 from exoid.control import ControlModel
-from exoid.control.linearise import linearise
+from exoid.control.lqr import linearise
 from exoid.identification import select_terms
 from exoid.identification.estimators.closed_loop import as_plant
 from exoid.lab.stability import check_properties

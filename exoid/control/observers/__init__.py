@@ -2,9 +2,9 @@
 
 from .kalman_observer import InnovationTest, KalmanObserver
 from .momentum_observer import MomentumObserver
+from .noise import SensorNoise
 from .observer import TorqueObserver
 from .readings import ObservedTorque, ObserverReading
-from .sensor_noise import SensorNoise
 
 __all__ = [
     "InnovationTest",

@@ -14,12 +14,11 @@ from exoid.codegen import Dialect, LawInC
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.signals import Recording
 
-from .band import NoiseBand, Residual, filtered_noise
+from .alignment import JointFilters
 from .in_c import observer_in_c
-from .joint_filters import JointFilters
+from .noise import NoiseBand, Residual, SensorNoise, filtered_noise, noise_columns
 from .observer import BLOCK, TorqueObserver
 from .readings import observed_log
-from .sensor_noise import SensorNoise, noise_columns
 
 
 class InnovationTest(NamedTuple):
@@ -95,17 +94,7 @@ class KalmanObserver(TorqueObserver):
         return np.asarray(np.sqrt([found.walk * self.rate for found in self._joints]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the observer in C, with the gains of the steady state: no Riccati equation is solved there.
-
-        Args:
-            dialect: Precision.
-
-        Returns:
-            The observer with measured velocities: its torque, without band and detection.
-
-        Raises:
-            ExoidError: Channels lag differently, or a term of the model has no form in C.
-        """
+        """Describe the observer in C, with the gains of the steady state: no Riccati equation is solved there."""
         (b, _, _), (_, a1, a2) = self.filters.b, self.filters.a
         return observer_in_c(
             self,

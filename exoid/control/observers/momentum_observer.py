@@ -10,8 +10,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.codegen import Dialect, LawInC
 
+from .alignment import JointFilters
 from .in_c import observer_in_c
-from .joint_filters import JointFilters
 from .observer import TorqueObserver
 
 
@@ -47,17 +47,7 @@ class MomentumObserver(TorqueObserver):
         return JointFilters(np.stack([-np.expm1(-self.gain / self.rate), none]), np.stack([none + 1.0, -pole]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the observer in C.
-
-        Args:
-            dialect: Precision.
-
-        Returns:
-            The observer with measured velocities: its torque, without band and detection.
-
-        Raises:
-            ExoidError: Channels lag differently, or a term of the model has no form in C.
-        """
+        """Describe the observer in C."""
         return observer_in_c(
             self,
             dialect,

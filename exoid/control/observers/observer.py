@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.codegen import Dialect, LawInC
 from exoid.control.friction import WIDTH
 from exoid.control.law import refuse_rate
 from exoid.control.model import ControlModel, ModelSource
@@ -18,12 +19,10 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.signals import Recording
 
-from .alignment import Alignment, AlignmentMemory
-from .band import NoiseBand, Residual, parameter_variance
-from .joint_filters import JointFilters
+from .alignment import Alignment, AlignmentMemory, JointFilters
 from .momentum import MomentumModel
+from .noise import NoiseBand, Residual, SensorNoise, parameter_variance
 from .readings import ObservedTorque, ObserverReading, observed_log, refuse_readings
-from .sensor_noise import SensorNoise
 
 BLOCK = 4096
 """Samples of a log worked on at once."""
@@ -94,6 +93,10 @@ class TorqueObserver(ABC):
     def filters(self) -> JointFilters:
         """Filter of the balance of each joint, with gain 1 for constant torques."""
 
+    @abstractmethod
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the observer in C, with measured velocities: its torque, without band and detection."""
+
     @property
     @abstractmethod
     def gain(self) -> FloatArray:
@@ -108,14 +111,7 @@ class TorqueObserver(ABC):
         return np.asarray(samples / self.rate + self.alignment.delay)
 
     def response(self, frequency: float) -> FloatArray:
-        """Compute the frequency response from the torque of the wearer to the reading.
-
-        Args:
-            frequency: Frequency [Hz].
-
-        Returns:
-            Complex gains, (n,).
-        """
+        """Frequency response from the torque of the wearer to the reading at a frequency [Hz], complex, (n,)."""
         gain = self.filters.response(frequency, self.rate) * np.sinc(frequency / self.rate)
         late = 0.5 / self.rate + self.alignment.waiting
         if self.alignment.filters is not None:

@@ -63,11 +63,7 @@ class Cuffs:
         return not (self.stiffness_std.any() or self.damping_std.any())
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Write each cuff as a row of a table.
-
-        Returns:
-            One row a joint: stiffness and damping with standard deviations.
-        """
+        """Write stiffness and damping of each cuff, with standard deviations, as a row of a table."""
         columns = (self.joint_names, self.stiffness, self.stiffness_std, self.damping, self.damping_std)
         return [
             (name, f"{k:.4g}", f"{k * k_std:.2g}", f"{d:.3g}", f"{d * d_std:.2g}")

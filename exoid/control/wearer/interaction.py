@@ -29,10 +29,19 @@ from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
-from .action import LEVEL, Evidence, JointAction, judge, together
+from .action import (
+    LEVEL,
+    Evidence,
+    JointAction,
+    body_like,
+    constant_torques,
+    judge,
+    rough_estimate,
+    together,
+    too_few_samples,
+)
 from .evaluation import Evaluation, evaluate
 from .gait import GaitProfile, find_phase, profile
-from .interaction_checks import body_like, constant_torques, rough_estimate, too_few_samples
 
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
 """Columns of :meth:`Interaction.rows`; the last is the smallest RMS that the test would notice [N·m]."""

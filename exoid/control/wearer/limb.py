@@ -63,11 +63,7 @@ class LimbComparison(Report):
         return tuple(((low <= self.expected) & (self.expected <= high)).tolist())
 
     def to_json(self) -> dict[str, Any]:
-        """Turn a comparison into what JSON can hold.
-
-        Returns:
-            Value, standard deviation, interval, unit and expected value of each parameter, by name.
-        """
+        """Value, standard deviation, interval, unit and expected value of each parameter, by name, for JSON."""
         keys = ("value", "std", "interval", "unit", "expected")
         columns = zip(self.names, self.values, self.std, self.interval, self.units, self.expected, strict=True)
         return {name: json_value(dict(zip(keys, each, strict=True))) for name, *each in columns}
@@ -78,11 +74,7 @@ class LimbComparison(Report):
         return f"LimbComparison({values})"
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Write each parameter as a row of a table.
-
-        Returns:
-            One row a parameter.
-        """
+        """Write each parameter as a row of a table."""
         columns = (self.names, self.values, self.std, self.interval, self.units, self.expected)
         without = np.isnan(self.expected).all()
         return [

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
-from exoid.control.stateful import AnyLaw
+from exoid.control.law import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait

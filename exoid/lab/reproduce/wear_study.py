@@ -10,8 +10,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
+from exoid.control.law import AnyLaw
 from exoid.control.model import ModelSource
-from exoid.control.stateful import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import gait_for_leg, healthy_gait

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.law import Law, State, refuse_rate
-from exoid.control.linearise import Linear, discretise, linearise
+from exoid.control.lqr import Linear, discretise, linearise
 from exoid.control.model import ControlModel
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.rig import Plant, Target

@@ -9,9 +9,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, SideBySide, Tracking, simulate_many
+from exoid.control.law import AnyLaw
 from exoid.control.model import ModelSource
-from exoid.control.stateful import AnyLaw
-from exoid.control.track import SENSORS
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.rig import Plant, Sensors

@@ -10,10 +10,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control import ControlModel, default_gains, mean_pose, standard_laws
 from exoid.control.closed_loop import plant_step
-from exoid.control.law import RATE
+from exoid.control.law import RATE, AnyLaw
 from exoid.control.model import ModelSource
 from exoid.control.standard_laws import refuse_unknown_laws
-from exoid.control.stateful import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.experiments import Harmonics
 from exoid.experiments.limits import refuse_motion_beyond_limits

@@ -259,9 +259,3 @@ def test_options_that_exclude_each_other_are_refused(estimate, worn):
         exoid.interaction(estimate, worn[1], cutoff=5.0, preparation=exoid.signals.FiniteDifference())
     with pytest.raises(BadArgumentError):
         exoid.interaction(estimate, [worn[1], worn[1]], strides=[1.0, 2.0])
-
-
-def test_the_result_cannot_be_changed(estimate, worn):
-    found = exoid.interaction(estimate, worn[1])
-    with pytest.raises(ValueError, match="read-only"):
-        found.torque[0] = 0.0

@@ -14,7 +14,7 @@ from integrated_worn_leg import WornLeg
 import exoid
 from exoid import ExoidError, published
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
-from exoid.control.linearise import linearise
+from exoid.control.lqr import linearise
 from exoid.experiments import Hold
 from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation, predict
 from exoid.lab.stability import better_experiments, largest_amplification, stability_probability

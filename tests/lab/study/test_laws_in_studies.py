@@ -10,7 +10,7 @@ import pytest
 
 import exoid
 from exoid.control import ControlModel, simulate
-from exoid.control.track import SENSORS
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Scales

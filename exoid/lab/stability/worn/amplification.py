@@ -10,9 +10,9 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.control.law import AnyLaw
 from exoid.control.model import ControlModel, ModelSource
 from exoid.control.sensitivity_amplification import sensitivity_amplification
-from exoid.control.stateful import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.rig import Plant, Wearer

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.law import State
-from exoid.control.stateful import AnyLaw, Memory, StatefulLaw, stateful
+from exoid.control.law import AnyLaw, Memory, State, StatefulLaw, stateful
 from exoid.errors import NotSupportedError
 from exoid.rig import Target
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.stateful import AnyLaw
+from exoid.control.law import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.rig import Wearer

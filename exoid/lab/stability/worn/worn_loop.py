@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import refuse_rate
+from exoid.control.law import AnyLaw, refuse_rate
 from exoid.control.model import ControlModel
-from exoid.control.stateful import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.leg.leg import Leg
