@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import exoid
-from exoid.torques import LoadFriction, Stribeck
+from exoid.torques import LoadFriction, Stribeck, Term
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class Friction(NamedTuple):
         """Bound of dry friction at a load [N·m]."""
         return self.c0 * (1.0 + self.drift) + abs(self.asymmetry) + max(self.cs, 0.0) + self.mu * load
 
-    def terms(self, joint: str) -> tuple[exoid.Term, ...]:
+    def terms(self, joint: str) -> tuple[Term, ...]:
         """Terms of exoid with the true settings; the drift has none."""
         where = {"joints": (joint,)}
         how = {

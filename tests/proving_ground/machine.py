@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import exoid
+from exoid.torques import Term
 
 from .friction import OF_C0, Array, Friction, draw_friction
 from .motion import pairs
@@ -164,7 +165,7 @@ class Machine:
             base = "floating" if self.floating else "fixed"
             return exoid.Leg.from_urdf(path, self.names, cumulative=True, base=base)
 
-    def terms(self) -> tuple[exoid.Term, ...]:
+    def terms(self) -> tuple[Term, ...]:
         """Terms of exoid in the true form, with true settings."""
         driven = [joint for joint in self.joints if not joint.passive]
         friction = [term for joint in self.joints for term in joint.friction.terms(joint.name)]
@@ -192,11 +193,12 @@ def draw(seed: int) -> Machine:
     count, mass = int(rng.integers(2, 8)), float(np.exp(rng.uniform(np.log(0.5), np.log(80.0))))
     planar, floating = bool(rng.random() < 0.4), bool(rng.random() < 0.25)
     shares = rng.uniform(0.4, 1.0, count + 1) * 0.75 ** np.arange(count + 1)  # the last is that of the tool
-    masses = mass * shares / shares.sum()
+    carries = rng.random() < 0.4
+    masses = mass * shares / shares[: count + carries].sum()
     lengths = rng.uniform(0.5, 1.5, count + 1)
     lengths *= 0.55 * np.cbrt(mass) * rng.uniform(0.7, 1.3) / lengths.sum()
     bodies = tuple(_draw_body(rng, m, h) for m, h in zip(masses[:-1], lengths[:-1], strict=True))
-    tool = _draw_body(rng, masses[-1], lengths[-1]) if rng.random() < 0.4 else None
+    tool = _draw_body(rng, masses[-1], lengths[-1]) if carries else None
     root = _draw_body(rng, 0.5 * mass, 0.3 * lengths.sum())
     axes = np.tile([0.0, 1.0, 0.0], (count, 1)) if planar else _draw_axes(rng, count)
     axes *= rng.choice([-1.0, 1.0], (count, 1))
@@ -205,7 +207,7 @@ def draw(seed: int) -> Machine:
     geared = rng.uniform(0.05, 0.6) if rng.random() < 0.8 else 0.02
     joints = []
     for k in range(count):
-        beyond, reach = float(masses[k:].sum()), float(lengths[k:].sum())
+        beyond, reach = float(masses[k : count + carries].sum()), float(lengths[k:].sum())
         load, inertia = 0.5 * GRAVITY * beyond * reach, beyond * reach**2 / 3.0
         rotor = geared * rng.uniform(0.5, 1.5) * inertia
         c0, d = rng.uniform([0.01, 0.005], [0.08, 0.04]) * load
@@ -216,7 +218,8 @@ def draw(seed: int) -> Machine:
         joint = Joint(f"j{k + 1}", axes[k], offset, draws, float(rotor), stiffness)
         if k == passive:
             viscous = 0.1 * float(np.sqrt(load * inertia))
-            joint = replace(joint, friction=Friction("smooth", "smooth", 0.0, viscous), rotor=0.0, spring=0.0, passive=True)
+            free = Friction("smooth", "smooth", 0.0, viscous)
+            joint = replace(joint, friction=free, rotor=0.0, spring=0.0, passive=True)
         joints.append(joint)
     rate = int(rng.choice(RATES))
     sensing = Sensing(
@@ -235,9 +238,7 @@ def draw(seed: int) -> Machine:
     )
     kinds, end = pairs()[int(rng.integers(len(pairs())))], np.array([0.0, 0.0, -lengths[-2]])
     controller = str(rng.choice(CONTROLLERS))
-    return Machine(
-        seed, planar, floating, root, bodies, believed, tuple(joints), tool, end, controller, kinds, sensing
-    )
+    return Machine(seed, planar, floating, root, bodies, believed, tuple(joints), tool, end, controller, kinds, sensing)
 
 
 def _draw_body(rng: np.random.Generator, mass: float, length: float) -> Body:
@@ -270,10 +271,15 @@ def _link(name: str, body: Body) -> str:
 
 
 def _urdf_joint(name: str, kind: str, parent: str, child: str, offset: Array, axis: Array | None) -> str:
-    turn = "" if axis is None else f'<axis xyz="{_row(axis)}"/><limit lower="-3.1" upper="3.1" effort="1e4" velocity="20"/>'
+    turn = (
+        ""
+        if axis is None
+        else f'<axis xyz="{_row(axis)}"/><limit lower="-3.1" upper="3.1" effort="1e4" velocity="20"/>'
+    )
     ends = f'<parent link="{parent}"/><child link="{child}"/>'
     return f'<joint name="{name}" type="{kind}"><origin xyz="{_row(offset)}"/>{ends}{turn}</joint>'
 
 
 def _inertial(body: Body) -> str:
-    return f'<inertial pos="{_row(body.centre)}" mass="{float(body.mass)!r}" fullinertia="{_row(np.array(body.numbers))}"/>'
+    inertia = _row(np.array(body.numbers))
+    return f'<inertial pos="{_row(body.centre)}" mass="{body.mass!r}" fullinertia="{inertia}"/>'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -13,16 +13,16 @@ import numpy as np
 import exoid
 from exoid import ExoidError, Recording
 from exoid.identification.selection import select_terms
-from exoid.torques import Coulomb, LoadFriction, Stribeck
+from exoid.torques import Coulomb, LoadFriction, Stribeck, Term
 
 from .friction import Array
 from .machine import Machine, draw
 from .simulate import Log, simulate
 
-TRAINING, TEST = 16.0, 8.0
+TRAINING, TEST = 14.0, 5.0
 """Seconds to learn from, and to be judged on."""
 
-Form = tuple[tuple[exoid.Term, ...] | None, str]
+Form = tuple[tuple[Term, ...] | None, str]
 """Terms and estimator of one model for all joints."""
 
 
@@ -62,7 +62,7 @@ def turned(recording: Recording, joint: int) -> Recording:
     return replace(recording, tau=tau)
 
 
-def late_velocity(recording: Recording, joint: int) -> Recording:  # noqa: ARG001 - all joints
+def late_velocity(recording: Recording, joint: int) -> Recording:
     """Log velocities that are 5 ms late, as those of a filtered estimate are."""
     stamps = recording.time - 0.005
     v = np.gradient(recording.q, recording.time, axis=0)
@@ -114,12 +114,11 @@ def attend(seed: int, *, seconds: float = TRAINING, features: Sequence[str] = ("
     if {"fit", "select"}.isdisjoint(features):
         return outcome
     test = simulate(machine, TEST, test=True)
-    fits: dict[str, Callable[[], exoid.Estimate]] = {
-        name: partial(exoid.identify, leg, training.recording, *form, check=False)
-        for name, form in ({**forms(), "true form": (machine.terms(), "wls")}).items()
-        if "select" in features or name == "default"
-    }
-    fits["checked"] = partial(exoid.identify, leg, training.recording)
+    fits: dict[str, Callable[[], exoid.Estimate]] = {}
+    if "fit" in features:
+        for name, form in {**forms(), "true form": (machine.terms(), "wls")}.items():
+            fits[name] = partial(exoid.identify, leg, training.recording, *form, check=False)
+        fits["checked"] = partial(exoid.identify, leg, training.recording)
     if "select" in features:
         fits["joint by joint"] = lambda: select_terms(leg, training.recording).estimate
     for name, fit in fits.items():
@@ -156,7 +155,7 @@ def inside(machine: Machine, estimate: exoid.Estimate) -> Array:
 
 def judge(outcome: Outcome, findings: Iterable[exoid.Finding]) -> None:
     """Sort warnings and errors into those that the machine explains, and others."""
-    machine, sensing = outcome.machine, outcome.machine.sensing
+    sensing = outcome.machine.sensing
     delay = sensing.delay - sensing.lag * (sensing.torque == "command")
     for finding in findings:
         if finding.severity == "info":
@@ -185,19 +184,21 @@ def _attempt(outcome: Outcome, name: str, do: Callable[[], object]) -> object:
         return do()
     except ExoidError as refusal:
         outcome.refused[name] = refusal.what
-        return None
+    except (ValueError, IndexError, TypeError, np.linalg.LinAlgError) as crash:  # of exoid: to be shown, not to stop at
+        outcome.refused[name] = f"crash: {type(crash).__name__}: {crash}"
     finally:
         outcome.seconds[name] = time.process_time() - begin
+    return None
 
 
 def population(seeds: Iterable[int], *, workers: int = 1, **options: object) -> Iterable[Outcome]:
-    """Attend many machines, in the order of their seeds."""
-    one = partial(attend, **options)
+    """Attend many machines, as they are done."""
     if workers == 1:
-        yield from map(one, seeds)
+        yield from map(partial(attend, **options), seeds)
         return
     with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(one, seeds)
+        for done in as_completed([pool.submit(attend, seed, **options) for seed in seeds]):
+            yield done.result()
 
 
 def best_for_all(outcome: Outcome) -> float:

@@ -12,12 +12,12 @@ from .friction import OF_C0, STEP, Laws
 from .machine import COLOURS, TORQUES, draw
 from .simulate import simulate
 
-SEEDS = (0, 3, 6, 8, 9, 12, 13, 15)
+SEEDS = (0, 3, 6, 8, 12, 13)
 """Machines that are fixed and floating, planar and not, with passive and with elastic joints."""
 
 
 @cache
-def logged(seed, seconds=2.0):
+def logged(seed, seconds=1.5):
     machine = draw(seed)
     return machine, simulate(machine.with_sensing(rate=4000, delay=0.0), seconds)
 
@@ -63,7 +63,12 @@ def test_drives_do_the_work_that_energy_and_friction_take(seed):
     data, truth = model.createData(), log.truth
     turned, speed, _ = truth.rotor
     joints = np.array([(j.rotor, j.spring) for j in machine.joints]).T
-    energy = [pin.computeKineticEnergy(model, data, a, b) + pin.computePotentialEnergy(model, data, a) for a, b in zip(q, v, strict=True)]
+    energy = np.array(
+        [
+            pin.computeKineticEnergy(model, data, *state) + pin.computePotentialEnergy(model, data, state[0])
+            for state in zip(q, v, strict=True)
+        ]
+    )
     stored = energy + (0.5 * joints[0] * speed**2 + 0.5 * joints[1] * (turned - truth.q) ** 2).sum(axis=1)
     power = ((truth.drive - truth.friction) * speed).sum(axis=1)
     spring = np.where(joints[1] > 0.0, truth.rigid - joints[1] * (turned - truth.q), 0.0)
@@ -98,7 +103,8 @@ def test_presliding_is_a_spring_that_yields():
 def test_the_same_seed_gives_the_same_log_and_another_motion_another():
     machine = draw(5)
     one, same, other = (simulate(machine, 1.0, test=test).recording for test in (False, False, True))
-    assert np.array_equal(one.q, same.q) and np.array_equal(one.tau, same.tau)
+    assert np.array_equal(one.q, same.q)
+    assert np.array_equal(one.tau, same.tau)
     assert not np.array_equal(one.tau, other.tau)
 
 
@@ -109,21 +115,24 @@ def test_logs_differ_from_the_truth_by_what_was_drawn():
     noise = log.recording.tau - log.clean.tau
     spread = np.maximum(log.clean.tau.std(axis=0), 0.05 * log.clean.tau.std(axis=0).max())
     np.testing.assert_allclose(noise.std(axis=0) / spread, machine.sensing.noise, rtol=0.1)
-    late = simulate(machine.with_sensing(rate=4000, delay=0.01), 2.0)
+    late = simulate(machine.with_sensing(rate=4000, delay=0.01), 1.5)
     np.testing.assert_array_equal(late.clean.tau[40:], log.clean.tau[:-40])
 
 
 def test_machines_are_of_every_kind_that_was_asked_for():
     machines = [draw(seed) for seed in range(1000, 1100)]
     assert {len(m.joints) for m in machines} == set(range(2, 8))
-    assert min(m.mass for m in machines) < 0.7 and max(m.mass for m in machines) > 60.0
+    assert 0.5 <= min(m.mass for m in machines) < 0.7
+    assert 60.0 < max(m.mass for m in machines) <= 80.0
     assert {m.planar for m in machines} == {m.floating for m in machines} == {True, False}
     assert {j.friction.kind for m in machines for j in m.joints} == set(OF_C0)
     assert {m.sensing.colour for m in machines} == set(COLOURS)
     assert {m.sensing.torque for m in machines} == set(TORQUES)
     assert {m.sensing.bits for m in machines} == set(range(12, 21))
     assert {m.sensing.rate for m in machines} >= {50, 2000}
-    assert any(j.passive for m in machines for j in m.joints) and any(j.spring for m in machines for j in m.joints)
-    assert any(m.tool for m in machines) and any(m.sensing.delay for m in machines)
+    assert any(j.passive for m in machines for j in m.joints)
+    assert any(j.spring for m in machines for j in m.joints)
+    assert any(m.tool for m in machines)
+    assert any(m.sensing.delay for m in machines)
     heavy = [max(b.mass / a.mass for a, b in zip(m.bodies, m.believed[1:], strict=True)) for m in machines]
     assert max(heavy) > 4.0

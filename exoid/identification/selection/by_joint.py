@@ -17,7 +17,7 @@ from exoid.torques import Armature, Term
 from .candidates import Candidate, best_of
 from .design import base_model
 from .held_out import held_out_errors
-from .patterns import PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
+from .patterns import ALWAYS, PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 
@@ -99,7 +99,7 @@ def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
-    """Joint and symbol of each friction coefficient that is not positive, or that the recordings do not determine."""
+    """Joint and symbol of each friction coefficient that drives, or that the recordings do not determine."""
     # Of one joint only the least determined: without it, the others may be good.
     at_fault = []
     figures = zip(estimate.values, estimate.std, estimate.identifiability, strict=True)
@@ -108,8 +108,10 @@ def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
         faults: list[tuple[float, str]] = []
         for column in columns:
             value, std, judged = numbers[f"{column.symbol}_{label}"]
-            drives = value <= 0.0 and column.symbol != "offset"
-            if drives or judged == "not":
+            # A negative cs dissipates if c0 + cs does.
+            rest = numbers[f"c0_{label}"][0] if column.symbol == "cs" else 0.0
+            drives = value + rest <= 0.0 and column.symbol != "offset"
+            if drives or (judged == "not" and column.symbol not in ALWAYS):
                 faults.append((float((value if drives else abs(value)) / max(std, 1e-300)), column.symbol))
         if faults:
             at_fault.append((joint, min(faults)[1]))

@@ -18,7 +18,7 @@ from exoid.torques import Term
 from .design import Design, base_model, form_design
 from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
+from .patterns import ALWAYS, PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -178,15 +178,16 @@ def choose(
             error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
             loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
         candidates.append(_Candidate(pattern, settings[best], loss))
-    return _fewest(candidates)
+    # A pattern without c0 or d is there for joints at which it would be negative.
+    return _fewest([one for one in candidates if not any(one.pattern.lacks(other.pattern) for other in candidates)])
 
 
 def _best(
     pattern: Pattern, independent_fraction: float, c: FloatArray, variance: FloatArray, gain: FloatArray
 ) -> int | None:
-    """Index of the best setting whose coefficients are positive and determined to 30 %; None if there is none."""
+    """Index of the best setting that dissipates and is determined to 30 %, but for c0, d and offset; None without."""
     limit = (0.3 * c) ** 2 * independent_fraction
-    sure = (variance <= limit) | np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
+    sure = (variance <= limit) | np.array([symbol in (*ALWAYS, "offset") for symbol in pattern.symbols], dtype=np.bool_)
     good = pattern.dissipative(c) & sure.all(axis=1)
     return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
 
