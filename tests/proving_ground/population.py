@@ -19,7 +19,7 @@ from .friction import Array
 from .machine import Machine, draw
 from .simulate import Log, simulate
 
-TRAINING, TEST = 14.0, 5.0
+TRAINING, TEST = 12.0, 4.0
 """Seconds to learn from, and to be judged on."""
 
 Form = tuple[tuple[Term, ...] | None, str]

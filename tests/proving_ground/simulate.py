@@ -159,7 +159,7 @@ def _run(machine: Machine, ref: tuple[Array, Array, Array], *, test: bool) -> Tr
             bases[k, 13:19] = data.qacc[:6]
         drive = drive + lag * (command - drive) * driven
         laws.slide(data.qpos[rotors] - turned)
-    if not np.isfinite(out).all() or np.abs(out[0]).max() > 20.0:
+    if not np.isfinite(out).all() or np.abs(out[0, :, driven]).max() > 20.0:
         raise RuntimeError(f"machine {machine.seed} is not stable")
     if base is not None:  # quaternions of exoid end with w; the wrench is in axes of the root
         bases[:, 3:7] = bases[:, [4, 5, 6, 3]]
@@ -214,7 +214,8 @@ def _recording(machine: Machine, truth: Truth, noisy: bool | None = True, *, tes
         quaternion = pose[:, 3:] / np.linalg.norm(pose[:, 3:], axis=1, keepdims=True)
         outside["base"] = exoid.BaseMotion.from_pose(pose[:, :3], quaternion, time)
         outside["wrenches"] = {"root": exoid.Wrench(wrench[:, :3], wrench[:, 3:])}
-    return exoid.Recording(time, q, tau=tau, joint_names=machine.names, passive=passive, **outside)
+    turns = np.inf if passive else 2.0 * np.pi  # a passive joint may turn round
+    return exoid.Recording(time, q, tau=tau, joint_names=machine.names, passive=passive, largest_angle=turns, **outside)
 
 
 def _noise(rng: np.random.Generator, colour: str, v: Array, rate: float) -> Array:

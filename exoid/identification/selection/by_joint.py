@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.estimate import Estimate
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Term
@@ -43,12 +43,20 @@ def select_by_joint(search: Search, *, tune: bool, progress: Callable[[float], N
         chosen = chosen if choice == 0 else len(candidates) + choice - 1
         candidates += tried
     progress(0.75)
-    estimate = candidates[chosen].fit(search.leg, search.recordings)
-    while faults := _faults(found, estimate):  # each round bans a coefficient for good
-        for joint, symbol in faults:
+    while True:
+        try:
+            estimate = candidates[chosen].fit(search.leg, search.recordings)
+        except NotIdentifiableError as error:
+            faults = _indistinct(found, error)
+            if not faults:
+                raise
+        else:
+            faults = _faults(found, estimate)
+        if not faults:
+            break
+        for joint, symbol in faults:  # each round bans a coefficient for good
             found = found.without(joint, symbol)
         candidates[chosen] = _scored(search, candidates[chosen].name, found.choice, candidates[chosen])
-        estimate = candidates[chosen].fit(search.leg, search.recordings)
         progress(0.9)
     progress(1.0)
     return Chosen(tuple(candidates), chosen, found.choice.columns, estimate)
@@ -96,6 +104,17 @@ def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
     failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
     numbers = len(choice.base) + numbers_of(choice.columns)
     return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
+
+
+def _indistinct(found: Found, error: NotIdentifiableError) -> list[tuple[int, str]]:
+    """Joint and symbol of the coefficients, but for c0 and d, that the whole fit cannot tell from others."""
+    pairs = zip(found.choice.columns, found.search.leg.joint_labels, strict=True)
+    return [
+        (joint, column.symbol)
+        for joint, (columns, label) in enumerate(pairs)
+        for column in columns
+        if column.symbol not in ALWAYS and f"{column.symbol}_{label}" in error.parameters
+    ]
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
