@@ -181,7 +181,7 @@ class JointFriction(NamedTuple):
     """Friction model that was chosen for a joint."""
 
     joint: str  # name of the joint
-    coefficients: tuple[str, ...]  # symbols of its coefficients, all positive but the offset
+    coefficients: tuple[str, ...]  # symbols of its coefficients, all positive but the offset and cs
     presliding: float  # presliding length [rad]; 0 for none
     smoothing: float  # velocity over which dry friction changes sign [rad/s]; 0 with presliding and without it
     stribeck_velocity: float  # [rad/s]; 0 for none
