@@ -19,7 +19,7 @@ from exoid.torques import Armature, Term
 
 from .design import base_model
 from .held_out import held_out_errors
-from .patterns import PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
+from .patterns import ALWAYS, PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 
@@ -119,12 +119,20 @@ def select_by_joint(
         chosen = chosen if choice == 0 else len(candidates) + choice - 1
         candidates += tried
     progress(0.75)
-    estimate = candidates[chosen].fit(search.leg, search.recordings)
-    while faults := _faults(found, estimate):  # each round bans a coefficient for good
-        for joint, symbol in faults:
+    while True:
+        try:
+            estimate = candidates[chosen].fit(search.leg, search.recordings)
+        except NotIdentifiableError as error:
+            faults = _indistinct(found, error)
+            if not faults:
+                raise
+        else:
+            faults = _faults(found, estimate)
+        if not faults:
+            break
+        for joint, symbol in faults:  # each round bans a coefficient for good
             found = found.without(joint, symbol)
         candidates[chosen] = _scored(search, candidates[chosen].name, found.choice, candidates[chosen])
-        estimate = candidates[chosen].fit(search.leg, search.recordings)
         progress(0.9)
     progress(1.0)
     return candidates, chosen, found.choice.columns, estimate
@@ -164,8 +172,19 @@ def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
     return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
 
 
+def _indistinct(found: Found, error: NotIdentifiableError) -> list[tuple[int, str]]:
+    """Joint and symbol of the coefficients, but for c0 and d, that the whole fit cannot tell from others."""
+    pairs = zip(found.choice.columns, found.search.leg.joint_labels, strict=True)
+    return [
+        (joint, column.symbol)
+        for joint, (columns, label) in enumerate(pairs)
+        for column in columns
+        if column.symbol not in ALWAYS and f"{column.symbol}_{label}" in error.parameters
+    ]
+
+
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
-    """Joint and symbol of each friction coefficient that is not positive, or that the recordings do not determine."""
+    """Joint and symbol of each friction coefficient that drives, or that the recordings do not determine."""
     # Of one joint only the least determined: without it, the others may be good.
     at_fault = []
     figures = zip(estimate.values, estimate.std, estimate.identifiability, strict=True)
@@ -174,8 +193,10 @@ def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
         faults: list[tuple[float, str]] = []
         for column in columns:
             value, std, judged = numbers[f"{column.symbol}_{label}"]
-            drives = value <= 0.0 and column.symbol != "offset"
-            if drives or judged == "not":
+            # A negative cs dissipates if c0 + cs does.
+            rest = numbers[f"c0_{label}"][0] if column.symbol == "cs" else 0.0
+            drives = value + rest <= 0.0 and column.symbol != "offset"
+            if drives or (judged == "not" and column.symbol not in ALWAYS):
                 faults.append((float((value if drives else abs(value)) / max(std, 1e-300)), column.symbol))
         if faults:
             at_fault.append((joint, min(faults)[1]))

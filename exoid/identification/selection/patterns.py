@@ -17,6 +17,9 @@ from exoid.torques.terms import DryFriction
 DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
 """Symbols of dry friction, which may have presliding."""
 
+ALWAYS = ("c0", "d")
+"""Symbols that a joint keeps unless they are negative: nearly every machine has them."""
+
 SMOOTHING = 0.015
 """Smoothing of friction without presliding [rad/s], that of the default terms."""
 
@@ -60,7 +63,8 @@ PLAIN = (Column("c0"), Column("d"), Column("offset"))
 class Pattern(NamedTuple):
     """Coefficients that a friction model has, whatever their settings."""
 
-    # All coefficients but the offset are positive: then friction dissipates at every speed and under every load.
+    # Friction dissipates at every speed and under every load if c0 + cs e^(-(v / vs)²) is positive, at 0 and beyond vs,
+    # and d and load friction are. A negative cs with c0 + cs > 0 is friction that grows with speed to a limit.
 
     symbols: tuple[str, ...]  # symbols of the coefficients
     presliding: bool  # whether dry friction has presliding
@@ -68,14 +72,21 @@ class Pattern(NamedTuple):
     @property
     def complexity(self) -> float:
         """Number of coefficients and settings; load friction in one direction of power only counts half more."""
-        # Smoothing does not count, as the last fit leaves out where it matters.
-        numbers = len(self.symbols) + self.presliding + ("cs" in self.symbols)
+        # Smoothing does not count, as the last fit leaves out where it matters; nor do c0 and d, which every joint has.
+        numbers = len({*self.symbols} - {*ALWAYS}) + self.presliding + ("cs" in self.symbols)
         return numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
     def dissipative(self, coefficients: FloatArray) -> NDArray[np.bool_]:
-        """Say which sets of coefficients are positive, as friction that dissipates is."""
-        signed = [symbol != "offset" for symbol in self.symbols]
-        return np.asarray((coefficients[:, signed] > 0.0).all(axis=1))
+        """Say which sets of coefficients are those of friction that dissipates."""
+        of = dict(zip(self.symbols, coefficients.T, strict=True))
+        low = of["c0"] + np.minimum(of["cs"], 0.0) if "cs" in of else of.get("c0", np.ones(len(coefficients)))
+        rest = [c > 0.0 for symbol, c in of.items() if symbol not in ("c0", "cs", "offset")]
+        return np.all([low > 0.0, *rest], axis=0)
+
+    def lacks(self, other: Pattern) -> bool:
+        """Say whether another pattern is this one with c0, d or both."""
+        more = {*other.symbols} - {*self.symbols}
+        return self.presliding == other.presliding and {*self.symbols} < {*other.symbols} and more <= {*ALWAYS}
 
     def within(self, other: Pattern) -> bool:
         """Say whether another pattern can be this one, with coefficients that are zero or equal."""
@@ -94,7 +105,8 @@ class Pattern(NamedTuple):
 class Grid(NamedTuple):
     """Settings that are tried for one joint."""
 
-    lengths: tuple[float, ...] = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)  # presliding lengths [rad]
+    # presliding lengths [rad]: those of industrial arms begin at 0.02 mrad
+    lengths: tuple[float, ...] = (2e-5, 5e-5, 1.2e-4, 3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
     velocities: tuple[float, ...] = VELOCITIES  # Stribeck velocities [rad/s]
     smoothings: tuple[float, ...] = (0.004, 0.008, SMOOTHING, 0.03)  # of friction without presliding [rad/s]
 
@@ -169,7 +181,7 @@ class JointFriction(NamedTuple):
     """Friction model that was chosen for a joint."""
 
     joint: str  # name of the joint
-    coefficients: tuple[str, ...]  # symbols of its coefficients, all positive but the offset
+    coefficients: tuple[str, ...]  # symbols of its coefficients, all positive but the offset and cs
     presliding: float  # presliding length [rad]; 0 for none
     smoothing: float  # velocity over which dry friction changes sign [rad/s]; 0 with presliding and without it
     stribeck_velocity: float  # [rad/s]; 0 for none

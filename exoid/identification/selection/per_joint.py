@@ -18,7 +18,7 @@ from exoid.torques import Term
 from .design import Design, base_model, form_design
 from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
+from .patterns import ALWAYS, PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -155,9 +155,9 @@ def choose(
         settings = tables.grids[joint].settings(pattern)
         sets = np.array([design.indices(joint, columns) for columns in settings])
         c, variance, explained = whole.solve(sets)
-        offset = np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
-        # all but the offset are to be positive, and determined to 30 %
-        sure = (variance <= (0.3 * c) ** 2 * design.independent_fraction) | offset
+        always = np.array([symbol in (*ALWAYS, "offset") for symbol in pattern.symbols], dtype=np.bool_)
+        # determined to 30 %, but for c0, d and offset, which nearly every joint has
+        sure = (variance <= (0.3 * c) ** 2 * design.independent_fraction) | always
         good = pattern.dissipative(c) & sure.all(axis=1)
         best = int(np.argmax(np.where(good, explained, -np.inf)))
         if not good.any() or any(column.velocity == VELOCITIES[0] for column in settings[best]):
@@ -174,7 +174,8 @@ def choose(
             error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
             loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
         candidates.append((pattern, settings[best], loss))
-    return _fewest(candidates)
+    # A pattern without c0 or d is there for joints at which it would be negative.
+    return _fewest([one for one in candidates if not any(one[0].lacks(other[0]) for other in candidates)])
 
 
 def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Columns:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.validation import Validation, validate
 from exoid.identification.recording_summary import (
@@ -161,9 +161,9 @@ def select_terms(
     """Choose friction, filter and estimator by how well they predict stretches that they were not fitted to.
 
     The friction of each joint is chosen by itself (docs/friction.md): which coefficients it has, presliding length and
-    Stribeck velocity. All coefficients are positive, so that friction dissipates at every speed and under every load,
-    and are determined by the recordings. The error of a joint's friction counts twice: in stretches of time that were
-    not fitted, and in samples faster than all that were fitted.
+    Stribeck velocity. Friction dissipates at every speed and under every load: c0 + cs and the other coefficients are
+    positive. The recordings determine all but c0 and d. The error of a joint's friction counts twice: in stretches of
+    time that were not fitted, and in samples faster than all that were fitted.
 
     Each recording is cut into as many stretches as there are folds; each is predicted from the others. Rows within
     0.1 s of those tested are not fitted. Hidden states run through the whole recording: they depend on angles alone.
@@ -201,6 +201,11 @@ def select_terms(
         raise BadArgumentError("poses cannot be cut into stretches of time", remedy="pass recordings only")
     if cutoff is None:
         cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
+    if leg.base_rows:
+        raise NotSupportedError(
+            "friction is not selected beside rows of the base",
+            remedy='pass terms to identify, or select with base="moving" and recordings without wrenches and contacts',
+        )
     model = TorqueModel.at_start(leg, tuple(beside))
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)

@@ -1,0 +1,25 @@
+"""A small population, on seeds to tune on: what exoid gets right on machines that nobody tuned it for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from .population import best_for_all, population
+
+
+@pytest.mark.slow
+def test_small_machines_are_identified_by_their_log_and_a_wrong_cad():
+    outcomes = list(population((5, 14, 22), seconds=8.0))
+    for outcome in outcomes:
+        assert not outcome.refused
+        assert outcome.nrmse["joint by joint"] <= 1.1 * outcome.nrmse["default"]
+        assert not [kind for severity, kind in outcome.false if severity == "error"]
+    assert np.mean(np.concatenate([outcome.inside for outcome in outcomes])) >= 0.8
+    assert np.mean([outcome.nrmse["joint by joint"] / best_for_all(outcome) for outcome in outcomes]) < 1.1
+
+
+def test_the_same_seed_gives_the_same_figures():
+    one, same = (next(iter(population((5,), seconds=4.0, features=("fit",)))) for _ in range(2))
+    assert one.nrmse == same.nrmse
+    assert one.nrmse["default"] < 0.5
