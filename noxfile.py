@@ -35,7 +35,13 @@ def tests(session: nox.Session) -> None:
 @nox.session
 def slow(session: nox.Session) -> None:
     """What the README's command leaves out: slow tests and those that need real data."""
-    session.run("pytest", "-p", "no:cacheprovider", "-m", "slow or real_data", *session.posargs)
+    session.run("pytest", "-p", "no:cacheprovider", "-m", "(slow or real_data) and not nightly", *session.posargs)
+
+
+@nox.session
+def nightly(session: nox.Session) -> None:
+    """Studies with many repetitions, and replays of documents."""
+    session.run("pytest", "-p", "no:cacheprovider", "-m", "nightly", *session.posargs)
 
 
 @nox.session

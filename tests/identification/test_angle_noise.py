@@ -1,6 +1,6 @@
 """Noise in the angles: how far from the truth the estimators are when only angles and torques are logged.
 
-CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/identification/test_angle_noise.py`` runs twenty
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/identification/test_angle_noise.py`` runs twenty
 and prints the figures. The experiment is that of scripts/study_estimators.py.
 """
 

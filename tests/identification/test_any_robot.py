@@ -1,6 +1,6 @@
 """The same calls identify arms of six and seven joints, whose base parameters are found numerically.
 
-CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/identification/test_any_robot.py`` runs a hundred
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/identification/test_any_robot.py`` runs a hundred
 and prints coverage with its Monte-Carlo error.
 """
 

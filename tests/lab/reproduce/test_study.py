@@ -1,6 +1,6 @@
 """Both replays for many seeds: 95th percentiles of the errors.
 
-CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/lab/reproduce`` runs sixteen and prints
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/lab/reproduce`` runs sixteen and prints
 the figures.
 """
 
