@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .reduction import Plane
 from .reduction.planar import GRAVITY, TorsoSamples
@@ -32,12 +32,12 @@ class BaseKinematics:
         arrays = [np.asarray(getattr(self, field.name), dtype=np.float64) for field in fields(self)]
         shapes = {array.shape for array in arrays}
         if len(shapes) > 1 or arrays[0].shape[1:] != (3,):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"motion of the base of shapes {', '.join(str(array.shape) for array in arrays)}",
                 remedy="pass three (N, 3) arrays in the axes of the base",
             )
         if not all(np.isfinite(array).all() for array in arrays):
-            raise ExoidError("the motion of the base is not finite", remedy="remove the NaN or infinite samples")
+            raise BadArgumentError("the motion of the base is not finite", remedy="remove the NaN or infinite samples")
         for field, array in zip(fields(self), arrays, strict=True):
             object.__setattr__(self, field.name, array)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 
 from .leg import Leg
 from .leg_data import Base
@@ -26,7 +26,7 @@ def urdf_folder() -> Path:
     for folder in (package / "urdf", package.parent / "urdf"):
         if (folder / "bleex.urdf").is_file():
             return folder
-    raise ExoidError("the built-in URDFs are missing", where=str(package), remedy="reinstall exoid")
+    raise UnreadableInputError("the built-in URDFs are missing", where=str(package), remedy="reinstall exoid")
 
 
 def load_leg(name: str, side: str = "left", inertias: str | None = None, *, base: Base = "fixed") -> Leg:
@@ -51,7 +51,7 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None, *, base
     """
     urdf = _urdf(name, inertias)
     if side not in ("left", "right"):
-        raise ExoidError(f"no side {side!r}", remedy="use 'left' or 'right'")
+        raise BadArgumentError(f"no side {side!r}", remedy="use 'left' or 'right'")
     joints = tuple(f"{side}_{segment}" for segment in SEGMENTS[name])
     return Leg.from_urdf(urdf, joints, cumulative=name == "bleex", base=base)
 
@@ -89,9 +89,11 @@ def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") ->
 def _urdf(name: str, inertias: str | None) -> Path:
     """Path of the URDF of a built-in leg."""
     if name not in SEGMENTS:
-        raise ExoidError(f"no built-in leg {name!r}", remedy=f"use one of {', '.join(SEGMENTS)}, or Leg.from_urdf")
+        raise BadArgumentError(
+            f"no built-in leg {name!r}", remedy=f"use one of {', '.join(SEGMENTS)}, or Leg.from_urdf"
+        )
     sets = [known for leg, known in URDFS if leg == name]
     inertias = sets[0] if inertias is None else inertias
     if inertias not in sets:
-        raise ExoidError(f"no inertias {inertias!r} for {name!r}", remedy=f"use one of {', '.join(sets)}")
+        raise BadArgumentError(f"no inertias {inertias!r} for {name!r}", remedy=f"use one of {', '.join(sets)}")
     return urdf_folder() / URDFS[name, inertias]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from exoid.errors import ExoidError
+from exoid.errors import UnreadableInputError
 
 from .rounded_angles import exact_angles
 
@@ -101,22 +101,24 @@ def read_description(path: str | Path) -> Description:
         with path.open("rb") as file:
             content = file.read(LARGEST_URDF + 1)
     except (OSError, ValueError) as error:  # a path with a null byte is a ValueError
-        raise ExoidError(
+        raise UnreadableInputError(
             f"the URDF cannot be read ({getattr(error, 'strerror', None) or error})",
             where=str(path),
+            file=str(path),
             remedy="give the path of a readable URDF file, or the name of a built-in leg ('bleex', 'cuhk')",
         ) from error
     if len(content) > LARGEST_URDF:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"larger than {LARGEST_URDF / 1e6:.0f} MB, which no URDF needs",
             where=str(path),
+            file=str(path),
             remedy="refer to meshes by file name instead of embedding them",
         )
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ExoidError(
-            f"not UTF-8 text (byte {error.start})", where=str(path), remedy="save the URDF as UTF-8 XML"
+        raise UnreadableInputError(
+            f"not UTF-8 text (byte {error.start})", where=str(path), file=str(path), remedy="save the URDF as UTF-8 XML"
         ) from error
     return describe(text, name=path.name)
 
@@ -124,19 +126,26 @@ def read_description(path: str | Path) -> Description:
 def describe(text: str, name: str = "URDF") -> Description:
     """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree."""
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise ExoidError(
+        raise UnreadableInputError(
             "declares a document type or entities, which can expand without bound",
             where=name,
+            file=name,
             remedy="remove the <!DOCTYPE ...> block and write the values out",
         )
     try:
         root = etree.fromstring(text.encode(), _parser())
     except (etree.XMLSyntaxError, ValueError) as error:
-        raise ExoidError(f"not well-formed XML ({error})", where=name, remedy="correct the XML") from error
+        raise UnreadableInputError(
+            f"not well-formed XML ({error})", where=name, file=name, remedy="correct the XML"
+        ) from error
     if root.tag != "robot":
-        raise ExoidError(f"the root element is <{root.tag}>, not <robot>", where=name, remedy="give a URDF file")
+        raise UnreadableInputError(
+            f"the root element is <{root.tag}>, not <robot>", where=name, file=name, remedy="give a URDF file"
+        )
     if any(element.prefix == "xacro" for element in root.iter()):
-        raise ExoidError("contains xacro commands", where=name, remedy="expand it first: xacro leg.xacro > leg.urdf")
+        raise UnreadableInputError(
+            "contains xacro commands", where=name, file=name, remedy="expand it first: xacro leg.xacro > leg.urdf"
+        )
     _check_structure(root, name)
     _check_inertias(root, name)
     check_numbers(root, NUMBERS, REQUIRED, name)
@@ -148,27 +157,32 @@ def _check_structure(root: etree._Element, name: str) -> None:
     links = [link.get("name", "") for link in root.findall("link")]
     joints = [joint.get("name", "") for joint in root.findall("joint")]
     if max(len(links), len(joints)) > MOST_LINKS:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"{len(links)} links and {len(joints)} joints: more than {MOST_LINKS}",
             where=name,
+            file=name,
             remedy="give the URDF of one robot",
         )
     repeated = sorted(n for names in (links, joints) for n, count in Counter(names).items() if count > 1)
     if repeated:
-        raise ExoidError(f"names occur twice: {', '.join(repeated)}", where=name, remedy="rename one of each")
+        raise UnreadableInputError(
+            f"names occur twice: {', '.join(repeated)}", where=name, file=name, remedy="rename one of each"
+        )
     if not joints:
-        raise ExoidError("has no joints", where=name, remedy="give the URDF of a leg with at least one joint")
+        raise UnreadableInputError(
+            "has no joints", where=name, file=name, remedy="give the URDF of a leg with at least one joint"
+        )
     for joint in root.findall("joint"):
         place = f"{name}, joint {joint.get('name', '')!r}"
         if joint.get("type") not in JOINT_TYPES:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"unknown type {joint.get('type')!r}", where=place, remedy=f"use one of {', '.join(JOINT_TYPES)}"
             )
         for role in ("parent", "child"):
             end = joint.find(role)
             link = None if end is None else end.get("link")
             if link not in links:
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"its <{role}> {link!r} is not a link", where=place, remedy=f"links are {', '.join(links)}"
                 )
     _check_tree(root, links, name)
@@ -178,15 +192,16 @@ def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
     carried = Counter(child.get("link", "") for child in root.findall("joint/child"))
     shared = [link for link, count in carried.items() if count > 1]
     if shared:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"link {shared[0]!r} is the child of {carried[shared[0]]} joints",
             where=name,
+            file=name,
             remedy="a URDF is a tree: cut the loop",
         )
     roots = [link for link in links if link not in carried]
     if len(roots) != 1:
         found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} are children of no joint"
-        raise ExoidError(found, where=name, remedy="join all links to one tree with one root")
+        raise UnreadableInputError(found, where=name, file=name, remedy="join all links to one tree with one root")
 
 
 def check_numbers(
@@ -201,13 +216,13 @@ def check_numbers(
                     continue
                 words = (text or "").split()
                 if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
-                    raise ExoidError(
+                    raise UnreadableInputError(
                         f"<{element.tag} {attribute}={_short(text)}> is not {count} finite number{'s' * (count > 1)}",
                         where=_place(element, name),
                         remedy="write decimal numbers, separated by spaces",
                     )
                 if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
-                    raise ExoidError(
+                    raise UnreadableInputError(
                         f"<{element.tag} {attribute}={_short(text)}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
                         where=_place(element, name),
                         remedy="correct the number",
@@ -218,7 +233,9 @@ def _check_inertias(root: etree._Element, name: str) -> None:
     for inertial in root.findall("link/inertial"):
         if any(inertial.find(element) is None for element in REQUIRED):
             place = _place(inertial, name)
-            raise ExoidError("its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither")
+            raise UnreadableInputError(
+                "its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither"
+            )
 
 
 def _check_axes(root: etree._Element, name: str) -> None:
@@ -227,10 +244,10 @@ def _check_axes(root: etree._Element, name: str) -> None:
         if axis is None or joint.get("type") in ("fixed", "floating"):
             continue
         if axis.get("xyz") is None:  # the parser takes it as zero
-            raise ExoidError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
+            raise UnreadableInputError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
         # Smallest length of a joint axis
         if math.hypot(*map(float, axis.get("xyz", "").split())) < 1e-6:
-            raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
+            raise UnreadableInputError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
 
 
 def _short(text: str | None) -> str:

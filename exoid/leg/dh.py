@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .description import Description, describe
 
@@ -57,7 +57,7 @@ def describe_dh(
 ) -> Description:
     """Write the URDF of a Denavit-Hartenberg table."""
     if convention not in ("standard", "modified"):
-        raise ExoidError(
+        raise BadArgumentError(
             f"no DH convention {convention!r}",
             where=name,
             remedy='pass "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig)',
@@ -65,12 +65,12 @@ def describe_dh(
     rows = _rows(table, name)
     joints = tuple(f"joint{k}" for k in range(1, len(rows) + 1)) if joint_names is None else tuple(joint_names)
     if isinstance(joint_names, str) or len(joints) != len(rows) or len(set(joints)) != len(rows):
-        raise ExoidError(
+        raise BadArgumentError(
             f"{len(rows)} rows, and joint_names {joint_names!r}", where=name, remedy="name each joint of the table once"
         )
     placed = [DHBody()] * len(rows) if bodies is None else list(bodies)
     if len(placed) != len(rows):
-        raise ExoidError(f"{len(placed)} bodies for {len(rows)} rows", where=name, remedy="give one for each row")
+        raise BadArgumentError(f"{len(placed)} bodies for {len(rows)} rows", where=name, remedy="give one for each row")
     rpy = _numbers(base_rpy, (3,), "base_rpy", name)
     _refuse_degrees(rpy, "base_rpy", name)
     placement = _joint("base_to_frame0", "fixed", "base", "frame0", (0.0, 0.0, 0.0), rpy.tolist())
@@ -111,14 +111,14 @@ def _rows(table: Sequence[DHRow] | ArrayLike, name: str) -> FloatArray:
     """Check the table, (n, 4)."""
     rows = _numbers(table, None, "the DH table", name)
     if rows.ndim != 2 or not len(rows) or rows.shape[1] not in (3, 4):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a DH table of shape {rows.shape}",
             where=name,
             remedy="give rows (a, alpha, d, offset), one for each joint",
         )
     rows = np.column_stack([rows, np.zeros((len(rows), 4 - rows.shape[1]))])
     if np.abs(rows[:, [0, 2]]).max() > LONGEST:
-        raise ExoidError(
+        raise BadArgumentError(
             f"a length of {np.abs(rows[:, [0, 2]]).max():g} m looks like millimetres", where=name, remedy="give m"
         )
     _refuse_degrees(rows[:, [1, 3]], "the DH table", name)
@@ -127,7 +127,7 @@ def _rows(table: Sequence[DHRow] | ArrayLike, name: str) -> FloatArray:
 
 def _refuse_degrees(angles: FloatArray, what: str, name: str) -> None:
     if np.abs(angles).max() > LARGEST_ANGLE:
-        raise ExoidError(
+        raise BadArgumentError(
             f"an angle of {np.abs(angles).max():g} rad in {what} looks like degrees",
             where=name,
             remedy="give rad, e.g. np.deg2rad(90)",
@@ -139,9 +139,11 @@ def _numbers(values: ArrayLike, shape: tuple[int, ...] | None, what: str, name: 
     try:
         numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ExoidError(f"{what} is not an array of numbers", where=name, remedy="give numbers in SI units") from None
+        raise BadArgumentError(
+            f"{what} is not an array of numbers", where=name, remedy="give numbers in SI units"
+        ) from None
     if (shape is not None and numbers.shape != shape) or not np.isfinite(numbers).all():
-        raise ExoidError(
+        raise BadArgumentError(
             f"{what} of shape {numbers.shape} has numbers that are not finite, or not {shape} of them",
             where=name,
             remedy="give finite numbers in SI units",
@@ -154,7 +156,7 @@ def _inertial(body: DHBody, place: tuple[float, float, float], alpha: float, nam
     mass = float(_numbers(body.mass, (), "mass", name))
     center, inertia = _numbers(body.center, (3,), "center", name), _numbers(body.inertia, (3, 3), "inertia", name)
     if mass <= 0.0 or not np.allclose(inertia, inertia.T):
-        raise ExoidError(
+        raise BadArgumentError(
             f"a mass of {mass:g} kg, or an inertia that is not symmetric", where=name, remedy="correct the body"
         )
     c, s = math.cos(alpha), math.sin(alpha)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, UnreadableInputError
 
 from .description import Description, read_description
 from .leg import Leg
@@ -57,9 +57,10 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
         return Exported(leg, _dynamics(description, leg), np.zeros(len(leg.joint_names)))
     data = _read(sidecar, description)
     if joints is not None and list(joints) != data["joints"]:
-        raise ExoidError(
+        raise BadArgumentError(
             f"the sidecar has joints {', '.join(data['joints'])}, not {', '.join(joints)}",
             where=str(sidecar),
+            file=str(sidecar),
             remedy="omit the argument joints",
         )
     leg = Leg.from_description(
@@ -95,7 +96,7 @@ def _dynamics(description: Description, leg: Leg) -> dict[str, float]:
         for symbol, attribute in IN_URDF.items():
             text = "0" if element is None else element.get(attribute, "0")
             if not _is_number(text):
-                raise ExoidError(
+                raise UnreadableInputError(
                     f"<dynamics {attribute}={text!r}> is not a finite number ≥ 0",
                     where=f"{description.name}, joint {name!r}",
                     remedy="write a decimal number",
@@ -116,17 +117,29 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
     try:
         data = json.loads(sidecar.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ExoidError(f"cannot be read ({error.strerror or error})", where=str(sidecar), remedy=REMEDY) from error
+        raise UnreadableInputError(
+            f"cannot be read ({error.strerror or error})", where=str(sidecar), file=str(sidecar), remedy=REMEDY
+        ) from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise ExoidError(f"not JSON ({error})", where=str(sidecar), remedy=REMEDY) from error
+        raise UnreadableInputError(
+            f"not JSON ({error})", where=str(sidecar), file=str(sidecar), remedy=REMEDY
+        ) from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise ExoidError(f"not a sidecar of schema {SCHEMA!r}", where=str(sidecar), remedy=REMEDY)
+        raise UnreadableInputError(
+            f"not a sidecar of schema {SCHEMA!r}", where=str(sidecar), file=str(sidecar), remedy=REMEDY
+        )
     if not _is_complete(data):
-        raise ExoidError("a field of the sidecar is missing or of the wrong type", where=str(sidecar), remedy=REMEDY)
+        raise UnreadableInputError(
+            "a field of the sidecar is missing or of the wrong type",
+            where=str(sidecar),
+            file=str(sidecar),
+            remedy=REMEDY,
+        )
     if data["urdf"]["sha256"] != description.sha256:
-        raise ExoidError(
+        raise UnreadableInputError(
             f"belongs to another {description.name}: the URDF has changed since the export",
             where=str(sidecar),
+            file=str(sidecar),
             remedy=REMEDY,
         )
     return data

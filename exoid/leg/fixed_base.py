@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 
 from .leg_data import LegData
 
@@ -10,7 +10,7 @@ from .leg_data import LegData
 def refuse_floating_base(leg: LegData, what: str) -> None:
     """Refuse a leg whose base floats."""
     if leg.base == "floating":
-        raise ExoidError(
+        raise NotSupportedError(
             f"{what} needs a base that is held, and that of this leg floats",
             where=leg.description.name,
             remedy='make the leg with base="fixed"',

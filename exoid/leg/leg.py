@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 
 from .description import Description, read_description
 from .dh import Convention, DHBody, DHRow, describe_dh
@@ -150,13 +150,13 @@ class Leg(LegData):
             ExoidError: The URDF cannot be used, or a joint is missing.
         """
         if base not in get_args(Base):
-            raise ExoidError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
+            raise BadArgumentError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
         chain = PlanarChain.from_model(model) if base == "fixed" else None
         floating = base == "floating"
         if floating and model.inertias[0].mass <= 0.0:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"the root link {description.root_link!r} of a floating base has no mass: no <inertial>?",
                 where=description.name,
                 remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
@@ -190,7 +190,7 @@ class Leg(LegData):
         """
         array = to_numbers(values)
         if array.shape != self.parameters.shape or not np.isfinite(array).all():
-            raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
+            raise BadArgumentError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
         adjusted = self.reduction.adjust(self.link_parameters, array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
 
@@ -297,7 +297,7 @@ class Leg(LegData):
         """
         q, v = self.samples(q, v)
         if self.base == "floating":
-            raise ExoidError(
+            raise NotSupportedError(
                 "a floating base has no Coriolis matrix without its velocity in space",
                 where=self.description.name,
                 remedy="take the rows of inverse_dynamics at zero acceleration, less those of gravity",
@@ -370,5 +370,7 @@ class Leg(LegData):
 def _point(point: ArrayLike) -> FloatArray:
     place = to_numbers(point)
     if place.shape != (3,) or not np.isfinite(place).all():
-        raise ExoidError(f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link")
+        raise BadArgumentError(
+            f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link"
+        )
     return place

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 
 from .base_kinematics import BaseKinematics
 from .description import Description
@@ -200,7 +200,7 @@ class LegData:
             base = None if torso is None else self._base(torso, len(q)).spatial()
             fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
         else:
-            raise ExoidError(
+            raise NotSupportedError(
                 "a moving base needs more parameters unless the leg is a planar chain",
                 where=self.description.name,
                 remedy='make the leg with Leg.from_urdf(..., base="moving")',
@@ -222,7 +222,7 @@ class LegData:
         checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"arrays of shapes {', '.join(str(x.shape) for x in checked)} do not fit a leg of {n} joints",
                 remedy=f"pass (N, {n}) arrays: samples first, then {', '.join(self.joint_names)}",
             )
@@ -265,7 +265,7 @@ def to_numbers(values: ArrayLike) -> FloatArray:
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
+        raise BadArgumentError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
 
 
 def without_side(names: Sequence[str]) -> tuple[str, ...]:

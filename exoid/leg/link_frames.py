@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .description import Description
 from .reduction import Plane
@@ -32,7 +32,7 @@ def link_frame(model: pin.Model, description: Description, link: str) -> LinkFra
         names = [element.get("name", "") for element in description.parse().findall("link")]
         close = get_close_matches(str(link), names, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
-        raise ExoidError(
+        raise BadArgumentError(
             f"no link {link!r} in the URDF", where=description.name, remedy=f"{hint}it has {', '.join(names)}"
         )
     return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())

@@ -9,7 +9,7 @@ import pinocchio as pin
 from lxml import etree
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotSupportedError
 
 SHORTEST = 0.01
 """Length below which a link is not drawn [m]."""
@@ -34,7 +34,7 @@ def require_mujoco() -> Any:  # noqa: ANN401 - a module
     try:
         import mujoco  # noqa: PLC0415 - an extra
     except ImportError:
-        raise ExoidError("MuJoCo is not installed", remedy="pip install 'exoid[ground]'") from None
+        raise NotSupportedError("MuJoCo is not installed", remedy="pip install 'exoid[ground]'") from None
     return mujoco
 
 
@@ -59,7 +59,7 @@ def to_mjcf(model: pin.Model, links: tuple[str, ...], numbers: JointNumbers, nam
     try:
         spec.compile()
     except ValueError as error:
-        raise ExoidError(
+        raise BadArgumentError(
             f"MuJoCo refuses these bodies ({error})",
             where=name,
             remedy="check masses and moments of inertia: no link can have those given",

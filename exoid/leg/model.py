@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
 
 from .description import Description
 
@@ -22,32 +22,32 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
     if joints is not None and (isinstance(joints, str) or not joints or not all(isinstance(j, str) for j in joints)):
-        raise ExoidError(f"joints must be names, not {joints!r}", remedy="pass e.g. joints=('hip', 'knee')")
+        raise BadArgumentError(f"joints must be names, not {joints!r}", remedy="pass e.g. joints=('hip', 'knee')")
     moving = [name for name in single if name not in locked] if joints is None else list(joints)
     for name in (*moving, *locked):
         if name not in single:
             raise _missing(name, single, full, description)
     if sorted(moving, key=single.index) != moving or len(set(moving)) != len(moving):
-        raise ExoidError(
+        raise BadArgumentError(
             f"joints {tuple(moving)} are not in the order of the chain",
             where=description.name,
             remedy=f"name each once, from the torso outwards: {tuple(sorted(set(moving), key=single.index))}",
         )
     if set(moving) & set(locked):
-        raise ExoidError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
+        raise BadArgumentError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
     if not moving:
-        raise ExoidError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
+        raise BadArgumentError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
     _refuse_free_joints(full, moving, description)
     positions = np.zeros((1, full.nv))
     for name, value in locked.items():
         try:
             positions[0, full.joints[full.getJointId(name)].idx_v] = value
         except (TypeError, ValueError):
-            raise ExoidError(
+            raise BadArgumentError(
                 f"joint {name!r} is locked at {value!r}, which is no number", where=description.name
             ) from None
     if not np.isfinite(positions).all():
-        raise ExoidError(f"a locked position is not finite: {dict(locked)}", where=description.name)
+        raise BadArgumentError(f"a locked position is not finite: {dict(locked)}", where=description.name)
     fixed = [j for j in range(1, full.njoints) if full.names[j] not in moving]
     model = pin.buildReducedModel(full, fixed, configuration(full, positions)[0])
     _check_inertias(model, description)
@@ -98,7 +98,7 @@ def _parse(description: Description) -> pin.Model:
     try:
         model = pin.buildModelFromXML(description.plain)
     except Exception as error:  # Pinocchio raises whatever its URDF parser throws
-        raise ExoidError(
+        raise UnreadableInputError(
             f"Pinocchio cannot read this URDF ({error})",
             where=description.name,
             remedy="check it with a URDF validator; every joint needs <parent>, <child> and a known type",
@@ -116,7 +116,7 @@ def _refuse_free_joints(model: pin.Model, moving: Sequence[str], description: De
     for j in range(1, model.njoints):
         above = [name for name in (model.names[k] for k in list(model.supports[j])[1:-1]) if name in moving]
         if model.nvs[j] != 1 and above:
-            raise ExoidError(
+            raise NotSupportedError(
                 f"joint {model.names[j]!r} has {model.nvs[j]} degrees of freedom and is below the moving joint "
                 f"{above[-1]!r}: its links would count as fixed to it",
                 where=description.name,
@@ -142,14 +142,14 @@ def _check_inertias(model: pin.Model, description: Description) -> None:
         link = description.child_links.get(model.names[j], model.names[j])
         place = f"{description.name}, link {link!r}"
         if inertia.mass <= 0.0:
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"joint {model.names[j]!r} moves a link of mass {inertia.mass:g} kg: no <inertial>?",
                 where=place,
                 remedy="add an <inertial> with mass and inertia, an estimate from CAD or a scale is enough to start",
             )
         smallest, *_, largest = np.linalg.eigvalsh(inertia.inertia)
         if smallest < -NEGATIVE * max(largest, NEGATIVE):
-            raise ExoidError(
+            raise UnreadableInputError(
                 f"a principal inertia is negative ({smallest:.3g} kg·m²), which no body has",
                 where=place,
                 remedy="check the signs in <inertia>, and that it is about the centre of mass",

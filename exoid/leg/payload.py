@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 HEAVIEST = 500.0
 """Largest mass of a payload [kg]; a larger number is in grams."""
@@ -50,11 +50,11 @@ class Payload:
         except (TypeError, ValueError):
             numbers = np.full(5, np.nan)
         if numbers.shape != (5,) or not np.isfinite(numbers).all() or numbers[:2].min() < 0.0:
-            raise ExoidError(f"invalid payload: {self!r}", remedy="give mass in kg ≥ 0, and x, y, z in m")
+            raise BadArgumentError(f"invalid payload: {self!r}", remedy="give mass in kg ≥ 0, and x, y, z in m")
         if not isinstance(self.joint, str) or not self.joint:
-            raise ExoidError(f"a payload on {self.joint!r}", remedy="name the joint that carries it")
+            raise BadArgumentError(f"a payload on {self.joint!r}", remedy="name the joint that carries it")
         if numbers[0] > HEAVIEST or np.abs(numbers[1:]).max() > FARTHEST:
-            raise ExoidError(
+            raise BadArgumentError(
                 f"invalid payload, too heavy or too far away: {self!r}",
                 remedy="give mass in kg, not g, and x, y, z in m, not mm",
             )
@@ -86,7 +86,7 @@ class Payload:
             x, y, z = (float(number) for number in where.split(","))
             numbers = float(mass), (x, y, z), float(gyration or 0.0)
         except ValueError:
-            raise ExoidError(f"{text!r} is no payload", remedy=f"write {FORM}") from None
+            raise BadArgumentError(f"{text!r} is no payload", remedy=f"write {FORM}") from None
         return cls(joint.strip(), *numbers)
 
     def __str__(self) -> str:
@@ -102,7 +102,7 @@ def as_payloads(given: object) -> tuple[Payload, ...]:
     found = tuple(given) if isinstance(given, (tuple, list)) else (given,)
     wrong = [one for one in found if not isinstance(one, Payload)]
     if wrong:
-        raise ExoidError(
+        raise BadArgumentError(
             f"{wrong[0]!r} is no payload",
             remedy='pass payloads=(Payload("knee", mass=3.0, position=(0.0, 0.0, -0.3)),)',
         )

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .base_kinematics import BaseKinematics
 from .reduction import Plane
@@ -58,9 +58,9 @@ class TorsoMotion:
             pitch, rate, acceleration = (np.broadcast_to(x, (count,)) for x in arrays[:3])
             hip = np.broadcast_to(arrays[3], (count, 2))
         except (TypeError, ValueError) as error:
-            raise ExoidError(f"torso motion does not fit {count} samples ({error})") from error
+            raise BadArgumentError(f"torso motion does not fit {count} samples ({error})") from error
         if not all(np.isfinite(x).all() for x in arrays):
-            raise ExoidError("torso motion is not finite", remedy="remove the NaN or infinite samples")
+            raise BadArgumentError("torso motion is not finite", remedy="remove the NaN or infinite samples")
         return TorsoSamples(pitch, rate, acceleration, hip[:, 0], hip[:, 1])
 
     def __repr__(self) -> str:
@@ -102,7 +102,9 @@ def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -
 
 def _of_length(base: BaseKinematics, count: int) -> BaseKinematics:
     if len(base) != count:
-        raise ExoidError(f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample")
+        raise BadArgumentError(
+            f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample"
+        )
     return base
 
 

@@ -30,7 +30,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.tools.tables import make_table, to_text
@@ -122,7 +122,7 @@ def _in_range() -> Iterator[None]:
         with np.errstate(over="ignore", invalid="ignore"):  # the result is checked
             yield
     except (np.linalg.LinAlgError, ValueError) as error:
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"no links can be found for these parameters ({error}): they are far from those of a leg",
             remedy="check the estimate: its units, its standard deviations and its warnings",
         ) from error
@@ -168,7 +168,7 @@ def lift(
     """
     target = checked_values(leg, values)
     if not pull >= 0.0 or not (mass_factor is None or mass_factor > 1.0):
-        raise ExoidError(
+        raise BadArgumentError(
             f"pull {pull} and mass factor {mass_factor} are out of range",
             remedy="a pull is zero or positive, a mass factor above 1",
         )
@@ -239,7 +239,7 @@ def _refuse_absurd_values(leg: Leg, target: FloatArray, problem: Problem) -> Non
             for name, value, wrong in zip(leg.parameter_names, target, absurd, strict=True)
             if wrong
         )
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"no leg has {what}", where=leg.description.name, remedy="identify from a motion that determines it"
         )
 
@@ -256,7 +256,7 @@ def _metric(covariance: FloatArray, problem: Problem) -> FloatArray:
     scale = np.linalg.norm(problem.K, axis=1)
     values, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     if values[0] < -1e-9 * max(values[-1], FLOOR):
-        raise ExoidError(
+        raise BadArgumentError(
             f"the covariance has a negative eigenvalue ({values[0]:.2g} relative)", remedy="pass est.covariance"
         )
     return np.asarray((axes / np.sqrt(np.maximum(values, FLOOR**2))).T / scale)
@@ -267,9 +267,9 @@ def _checked(leg: Leg, given: ArrayLike, name: str, dimensions: int) -> FloatArr
     try:
         array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ExoidError(f"{name} are not numbers ({error})", remedy=f"pass an array of shape {shape}") from error
+        raise BadArgumentError(f"{name} are not numbers ({error})", remedy=f"pass an array of shape {shape}") from error
     if array.shape != shape or not np.isfinite(array).all():
-        raise ExoidError(
+        raise BadArgumentError(
             f"{name} of shape {array.shape} do not fit, or are not finite",
             where=leg.description.name,
             remedy=f"pass finite numbers of shape {shape}, in the order {', '.join(leg.parameter_names)}",

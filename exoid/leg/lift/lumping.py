@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.rewriting import read_inertials
 
@@ -37,7 +37,7 @@ def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf)
         total = np.sum([part.parameters for part in parts], axis=0)
         # Largest relative difference between a body and the sum of its links
         if not np.allclose(total, given, rtol=0.0, atol=1e-9 * np.abs(given).max()):
-            raise ExoidError(
+            raise NotSupportedError(
                 f"the links fixed to {own!r} do not sum to its body",
                 where=leg.description.name,
                 remedy="rename links and joints so that each name occurs once",

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError
 from exoid.leg.description import Description
 from exoid.leg.rewriting import read_inertials
 
@@ -50,7 +50,7 @@ def refuse_mass_changes(masses: Sequence[MassChange], mass_factor: float, name: 
         return
     what = ", ".join(f"{m.link} would weigh {m.after:.3g} kg instead of {m.before:.3g} kg" for m in beyond)
     allowed = f"{math.ceil(1.01 * max(mass.change for mass in beyond))}"
-    raise ExoidError(
+    raise NotIdentifiableError(
         f"{what}: beyond a factor of {mass_factor:g}",
         where=name,
         remedy="correct the masses in the URDF, identify with prior=Prior.from_leg(leg) or from a better motion, or "

@@ -10,7 +10,7 @@ from importlib import resources
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 from exoid.tools.tables import DataTable, to_text
 
 if sys.version_info >= (3, 11):
@@ -243,4 +243,6 @@ def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _unknown(kind: str, name: str, known: Iterable[str], *, where: str) -> NoReturn:
-    raise ExoidError(f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}")
+    raise BadArgumentError(
+        f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}"
+    )

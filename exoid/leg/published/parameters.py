@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError
 
 from .document import bleex, cuhk
 
@@ -126,4 +126,6 @@ def _without_lower_inertia(cumulative: dict[str, float]) -> dict[str, float]:
 
 def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:
     if name not in known:
-        raise ExoidError(f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}")
+        raise BadArgumentError(
+            f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}"
+        )

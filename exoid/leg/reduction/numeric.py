@@ -20,7 +20,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError
 from exoid.leg.dynamics import joint_torque_regressor
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
@@ -128,7 +128,7 @@ def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int) 
     dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
     decision = RankDecision(rank, columns, float(sigma[rank - 1]), dropped, ROUNDING)
     if rank < len(effects) and effects[rank] * GAP > effects[rank - 1]:
-        raise ExoidError(
+        raise NotIdentifiableError(
             f"the number of base parameters is ambiguous: one has {effects[rank - 1]:.1f} times the effect of rounding "
             f"the URDF's numbers by {ROUNDING:g}, another {effects[rank]:.1f} times, and {DISTINCT:g} times is kept",
             remedy=REMEDY,

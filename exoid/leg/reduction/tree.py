@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotSupportedError
 from exoid.leg.model import joint_axis
 
 TOLERANCE = 1e-12
@@ -61,7 +61,7 @@ class Tree:
         for j in range(1 + floating, model.njoints):
             axis = joint_axis(model.joints[j])
             if axis[:3].any() == axis[3:].any():
-                raise ExoidError(f"joint {model.names[j]!r} is neither revolute nor prismatic")
+                raise NotSupportedError(f"joint {model.names[j]!r} is neither revolute nor prismatic")
             parent = model.parents[j] - 1 - floating
             carriers = (*(base if parent < 0 else joints[parent].carriers), model.idx_vs[j])
             joints.append(_joint(parent, axis, model.jointPlacements[j].inverse().action, carriers))
