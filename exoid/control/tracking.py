@@ -105,20 +105,6 @@ class Tracking:
             raise BadArgumentError("nobody wears this leg", remedy="simulate it with wearer=")
         return _rms(self._settled(self.interaction))
 
-    def commands(self, actuators: Actuators) -> FloatArray:
-        """Compute what drives need for the torques of the run.
-
-        Args:
-            actuators: Drives of the leg.
-
-        Returns:
-            Currents, forces or motor angles in ``actuators.units``, (N, n).
-
-        Raises:
-            ExoidError: A drive cannot make a torque.
-        """
-        return actuators.command(self.tau, self.q, self.v)
-
     def to_json(self) -> dict[str, Any]:
         """Convert the metrics to JSON types.
 
@@ -185,7 +171,7 @@ def command_table(trackings: Iterable[Tracking], actuators: Actuators) -> DataTa
     """
     rows = []
     for one in trackings:
-        commands = one.commands(actuators)
+        commands = actuators.command(one.tau, one.q, one.v)
         for joint, (name, unit) in enumerate(zip(one.joint_names, actuators.units, strict=True)):
             values = commands[:, joint]
             rows.append((one.law, name, f"{np.abs(values).max():.3g}", f"{np.sqrt(np.mean(values**2)):.3g}", unit))
