@@ -21,6 +21,7 @@ from exoid.tools.tables import DataTable, to_text
 
 from .law import AnyLaw, State, name_of, stateful
 from .limited import Limited
+from .tracking import rms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,7 +60,7 @@ class LawReplay:
     @property
     def rms_torque(self) -> FloatArray:
         """RMS commanded torque [N·m]."""
-        return _rms(self.commanded)
+        return rms(self.commanded)
 
     @property
     def peak_torque(self) -> FloatArray:
@@ -69,7 +70,7 @@ class LawReplay:
     @property
     def rms_recorded(self) -> FloatArray:
         """RMS recorded torque [N·m]; NaN for joints without one."""
-        return _rms(self.recorded)
+        return rms(self.recorded)
 
     @property
     def peak_recorded(self) -> FloatArray:
@@ -79,7 +80,7 @@ class LawReplay:
     @property
     def rms_difference(self) -> FloatArray:
         """RMS difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
-        return _rms(self.commanded - self.recorded)
+        return rms(self.commanded - self.recorded)
 
     @property
     def peak_difference(self) -> FloatArray:
@@ -243,10 +244,6 @@ def _limits(law: AnyLaw, which: str, n: int) -> FloatArray:
     """Limit of each joint, (n,); infinite for a controller without limits."""
     limit: ArrayLike = getattr(law, which) if isinstance(law, Limited) else np.inf
     return np.broadcast_to(np.asarray(limit, dtype=np.float64), (n,))
-
-
-def _rms(values: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
 def _text(value: float) -> str:

@@ -75,12 +75,12 @@ class Tracking:
     @property
     def rms_deg(self) -> FloatArray:
         """RMS tracking error [deg]."""
-        return np.asarray(np.rad2deg(_rms(self._settled(self.error))))
+        return np.asarray(np.rad2deg(rms(self._settled(self.error))))
 
     @property
     def rms_torque(self) -> FloatArray:
         """RMS torque [N·m]; a motor's heat is proportional to its square."""
-        return _rms(self._settled(self.tau))
+        return rms(self._settled(self.tau))
 
     @property
     def energy(self) -> FloatArray:
@@ -103,7 +103,7 @@ class Tracking:
         """
         if self.interaction is None:
             raise BadArgumentError("nobody wears this leg", remedy="simulate it with wearer=")
-        return _rms(self._settled(self.interaction))
+        return rms(self._settled(self.interaction))
 
     def to_json(self) -> dict[str, Any]:
         """Convert the metrics to JSON types.
@@ -198,5 +198,6 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
     )
 
 
-def _rms(values: FloatArray) -> FloatArray:
+def rms(values: FloatArray) -> FloatArray:
+    """RMS over the samples."""
     return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
