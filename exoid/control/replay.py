@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments import follow_log
 from exoid.rig import Reference, Target
@@ -204,7 +204,8 @@ def replay_law(
     assert aims is not None
     unknown = np.full_like(q, np.nan)
     recorded = unknown if recording.tau is None else _sampled(recording.tau, elapsed, times)
-    limit, slew = (_limits(law, which, recording.n_joints) for which in ("limit", "slew"))
+    limits = (law.limit, law.slew) if isinstance(law, Limited) else (np.inf, np.inf)
+    limit, slew = (np.broadcast_to(np.asarray(x, dtype=np.float64), (recording.n_joints,)) for x in limits)
     label = name_of(law) if name is None else name
     commanded = _commanded(law, q, v, times, aims, where)
     return LawReplay(
@@ -238,12 +239,6 @@ def _commanded(
 def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:
     """Columns at other times, (N, n), interpolated between samples."""
     return np.column_stack([np.interp(times, elapsed, column) for column in values.T])
-
-
-def _limits(law: AnyLaw, which: str, n: int) -> FloatArray:
-    """Limit of each joint, (n,); infinite for a controller without limits."""
-    limit: ArrayLike = getattr(law, which) if isinstance(law, Limited) else np.inf
-    return np.broadcast_to(np.asarray(limit, dtype=np.float64), (n,))
 
 
 def _text(value: float) -> str:
