@@ -64,9 +64,11 @@ def law_source(
         "uses_measured": bool(damping.any()),
         "uses_state": "state->" in law.step,
         "safety": safety.describe(law.damping),
-        "dimensions": _dimensions,
+        "dimensions": lambda array: "".join(f"[{size}]" for size in array.values.shape),
     }
-    needed = _needed(law, safety)
+    called = () if law.leg is None else law.leg.needed
+    kept = ("gravity", "springs") if safety.safe == "gravity" else ()
+    needed = frozenset().union(*(INSIDE[function] for function in (*called, *kept)))
     inside = {
         **values,
         "needed": needed,
@@ -106,13 +108,6 @@ def law_source(
     return CSource(files, prefix, dialect, law, functions, facts, summary, warnings)
 
 
-def _needed(law: LawInC, safety: Safety) -> frozenset[str]:
-    """Parts of the file, from the functions that are called."""
-    called = () if law.leg is None else law.leg.needed
-    kept = ("gravity", "springs") if safety.safe == "gravity" else ()
-    return frozenset().union(*(INSIDE[function] for function in (*called, *kept)))
-
-
 def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[Constants]:
     """Constants of the leg that the functions use; unused ones would be warnings."""
     bodies, joints = leg.leg, leg.leg.joint_names
@@ -143,10 +138,6 @@ def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
     yield ArrayInC("absurd", "size from which a number is absurd", np.array(ABSURD))
     if damping.any():
         yield ArrayInC("safe_damping", "damping of the safe torque [N m s/rad]", damping)
-
-
-def _dimensions(array: ArrayInC) -> str:
-    return "".join(f"[{size}]" for size in array.values.shape)
 
 
 def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:

@@ -66,8 +66,12 @@ class Admittance:
 
     def step(self, memory: VirtualMass, state: State, target: Target) -> tuple[FloatArray, VirtualMass]:
         """Compute the torque; see the class."""
-        pushed = interaction_of(state)
-        q, v = state.q, state.v
+        q, v, pushed = state.q, state.v, state.interaction
+        if pushed is None:
+            raise BadArgumentError(
+                "this controller needs the torque of the wearer, State(interaction=...)",
+                remedy="measure it in the cuffs, estimate it by an observer, or simulate with wearer=",
+            )
         after, acceleration = self._move(memory, pushed)
         aim = acceleration if target.a is None else acceleration + target.a
         frequency = spread(self.frequency, q)
@@ -116,16 +120,6 @@ class Admittance:
             },
             memory={"x": "position of the virtual mass [rad]", "rate": "its velocity [rad/s]"},
         )
-
-
-def interaction_of(state: State) -> FloatArray:
-    """Take the torque of the wearer out of a state."""
-    if state.interaction is None:
-        raise BadArgumentError(
-            "this controller needs the torque of the wearer, State(interaction=...)",
-            remedy="measure it in the cuffs, estimate it by an observer, or simulate with wearer=",
-        )
-    return state.interaction
 
 
 def admittance(

@@ -70,7 +70,12 @@ def leg_in_c(model: ControlModel, calls: tuple[Needed, ...], friction: Friction 
         place = c_form(term).place
         scale = 1.0 if place != "friction" else 0.0 if friction is None else friction.scale
         numbers = zip(term.symbols, (scale * values).tolist(), strict=True)
-        parameters = {symbol: _operand(value, dialect) for symbol, value in numbers if not np.isnan(value)}
+        # in parentheses where negative, so that an operator may stand before it
+        parameters = {
+            symbol: dialect.number(value) if value >= 0.0 else f"({dialect.number(value)})"
+            for symbol, value in numbers
+            if not np.isnan(value)
+        }
         for joint, expression in torques_in_c(TermBlock(term, joints, ()), parameters, dialect):
             places[place][joint].append(expression)
     zero = dialect.number(0.0)
@@ -93,8 +98,3 @@ def _plain_terms(model: ControlModel, width: float | None) -> Iterator[tuple[Ter
             yield Coulomb(smoothing=width), (j,), model.coulomb[[j]]
         if width is not None and model.viscous[j] != 0.0:
             yield Viscous(), (j,), model.viscous[[j]]
-
-
-def _operand(value: float, dialect: Dialect) -> str:
-    """Write a constant so that an operator may stand before it."""
-    return dialect.number(value) if value >= 0.0 else f"({dialect.number(value)})"

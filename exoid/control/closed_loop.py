@@ -183,13 +183,10 @@ class _Sampled:
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the torque without a wearer."""
-        return self._command(target, q, v, None)
+        return self.command_worn(target, q, v, None)
 
-    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray) -> FloatArray:
+    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
         """Compute the torque, given that of the wearer."""
-        return self._command(target, q, v, interaction)
-
-    def _command(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
         single = q.shape[1] == 1
         if single:  # vectors are quicker than columns
             q, v = q[:, 0], v[:, 0]

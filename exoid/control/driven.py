@@ -8,7 +8,7 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.rig import Target
 
-from .law import Memory, State, stateful, torque_without_memory
+from .law import State, torque_without_memory
 from .limited import Wrapped
 
 
@@ -50,23 +50,9 @@ class Driven(Wrapped):
 
         Raises:
             ExoidError: A drive cannot make a torque, such as a cylinder at its dead centre; or the other controller
-                has memory.
+                has memory: then ``actuators.command`` turns the torque of its step into commands.
         """
         return self._command_of(torque_without_memory(self.law, state, target), state)
-
-    def step_command(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the commands to hold until the next sample, and the memory of the other controller.
-
-        Args:
-            memory: Memory of the other controller.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Commands in ``actuators.units``, of the shape of ``state.q``, and the memory for the next sample.
-        """
-        torque, memory = stateful(self.law).step(memory, state, target)
-        return self._command_of(torque, state), memory
 
     def _changed(self, torque: FloatArray, state: State) -> FloatArray:
         """Compute the torque that the drives make of the commands for a torque."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments import follow_log
 from exoid.rig import Reference, Target
@@ -21,6 +21,7 @@ from exoid.tools.tables import DataTable, to_text
 
 from .law import AnyLaw, State, name_of, stateful
 from .limited import Limited
+from .tracking import rms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,7 +60,7 @@ class LawReplay:
     @property
     def rms_torque(self) -> FloatArray:
         """RMS commanded torque [N·m]."""
-        return _rms(self.commanded)
+        return rms(self.commanded)
 
     @property
     def peak_torque(self) -> FloatArray:
@@ -69,7 +70,7 @@ class LawReplay:
     @property
     def rms_recorded(self) -> FloatArray:
         """RMS recorded torque [N·m]; NaN for joints without one."""
-        return _rms(self.recorded)
+        return rms(self.recorded)
 
     @property
     def peak_recorded(self) -> FloatArray:
@@ -79,7 +80,7 @@ class LawReplay:
     @property
     def rms_difference(self) -> FloatArray:
         """RMS difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
-        return _rms(self.commanded - self.recorded)
+        return rms(self.commanded - self.recorded)
 
     @property
     def peak_difference(self) -> FloatArray:
@@ -203,7 +204,8 @@ def replay_law(
     assert aims is not None
     unknown = np.full_like(q, np.nan)
     recorded = unknown if recording.tau is None else _sampled(recording.tau, elapsed, times)
-    limit, slew = (_limits(law, which, recording.n_joints) for which in ("limit", "slew"))
+    limits = (law.limit, law.slew) if isinstance(law, Limited) else (np.inf, np.inf)
+    limit, slew = (np.broadcast_to(np.asarray(x, dtype=np.float64), (recording.n_joints,)) for x in limits)
     label = name_of(law) if name is None else name
     commanded = _commanded(law, q, v, times, aims, where)
     return LawReplay(
@@ -237,16 +239,6 @@ def _commanded(
 def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:
     """Columns at other times, (N, n), interpolated between samples."""
     return np.column_stack([np.interp(times, elapsed, column) for column in values.T])
-
-
-def _limits(law: AnyLaw, which: str, n: int) -> FloatArray:
-    """Limit of each joint, (n,); infinite for a controller without limits."""
-    limit: ArrayLike = getattr(law, which) if isinstance(law, Limited) else np.inf
-    return np.broadcast_to(np.asarray(limit, dtype=np.float64), (n,))
-
-
-def _rms(values: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
 def _text(value: float) -> str:

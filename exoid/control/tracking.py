@@ -75,12 +75,12 @@ class Tracking:
     @property
     def rms_deg(self) -> FloatArray:
         """RMS tracking error [deg]."""
-        return np.asarray(np.rad2deg(_rms(self._settled(self.error))))
+        return np.asarray(np.rad2deg(rms(self._settled(self.error))))
 
     @property
     def rms_torque(self) -> FloatArray:
         """RMS torque [N·m]; a motor's heat is proportional to its square."""
-        return _rms(self._settled(self.tau))
+        return rms(self._settled(self.tau))
 
     @property
     def energy(self) -> FloatArray:
@@ -103,21 +103,7 @@ class Tracking:
         """
         if self.interaction is None:
             raise BadArgumentError("nobody wears this leg", remedy="simulate it with wearer=")
-        return _rms(self._settled(self.interaction))
-
-    def commands(self, actuators: Actuators) -> FloatArray:
-        """Compute what drives need for the torques of the run.
-
-        Args:
-            actuators: Drives of the leg.
-
-        Returns:
-            Currents, forces or motor angles in ``actuators.units``, (N, n).
-
-        Raises:
-            ExoidError: A drive cannot make a torque.
-        """
-        return actuators.command(self.tau, self.q, self.v)
+        return rms(self._settled(self.interaction))
 
     def to_json(self) -> dict[str, Any]:
         """Convert the metrics to JSON types.
@@ -185,7 +171,7 @@ def command_table(trackings: Iterable[Tracking], actuators: Actuators) -> DataTa
     """
     rows = []
     for one in trackings:
-        commands = one.commands(actuators)
+        commands = actuators.command(one.tau, one.q, one.v)
         for joint, (name, unit) in enumerate(zip(one.joint_names, actuators.units, strict=True)):
             values = commands[:, joint]
             rows.append((one.law, name, f"{np.abs(values).max():.3g}", f"{np.sqrt(np.mean(values**2)):.3g}", unit))
@@ -212,5 +198,6 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
     )
 
 
-def _rms(values: FloatArray) -> FloatArray:
+def rms(values: FloatArray) -> FloatArray:
+    """RMS over the samples."""
     return np.asarray(np.sqrt(np.mean(values**2, axis=0)))

@@ -16,6 +16,7 @@ from exoid.control import (
     FrictionCompensation,
     Limited,
     PassiveFriction,
+    State,
     admittance,
     assist_as_needed,
     computed_torque,
@@ -26,6 +27,7 @@ from exoid.control import (
     lqr,
     pd,
     sensitivity_amplification,
+    stateful,
 )
 from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise, TorqueObserver
 from exoid.experiments import gait_for_leg, healthy_gait
@@ -104,5 +106,13 @@ def random_values(count: int, seed: int = 0) -> dict[str, np.ndarray]:
     return {name: x.astype(np.float32).astype(np.float64) for name, x in values.items()}
 
 
-def target_of(values: dict[str, np.ndarray], k: int) -> Target:
-    return Target(values["q_d"][k], values["v_d"][k], values["a_d"][k])
+def torques_in_python(law: object, values: dict[str, np.ndarray], *, last: np.ndarray | None = None) -> np.ndarray:
+    """A law in Python, sample by sample; the torque before the first one is zero, as in C."""
+    steps, found = stateful(law), []
+    pushed = values.get("interaction", np.zeros_like(values["q"]))
+    columns = (values[name] for name in ("q", "v", "time", "q_d", "v_d", "a_d"))
+    last, memory = np.zeros(3) if last is None else last, steps.begin(State(values["q"][0], values["v"][0]))
+    for q, v, time, q_d, v_d, a_d, interaction in zip(*columns, pushed, strict=True):
+        last, memory = steps.step(memory, State(q, v, float(time), last, interaction), Target(q_d, v_d, a_d))
+        found.append(last)
+    return np.array(found)

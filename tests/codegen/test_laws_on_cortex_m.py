@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from compiled_laws import records
 from cortex_m import BOARDS, emulate, needs_cortex_m
-from laws_of_bleex import laws, random_values
+from laws_of_bleex import laws, random_values, torques_in_python
 
 from exoid.codegen import c_source
-from exoid.control import State, stateful
-from exoid.rig import Target
 
 pytestmark = needs_cortex_m
 
@@ -35,13 +33,7 @@ def test_a_law_in_single_precision_runs_on_a_microcontroller(name, board, tmp_pa
         f"{found.code} bytes of program"
     )
     assert not found.status.any()
-    law, last = stateful(laws()[name]), np.zeros(3)
-    memory = law.begin(State(values["q"][0], values["v"][0]))
-    expected = []
-    for k in range(ROWS):
-        state = State(values["q"][k], values["v"][k], float(values["time"][k]), last)
-        last, memory = law.step(memory, state, Target(*(values[key][k] for key in ("q_d", "v_d", "a_d"))))
-        expected.append(last)
+    expected = torques_in_python(laws()[name], values)
     np.testing.assert_allclose(found.torque, expected, atol=1e-5 * np.abs(expected).max())
     assert found.per_tick == pytest.approx(5.0, rel=1e-3)  # it is instructions that are counted
     assert 100 < found.mean <= found.most < 100_000

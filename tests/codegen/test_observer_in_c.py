@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
-from laws_of_bleex import model, random_values
+from laws_of_bleex import model
 
 import exoid
 from exoid.codegen import Safety, c_source
@@ -72,18 +72,6 @@ def test_a_moving_leg(library, name, precision, tolerance):
     largest = np.abs(np.concatenate([values["tau_m"], expected])).max()
     np.testing.assert_allclose(tau, expected, atol=tolerance * largest)
     assert np.abs(tau[80:] - pushed[80:]).max() < 4.0  # it is the torque of the one who pushes, a little late
-
-
-@needs_compiler
-@pytest.mark.parametrize("name", ["observer", "kalman"])
-def test_random_readings(library, name):
-    law, observer = library[f"{name}_double"], OBSERVERS[name]
-    values = random_values(100)
-    values["q"] = 0.02 * np.cumsum(values["q"], axis=0)  # angles that do not jump
-    values = {"q": values["q"], "v": values["v"], "tau_m": 10.0 * values["q_d"]}
-    expected = in_python(observer, values)
-    tau, _, _ = law.run(records(law.source, 100, values))
-    np.testing.assert_allclose(tau, expected, atol=1e-12 * np.abs(expected).max())
 
 
 @needs_compiler

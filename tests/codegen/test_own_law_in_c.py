@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
-from laws_of_bleex import KD, KP, laws, random_values, target_of
+from laws_of_bleex import KD, KP, laws, random_values, torques_in_python
 
 from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source, write_c
-from exoid.control import State, pd
+from exoid.control import pd
 
 
 class Filtered(NamedTuple):
@@ -62,16 +62,6 @@ BEGIN = """\
 """
 
 
-def in_python(values, rows):
-    law = FilteredPID()
-    states = [State(values["q"][k], values["v"][k]) for k in rows]
-    memory, found = law.begin(states[0]), []
-    for k, state in zip(rows, states, strict=True):
-        tau, memory = law.step(memory, state, target_of(values, k))
-        found.append(tau)
-    return np.array(found)
-
-
 @needs_compiler
 def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
     source = c_source(FilteredPID(), name="own")
@@ -79,11 +69,12 @@ def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
     law, values = CompiledLaw(source, ctypes.CDLL(str(path))), random_values(40)
     rows = records(source, 40, values)
     rows["q"][20, 1] = np.nan
+    before, after = ({name: x[part] for name, x in values.items()} for part in (slice(20), slice(21, 40)))
     tau, status, _ = law.run(rows)
     assert status.tolist() == [0] * 20 + [1] + [0] * 19
-    np.testing.assert_allclose(tau[:20], in_python(values, range(20)), atol=1e-11)
+    np.testing.assert_allclose(tau[:20], torques_in_python(FilteredPID(), before), atol=1e-11)
     np.testing.assert_allclose(tau[20], -KD * values["v"][20], atol=1e-11)
-    np.testing.assert_allclose(tau[21:], in_python(values, range(21, 40)), atol=1e-11)
+    np.testing.assert_allclose(tau[21:], torques_in_python(FilteredPID(), after), atol=1e-11)
 
 
 def test_no_text_ends_the_comment():

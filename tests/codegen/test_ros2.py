@@ -12,13 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compiled import COMPILER
-from laws_of_bleex import KD, laws, target_of
+from laws_of_bleex import KD, laws, torques_in_python
 
 import exoid
 from exoid import ExoidError
 from exoid.codegen import Safety, c_source, write_ros2
 from exoid.codegen.ros2.folder import write_folder
-from exoid.control import State, stateful
 
 CPP = shutil.which("g++")
 STUBS = Path(__file__).parent / "ros2_stubs"
@@ -85,23 +84,12 @@ def executed(program, mode, rows, *parameters):
     return found[:, :3], found[:, 3].astype(int), found[:, 4]
 
 
-def in_python(law, values):
-    """Torques of the law in Python; the torque before the first sample is zero."""
-    law = stateful(law)
-    states = [State(q, v, float(t)) for q, v, t in zip(values["q"], values["v"], values["time"], strict=True)]
-    memory, last, found = law.begin(states[0]), np.zeros(3), []
-    for k, state in enumerate(states):
-        last, memory = law.step(memory, state._replace(last=last), target_of(values, k))
-        found.append(last)
-    return np.array(found)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", ["chained", "topic", "node"])
 @pytest.mark.parametrize("name", NAMES)
 def test_controller_and_node_command_what_python_does(built, recorded, name, mode):
     tau, status, faults = executed(built[name][1], mode, rows_of(name, recorded))
-    expected = in_python(laws()[name], recorded)
+    expected = torques_in_python(laws()[name], recorded)
     np.testing.assert_allclose(tau, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
     if mode != "node":
         assert not status.any()

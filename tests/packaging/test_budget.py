@@ -12,7 +12,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "actuators": (2000, 1500),
     "cli": (3050, 2500),
     "codegen": (1650, 2000),
-    "control": (6950, 5000),
+    "control": (6650, 5000),
     "estimate": (3900, 2900),
     "experiments": (4650, 3200),
     "identification": (9050, 7200),

@@ -23,9 +23,6 @@ from .cuffs import Cuffs
 HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
 """Columns of :meth:`LimbComparison.rows`; that of expected values follows if there are any."""
 
-CUFF_HEADERS = ("cuff", "stiffness [N·m/rad]", "± std", "damping [N·m·s/rad]", "± std")
-"""Columns of the table of cuffs."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimbComparison(Report):
@@ -85,7 +82,8 @@ class LimbComparison(Report):
     def _report(self) -> list[DataTable | str]:
         """Title and table."""
         headers = HEADERS if np.isnan(self.expected).all() else (*HEADERS, "expected")
-        cuffs = [] if self.cuffs is None else [make_table(CUFF_HEADERS, self.cuffs.rows())]
+        of_cuffs = ("cuff", "stiffness [N·m/rad]", "± std", "damping [N·m·s/rad]", "± std")
+        cuffs = [] if self.cuffs is None else [make_table(of_cuffs, self.cuffs.rows())]
         notes = (f"note: {note}" for note in self.notes)
         return ["Limb within the leg: worn less alone", make_table(headers, self.rows()), *cuffs, *notes]
 
