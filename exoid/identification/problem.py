@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError, within
-from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
+from exoid.errors import NotIdentifiableError, NotSupportedError, within
+from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
@@ -189,7 +189,12 @@ class Problem:
             with within(name):
                 of_joints = zip(rows.model.row_names, *rows.by_kind, strict=True)
                 driven = {name: stack(r_factors) for name, *r_factors in of_joints if name not in rows.unmeasured}
-                refuse_empty_joints(list(driven), list(driven.values()))
+                if empty := tuple(name for name, r_factor in driven.items() if not r_factor.rows):
+                    raise NotIdentifiableError(
+                        f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+                        remedy="move faster, or choose a smaller dead_band",
+                        joints=empty,
+                    )
             self._forget(rows)
 
     def weights_of(self, group: int, weights: Sequence[float]) -> list[float]:
