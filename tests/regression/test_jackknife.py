@@ -190,11 +190,3 @@ def test_a_parameter_that_is_known_or_believed_has_as_many_as_the_noise(swing):
     )
     places = [estimate.names.index(name) for name in ("X1", "J3")]
     np.testing.assert_array_equal(estimate.dof_each[places], estimate.dof)
-
-
-def test_they_are_kept_in_the_file_and_older_files_have_one_number_for_all(swing, tmp_path):
-    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(6), 0.3), TERMS, preparation=EXACT)
-    estimate.save(tmp_path / "e.json")
-    np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "e.json").interval(), estimate.interval())
-    old = dataclasses.replace(estimate, dof_each=np.zeros(0))
-    assert (old.dof_each == old.dof).all()
