@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
-from exoid.regression.least_squares import factorize, scaled_lstsq, stack
+from exoid.regression.least_squares import factorize, scaled_lstsq, scaled_pinv, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import linearise
 from exoid.torques.nonlinear import nonlinear_settings, with_settings
@@ -244,7 +244,7 @@ class VariableProjection:
         norms = np.linalg.norm(slope, axis=0)
         if (norms <= 1e-12 * np.linalg.norm(self.corner[:, -1])).any():
             return np.where(norms <= 1e-12 * np.linalg.norm(self.corner[:, -1]), np.inf, 0.0)
-        inverse = np.linalg.pinv(slope / norms) / norms[:, None]
+        inverse = scaled_pinv(slope)
         samples = max(sum(t.samples for t in self.r_factors) - len(self.values), 1.0)
         rows = np.linalg.norm(self.corner[:, -1]) / np.sqrt(samples)
         return np.asarray(rows * np.linalg.norm(inverse, axis=1))

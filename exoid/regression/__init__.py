@@ -5,7 +5,6 @@ from .fit import Fit
 from .influence import Influence
 from .least_squares import joint_table, stack
 from .parameters import Prior
-from .problem import LeastSquaresProblem, RowProblem
 from .row_data import Rows
 from .trends import Trend
 
@@ -13,9 +12,7 @@ __all__ = [
     "Fit",
     "Influence",
     "JointNoise",
-    "LeastSquaresProblem",
     "Prior",
-    "RowProblem",
     "Rows",
     "Trend",
     "joint_table",

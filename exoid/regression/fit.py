@@ -249,12 +249,13 @@ def _changes(noises: Noises, root: FloatArray, clip: float, whitened: bool, part
             if part.begins:
                 noise = noises[part.kind, part.joint]
                 running[part.joint] = _WhitenedJoint(noise, len(part.columns), delay, whole_runs=whitened)
-            rows = running[part.joint].add(part, clip)
-            left = rows.X / max(rows.variance, TINY) if whitened else rows.Y * part.stands_for
-            left, right = root[part.columns].T @ left, rows.X.T @ root[part.columns]
-            cells = rows.places // length
+            X, Y, residual, places = running[part.joint].add(part, clip)
+            variance = float(running[part.joint].noise.variances[-1])
+            left = X / max(variance, TINY) if whitened else Y * part.stands_for
+            left, right = root[part.columns].T @ left, X.T @ root[part.columns]
+            cells = places // length
             for start, stop in itertools.pairwise(np.flatnonzero(np.diff(cells, prepend=-1, append=-1))):
-                scores[cells[start]] += left[:, start:stop] @ rows.residual[start:stop]
+                scores[cells[start]] += left[:, start:stop] @ residual[start:stop]
                 informations[cells[start]] += left[:, start:stop] @ right[start:stop]
     if not scores:
         return np.zeros((0, len(root)))
@@ -284,16 +285,6 @@ def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
     return max(1, int(np.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0)))))
 
 
-class _WhitenedRows(NamedTuple):
-    """Consecutive rows of a joint: Φ X, Φ⁻ᵀ X and Φ e, places in the recording, and the variance of what is white."""
-
-    X: FloatArray
-    Y: FloatArray
-    residual: FloatArray
-    places: NDArray[np.intp]
-    variance: float
-
-
 class _WhitenedJoint:
     """Whitens the rows of a joint that come block by block."""
 
@@ -312,11 +303,12 @@ class _WhitenedJoint:
         self._predictors[:, 1:] -= noise.predictors
         self._predictors *= np.sqrt(noise.variances[-1] / np.maximum(noise.variances, TINY))[:, None]
 
-    def add(self, part: Series, clip: float) -> _WhitenedRows:
-        """Go on with the next rows, and return those that are finished; clipped residuals carry no information."""
+    def add(self, part: Series, clip: float) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
+        """Go on with the next rows, and return Φ X, Φ⁻ᵀ X, Φ e and places of those that are finished."""
         Y, polynomial = part.X, self.noise.polynomial
         if self.noise.order:
             Y, self._state = scipy.signal.lfilter([1.0], polynomial, Y, zi=self._state)
+        # clipped residuals carry no information
         Y, information = np.hstack([self._Y, Y]), part.X * (np.abs(part.residual) < clip)
         ahead = np.hstack([self._ahead, np.vstack([information, part.residual, part.usable])])
         if part.ends:
@@ -326,9 +318,8 @@ class _WhitenedJoint:
         for k, coefficient in enumerate(self._coefficients(ahead[-1], count)):
             white += coefficient * ahead[:-1, k : k + count]
         places = np.arange(self._done, self._done + count)
-        finished = Y[:, :count]
         self._Y, self._ahead, self._done = Y[:, count:].copy(), ahead[:, count:].copy(), self._done + count
-        return _WhitenedRows(white[:-1], finished, white[-1], places, float(self.noise.variances[-1]))
+        return white[:-1], Y[:, :count], white[-1], places
 
     def _coefficients(self, usable: FloatArray, count: int) -> FloatArray:
         """Coefficients of each sample and of those ahead of it, (p + 1, 1 or count)."""

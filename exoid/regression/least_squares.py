@@ -160,17 +160,6 @@ def scaled_inverse(M: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
 
 
-def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
-    """Refuse a fit in which the terms' dead bands left no sample of a joint."""
-    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
-    if empty:
-        raise NotIdentifiableError(
-            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
-            remedy="move faster, or choose a smaller dead_band",
-            joints=tuple(empty),
-        )
-
-
 class Solution(NamedTuple):
     """Least-squares estimate with its evidence."""
 

@@ -77,22 +77,13 @@ class RegressorModel(Protocol):
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which joint, (n, P)."""
 
-    def motion(
-        self,
-        q: Any,  # noqa: ANN401 - arrays of any kind
-        v: Any,  # noqa: ANN401
-        a: Any,  # noqa: ANN401
-        torso: Any = None,  # noqa: ANN401
-        payloads: Sequence[Any] = (),
-        computed: NDArray[np.bool_] | None = None,
-        temperature: Any = None,  # noqa: ANN401
-    ) -> Any:  # noqa: ANN401
-        """Gather what the columns of a recording depend on, the torque of its payloads, its drives and temperatures."""
+    def motion(self, *samples: Any, **beside: Any) -> Any:  # noqa: ANN401 - arrays of any kind
+        """Gather q, v, a, motion of the base, payloads, joints with a drive and temperatures, for the columns."""
 
     def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
         """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
 
-    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
+    def regressor(self, *samples: Any, **beside: Any) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
 
     def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401

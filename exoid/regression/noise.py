@@ -14,9 +14,6 @@ from exoid._typing import FloatArray
 LARGEST_ORDER = 30
 """Autoregressive orders up to this are compared."""
 
-FREQUENCIES = 8192
-"""Points at which a spectrum is summed."""
-
 TINY = 1e-30
 """Smallest variance to divide by."""
 
@@ -69,7 +66,7 @@ class AutoregressiveNoise:
     def effective_share(self) -> float:
         """Independent samples that say as much on the size of the noise as one of these, γ_0² / Σ γ_k²."""
         # By Parseval (mean S)² / mean S² of the spectrum S.
-        _, response = scipy.signal.freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
+        _, response = scipy.signal.freqz([1.0], self.polynomial, 8192, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
@@ -108,9 +105,8 @@ class AutoregressiveNoise:
             factor[k, :k] = -self.predictors[k, k - 1 :: -1]
         out[:, :p] = (X[:, :p] @ factor.T) / np.sqrt(np.maximum(self.variances[:p], TINY))
         if X.shape[1] > p:
-            out[:, p:] = scipy.signal.lfilter(self.polynomial, [1.0], X)[:, p:] / math.sqrt(
-                max(self.variances[-1], TINY)
-            )
+            std = math.sqrt(max(self.variances[-1], TINY))
+            out[:, p:] = scipy.signal.lfilter(self.polynomial, [1.0], X)[:, p:] / std
         return out
 
 

@@ -58,33 +58,10 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
         """Joint of each row block; groups follow each other."""
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time.
-
-        Args:
-            decimated: Whether to take only as many rows as carry independent noise.
-
-        Returns:
-            Blocks of rows.
-        """
+        """Go over the rows in order of time, all or as many as carry independent noise, recording by recording."""
 
     def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
-        """Reduce the weighted rows of each recording.
-
-        Args:
-            weights: Weight of each of :attr:`r_factors`.
-
-        Returns:
-            R factor of each recording.
-        """
+        """Reduce the rows of each recording to an R factor, weighted as :attr:`r_factors`."""
 
     def without(self, index: int, others: RFactor, solution: Solution) -> NDArray[np.float64]:
-        """Solve without one of the recordings.
-
-        Args:
-            index: Number of the recording.
-            others: Weighted rows of the others.
-            solution: Solution with all of them.
-
-        Returns:
-            Parameters, (P,); infinite where only that recording determines them.
-        """
+        """Solve for the weighted rows of all recordings but one; infinite where only that one determines, (P,)."""

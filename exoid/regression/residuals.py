@@ -17,12 +17,6 @@ from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import RowProblem, RowSource
 from .row_data import NoiseKind, RowBlock
 
-SETTLED = 1e-3
-"""They have converged when no standard deviation changes by more than this part."""
-
-TINY = 1e-300
-"""Smallest variance to divide by."""
-
 
 class Series(NamedTuple):
     """Weighted rows of one recording and joint in time order, or a stretch of them."""
@@ -172,9 +166,9 @@ def _meat(noises: Noises, count: int, parts: Iterator[Series]) -> FloatArray:
 
 
 def settled(before: FloatArray, covariance: FloatArray) -> bool:
-    """Say whether standard deviations have stopped changing."""
+    """Say whether no standard deviation changes by more than a thousandth."""
     old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(covariance))
-    return bool((np.abs(old - new) <= SETTLED * new).all())
+    return bool((np.abs(old - new) <= 1e-3 * new).all())
 
 
 def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
@@ -192,6 +186,6 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
 
 def matrix_root(covariance: FloatArray) -> FloatArray:
     """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
-    scale = np.sqrt(np.clip(np.diag(covariance), TINY, None))
+    scale = np.sqrt(np.clip(np.diag(covariance), 1e-300, None))
     sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
     return np.asarray(scale[:, None] * vectors * np.sqrt(np.clip(sizes, 0.0, None)))

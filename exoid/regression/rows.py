@@ -187,21 +187,16 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     if len(columns) > count:
         tau = tau - columns[count:].sum(axis=0).T
     rows = slice(stretch.start, stretch.stop, stretch.step)
-    q, v = (_of_rows(model, values[rows]) for values in (prepared.motion.q, prepared.motion.v))
+    # angle and velocity of the joint of each row; zero for a row of no joint
+    q, v, of_rows = prepared.motion.q[rows], prepared.motion.v[rows], np.array(model.row_joints)
+    if not np.array_equal(of_rows, np.arange(q.shape[1])):
+        q, v = (np.where(of_rows < 0, 0.0, values[:, of_rows]) for values in (q, v))
     usable = prepared.usable[rows]
     time, fraction = prepared.time[rows], prepared.independent_fraction
     reversals = tuple(
         TakenOut(np.column_stack([part[:count].T, part[-1] - part[count:-1].sum(axis=0)]), left) for part, left in taken
     )
     return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals, payload=payload)
-
-
-def _of_rows(model: RegressorModel, of_joints: FloatArray) -> FloatArray:
-    """Values of the joint of each row, (N, R); zero for a row of no joint."""
-    places = np.array(model.row_joints)
-    if np.array_equal(places, np.arange(of_joints.shape[1])):
-        return of_joints
-    return np.where(places < 0, 0.0, of_joints[:, places])
 
 
 def _filtered(

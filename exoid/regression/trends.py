@@ -21,15 +21,6 @@ from .row_data import NoiseKind
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
 
-SIGNIFICANT = 1e-3
-"""A smaller probability is called a dependence,"""
-
-NEGLIGIBLE = 0.01
-"""unless its size is below this part of the joint's torque."""
-
-LEFT = 1e-4
-"""Of directions in which the fit has left less than this part of the noise, as an offset of the sum, none is tested."""
-
 Against = Literal["velocity", "angle"]
 
 
@@ -58,12 +49,12 @@ class Trend:
     @property
     def significant(self) -> bool:
         """Whether the residual depends on it by more than noise explains."""
-        return self.p_value < SIGNIFICANT
+        return self.p_value < 1e-3
 
     @property
     def matters(self) -> bool:
-        """Whether the residual depends on it by more than noise explains, and the dependence is not negligible."""
-        return self.significant and self.share > NEGLIGIBLE
+        """Whether the residual depends on it by more than noise explains, and by more than 1 % of the torque."""
+        return self.significant and self.share > 0.01
 
 
 def residual_trends(
@@ -213,7 +204,7 @@ def _p_value(total: FloatArray, cov: FloatArray, noise: FloatArray) -> float:
     """Probability of sums as large as these, given what noise would make of each of them were nothing fitted."""
     scale = np.where(noise > 0.0, noise, 1.0)
     sizes, vectors = np.linalg.eigh(0.5 * (cov + cov.T) / np.multiply.outer(scale, scale))
-    kept = sizes > LEFT
+    kept = sizes > 1e-4  # the fit has left nothing in the other directions, as an offset of the sum
     if not kept.any():
         return 1.0
     statistic = float(np.sum((vectors[:, kept].T @ (total / scale)) ** 2 / sizes[kept]))

@@ -148,13 +148,3 @@ def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
     assert estimate.identifiability[hip] != "well"
     blind = dataclasses.replace(estimate, evidence=dataclasses.replace(estimate.evidence, reference_scale=None))
     assert blind.identifiability[hip] == "well"
-
-
-def test_they_are_kept_in_the_file(tmp_path):
-    swing = Swing(exoid.load_leg("bleex"))
-    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), TERMS, preparation=EXACT)
-    estimate.save(tmp_path / "e.json")
-    loaded = exoid.Estimate.load(tmp_path / "e.json")
-    np.testing.assert_array_equal(loaded.collinearity, estimate.collinearity)
-    np.testing.assert_array_equal(loaded.reference_scale, estimate.reference_scale)
-    assert loaded.identifiability == estimate.identifiability

@@ -11,7 +11,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import Coulomb, ExoidError, Viscous
+from exoid import Coulomb, Viscous
 from exoid.identification.estimators import ols, wls
 from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.identification.group_rows import Group
@@ -242,9 +242,3 @@ def test_the_noise_found_is_the_noise_made(swing):
     noises = fit_noise(problem, fit.point, fit.solution.covariance)
     for noise in noises.values():
         assert noise.predictors[-1][0] == pytest.approx(np.exp(-0.2), abs=0.06)
-
-
-@pytest.mark.parametrize("noise", ["pink", "", "White"])
-def test_an_unknown_noise_is_refused(swing, noise):
-    with pytest.raises(ExoidError, match="use one of correlated, white"):
-        identify(swing.leg, swing.recording(), TERMS, noise=noise)

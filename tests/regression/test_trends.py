@@ -78,17 +78,3 @@ def test_a_perfect_model_is_not_blamed_for_rounding(swing):
     for recording in (swing.recording(), swing.encoders_only()):
         estimate = identify(swing.leg, recording, (*TERMS, Offset()))
         assert not estimate.warnings
-
-
-def test_trends_survive_their_file(swing, tmp_path):
-    estimate = identify(swing.leg, swing.recording(tau=swing.torque + coloured(swing, 0)), TERMS)
-    estimate.save(tmp_path / "e.json")
-    for one, other in zip(exoid.Estimate.load(tmp_path / "e.json").trends, estimate.trends, strict=True):
-        assert (one.joint, one.against, one.p_value, one.share) == (
-            other.joint,
-            other.against,
-            other.p_value,
-            other.share,
-        )
-        for name in ("edges", "mean", "std"):
-            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -21,19 +20,10 @@ FROZEN_TORQUE = 0.15
 """Shortest time for which a torque that moves has to stand still to count as frozen [s]."""
 
 
-class Runs(NamedTuple):
-    """Runs of consecutive samples with the same value, in order of time."""
-
-    start: NDArray[np.intp]  # index of the first sample of each run, (R,)
-    length: NDArray[np.intp]  # number of samples of each run, (R,)
-    value: FloatArray  # value of each run, (R,)
-
-    @classmethod
-    def of(cls, x: FloatArray, tolerance: float = 0.0) -> Runs:
-        """Find the runs of a signal."""
-        change = np.flatnonzero(np.abs(np.diff(x)) > tolerance) + 1
-        start = np.concatenate([[0], change]).astype(np.intp)
-        return cls(start, np.diff(np.append(start, len(x))).astype(np.intp), x[start])
+def runs_of(x: FloatArray, tolerance: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Find runs of consecutive samples with the same value: indices of their first samples, and lengths, (R,) each."""
+    start = np.append(0, np.flatnonzero(np.abs(np.diff(x)) > tolerance) + 1).astype(np.intp)
+    return start, np.diff(np.append(start, len(x)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,30 +35,24 @@ class Channel:
     x: FloatArray  # signal, (N,)
     others: FloatArray  # all angles [rad], (N, n), to see whether the leg moves
     joint: str  # name of the joint
-    noun: str = "torque"  # word for the quantity
-    unit: str = "N·m"  # its unit
+    noun: str  # word for the quantity
+    unit: str  # its unit
 
     @cached_property
     def steps(self) -> FloatArray:
         """Absolute change from sample to sample, (N − 1,)."""
         return np.asarray(np.abs(np.diff(self.x)))
 
-    def finding(
-        self, kind: str, value: float, severity: Severity, message: str, remedy: str, unit: str = "1"
-    ) -> Finding:
-        """Say what is wrong with the channel."""
-        return Finding(kind, self.joint, value, unit, severity, message, remedy)
-
-    def long_runs(self, shortest: float) -> tuple[Runs, list[int]]:
+    def long_runs(self, shortest: float) -> list[tuple[int, int]]:
         """Runs that last for a time [s], and 8 times longer than 99 % of the others; frozen ones are among these."""
         least = max(10.0, shortest * self.rate)
         if np.count_nonzero(self.steps == 0.0) < least - 1.0:
-            return Runs.of(self.x[:1]), []
-        runs = Runs.of(self.x)
-        long = runs.length >= least
-        others = runs.length[~long]
+            return []
+        start, length = runs_of(self.x)
+        others = length[length < least]
         usual = float(np.quantile(others, 0.99)) if len(others) else 1.0
-        return runs, np.flatnonzero(long & (runs.length >= 8.0 * usual)).tolist()
+        long = (length >= least) & (length >= 8.0 * usual)
+        return list(zip(start[long].tolist(), (start + length)[long].tolist(), strict=True))
 
 
 def channel_findings(recording: Recording) -> Iterator[Finding]:
@@ -79,12 +63,12 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     assert angles is not None
     rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
-        angle = Channel(recording.time, rate, angles[k], recording.q, joint)
+        angle = Channel(recording.time, rate, angles[k], recording.q, joint, "angle", "rad")
         for check in CHECKS["angle"]:
             yield from check(angle)
         if torques is None or not driven[k]:
             continue
-        torque = replace(angle, x=torques[k])
+        torque = replace(angle, x=torques[k], noun="torque", unit="N·m")
         if joint in recording.computed:
             read = ((name, getattr(recording, name)) for name in nouns)
             measured = ((name, x[:, k]) for name, x in read if x is not None and not np.isnan(x[:, k]).any())
@@ -101,19 +85,19 @@ def saturation(channel: Channel) -> Iterator[Finding]:
     x, tolerance = channel.x, 1e-9 * float(np.ptp(channel.x))
     if channel.steps.min() > tolerance:  # no value lasts
         return
-    runs = Runs.of(x, tolerance)
-    if len(runs.start) < 3:
+    start, length = runs_of(x, tolerance)
+    if len(start) < 3:
         return
-    usual, step = float(np.median(runs.length)), quantum(x)
+    value, usual, step = x[start], float(np.median(length)), quantum(x)
     for rail in (float(x.max()), float(x.min())):
-        at_rail = np.abs(runs.value - rail) <= tolerance
-        count = int(runs.length[at_rail].sum())
-        places = np.flatnonzero(at_rail & (runs.length >= max(2, 1.5 * usual)))
-        inner = places[(places > 0) & (places < len(runs.start) - 1)]
+        at_rail = np.abs(value - rail) <= tolerance
+        count = int(length[at_rail].sum())
+        places = np.flatnonzero(at_rail & (length >= max(2, 1.5 * usual)))
+        inner = places[(places > 0) & (places < len(start) - 1)]
         if count < max(5, 0.002 * len(x), 3.0 * usual) or not len(inner):
             continue
-        entry = np.abs(runs.value[inner] - runs.value[inner - 1])
-        leave = np.abs(runs.value[inner + 1] - runs.value[inner])
+        entry = np.abs(value[inner] - value[inner - 1])
+        leave = np.abs(value[inner + 1] - value[inner])
         if float(np.median(np.maximum(entry, leave))) <= 1.5 * step:
             continue
         near = (np.abs(x - rail) <= 3.5 * step) & (np.abs(x - rail) > 0.5 * step)
@@ -125,19 +109,15 @@ def saturation(channel: Channel) -> Iterator[Finding]:
             f"at its limit, and the true {channel.noun} is larger"
         )
         remedy = "record a slower or smaller motion, raise the limit, or cut out these segments"
-        yield channel.finding("saturation", rail, "error" if share > 0.05 else "warning", message, remedy, channel.unit)
+        severity: Severity = "error" if share > 0.05 else "warning"
+        yield Finding("saturation", channel.joint, rail, channel.unit, severity, message, remedy)
 
 
 def frozen_torque(channel: Channel) -> Iterator[Finding]:
     """Find times in which a torque keeps one value although the leg moves."""
-    runs, long = channel.long_runs(FROZEN_TORQUE)
-    frozen = []
-    for k in long:
-        part = channel.others[runs.start[k] : runs.start[k] + runs.length[k]]
-        if (np.ptp(part, axis=0) > 0.05 * np.ptp(channel.others, axis=0)).any():  # some joint moves
-            frozen.append(k)
-    if frozen:
-        yield _frozen(channel, runs, frozen, channel.noun)
+    travel = 0.05 * np.ptp(channel.others, axis=0)  # of a joint that moves
+    every = channel.long_runs(FROZEN_TORQUE)
+    yield from _frozen(channel, [run for run in every if (np.ptp(channel.others[slice(*run)], axis=0) > travel).any()])
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
@@ -145,37 +125,36 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
     # A joint at rest slows down before and speeds up afterwards. A channel that freezes stops at full speed, or jumps
     # when it comes back.
     steps = channel.steps
-    runs, long = channel.long_runs(0.5)
+    long = channel.long_runs(0.5)
     if not long or not steps.any():
         return
     usual, large = float(np.sqrt(np.mean(steps**2))), float(np.quantile(steps, 0.99))
     frozen = []
-    for k in long:
-        first, stop = int(runs.start[k]), int(runs.start[k] + runs.length[k])
+    for first, stop in long:
         before, after = steps[max(0, first - 6) : max(0, first - 1)], steps[stop : stop + 5]
         jump = steps[stop - 1] if stop < len(channel.x) else 0.0
         sudden = any(len(near) > 2 and float(near.mean()) > 0.4 * usual for near in (before, after))
         if jump > 1.5 * large or sudden:
-            frozen.append(k)
-    if frozen:
-        yield _frozen(channel, runs, frozen, "angle")
+            frozen.append((first, stop))
+    yield from _frozen(channel, frozen)
 
 
-def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Finding:
-    """Describe the times in which a channel is frozen."""
-    count = int(sum(runs.length[k] for k in places))
-    worst = max(places, key=lambda k: runs.length[k])
-    start, stop = channel.time[runs.start[worst]], channel.time[runs.start[worst] + runs.length[worst] - 1]
-    more = f" and {len(places) - 1} other times" if len(places) > 1 else ""
+def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Finding]:
+    """Describe the times in which a channel is frozen, if there are any."""
+    if not runs:
+        return
+    count = sum(stop - first for first, stop in runs)
+    first, stop = max(runs, key=lambda run: run[1] - run[0])
+    start, end = channel.time[first], channel.time[stop - 1]
+    more = f" and {len(runs) - 1} other times" if len(runs) > 1 else ""
     share = count / len(channel.x)
     message = (
-        f"the {quantity} keeps one value from {start:.3f} s to {stop:.3f} s{more} ({share:.1%} of the log) although "
+        f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) although "
         "the leg moves: the channel froze"
     )
     remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
-    return channel.finding(
-        "stuck-channel", count / channel.rate, "error" if share > 0.02 else "warning", message, remedy, "s"
-    )
+    severity: Severity = "error" if share > 0.02 else "warning"
+    yield Finding("stuck-channel", channel.joint, count / channel.rate, "s", severity, message, remedy)
 
 
 def repeated_values(channel: Channel) -> Iterator[Finding]:
@@ -187,9 +166,8 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         return
     at_rail = np.isin(x[1:], (x.max(), x.min()))
     long = np.zeros(len(steps), dtype=np.bool_)
-    runs, places = channel.long_runs(FROZEN_TORQUE)
-    for k in places:
-        long[runs.start[k] : runs.start[k] + runs.length[k]] = True
+    for run in channel.long_runs(FROZEN_TORQUE):
+        long[slice(*run)] = True
     share = float(np.mean((steps == 0.0) & ~at_rail & ~long))
     if share >= least:
         message = (
@@ -198,7 +176,7 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
             "a sample of the sensor"
         )
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
-        yield channel.finding("stale-samples", share, "warning", message, remedy)
+        yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 
 
 def outliers(channel: Channel) -> Iterator[Finding]:
@@ -223,7 +201,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             "zeros"
         )
         remedy = "remove these samples, or write NaN where there is no value and interpolate short gaps"
-        yield channel.finding("dropout", share, "error", message, remedy)
+        yield Finding("dropout", channel.joint, share, "1", "error", message, remedy)
         odd &= x != 0.0
     odd &= deviation > 5.0 * float(np.quantile(deviation, 0.95))
     if odd.sum() >= max(4, 0.002 * len(x)):
@@ -233,7 +211,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else "")
         )
         remedy = "remove them at their source, or identify with the estimator huber"
-        yield channel.finding("spikes", share, "warning", message, remedy)
+        yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
 
 
 def quantum(x: FloatArray) -> float:

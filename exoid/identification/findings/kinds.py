@@ -42,113 +42,104 @@ class Kind(NamedTuple):
     """What is said of one kind of fault, and from which size on."""
 
     least: float | None  # smaller faults are not reported; None where the torque of the fault has to matter
-    message: Callable[[Nuisance, float, FloatArray], str]  # of the fault, its value as reported, and its coefficients
+    text: str  # message, a format of :meth:`message`
     remedy: str
     # Largest part that is taken out of the recordings at once: beyond, one step of Gauss and Newton is not to be
     # trusted. 0 where the fault cannot be taken out.
     most: float = 0.0
     value: Callable[[float], float] = lambda delta: delta  # value that is reported for a coefficient
+    signs: tuple[str, str] = ("", "")  # word for a positive and a negative value
+
+    def message(self, fault: Nuisance, x: float, delta: FloatArray) -> str:
+        """Say what a fault is, with its value as reported and its coefficients."""
+        millimetres = f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm"
+        return self.text.format(
+            joint=fault.joint,
+            whose=f"the torque of {fault.joint}" if fault.joint else "the torque of all joints",
+            form=fault.form,
+            x=x,
+            milli=1e3 * abs(x),
+            percent=100.0 * x,
+            size=100.0 * abs(x),
+            degrees=np.degrees(x),
+            largest=np.abs(delta).max(),
+            displaced=millimetres,
+            sign=self.signs[int(x <= 0.0)],
+        )
 
 
 LEAST_TORQUE = 3e-3
 """Friction or a force whose RMS torque is below this part of the joint's RMS torque is not reported."""
 
-
-def _whose(fault: Nuisance) -> str:
-    return f"the torque of {fault.joint}" if fault.joint else "the torque of all joints"
-
-
 # An exact log shows faults that matter to nobody: the least sizes are set by hand (docs/checks.md lists them).
 KINDS = {
     "torque-delay": Kind(
         5e-4,
-        lambda fault, x, _: (
-            f"{_whose(fault)} comes {1e3 * abs(x):.3g} ms {'after' if x > 0.0 else 'before'} the motion"
-            + (", or its sensor has a low-pass of that time constant" if x > 0.0 else "")
-        ),
+        "{whose} comes {milli:.3g} ms {sign}",
         'correct the time stamps, or identify with delay="auto" (--delay auto)',
         most=0.1,
+        signs=("after the motion, or its sensor has a low-pass of that time constant", "before the motion"),
     ),
     "torque-scale": Kind(
         5e-3,
-        lambda fault, x, _: (
-            f"{_whose(fault)} is {x:.3g} times what the other joints' torques ask for; one log cannot "
-            "tell which of the joints is right"
-        ),
+        "{whose} is {x:.3g} times what the other joints' torques ask for; one log cannot tell which of the joints is "
+        "right",
         "calibrate the torque sensors: a known mass on the leg shows which one is wrong",
         most=2.0,
         value=lambda delta: 1.0 + delta,
     ),
     "angle-offset": Kind(
         float(np.deg2rad(0.2)),
-        lambda fault, x, _: (
-            f"the angle of {fault.joint} reads {np.degrees(x):.3g}° too much: gravity and coupling have another phase"
-        ),
+        "the angle of {joint} reads {degrees:.3g}° too much: gravity and coupling have another phase",
         "set the zero of the encoder again, or add the offset to the logged angle",
         most=0.5,
         value=lambda delta: -delta,
     ),
     "angle-scale": Kind(
         2e-3,
-        lambda fault, x, _: (
-            f"the angle of {fault.joint} is logged {x:.3g} times as large as it is: its unit or gear ratio is wrong"
-        ),
+        "the angle of {joint} is logged {x:.3g} times as large as it is: its unit or gear ratio is wrong",
         "correct the unit or the counts per turn of the encoder",
         most=0.5,
         value=lambda delta: 1.0 / (1.0 + delta),
     ),
     "gravity-direction": Kind(
         float(np.deg2rad(0.2)),
-        lambda fault, x, _: (
-            f"gravity is turned by {np.degrees(x):.3g}° against the model: the base is tilted, or the "
-            "zero of the first angle is wrong"
-        ),
-        "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); calibrate the "
-        "accelerometer of a moving base",
+        "gravity is turned by {degrees:.3g}° against the model: the base is tilted, or the zero of the first angle is "
+        "wrong",
+        "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); calibrate the accelerometer of a "
+        "moving base",
         most=0.5,
     ),
     "segment-length": Kind(
         5e-3,
-        lambda fault, x, _: (
-            f"the segment behind {fault.joint} is {100.0 * x:+.3g} % longer than in the URDF, or the "
-            "clock of the log is off by half of that"
-        ),
+        "the segment behind {joint} is {percent:+.3g} % longer than in the URDF, or the clock of the log is off by "
+        "half of that",
         "measure the distance between the joint axes and correct the URDF; compare the log with another clock",
     ),
     "clock": Kind(
         1e-3,
-        lambda fault, x, _: (
-            f"the motion is {100.0 * abs(x):.3g} % {'faster' if x > 0.0 else 'slower'} than the time "
-            "stamps say: coupling and gravity contradict each other"
-        ),
+        "the motion is {size:.3g} % {sign} than the time stamps say: coupling and gravity contradict each other",
         "compare the stamps with another clock, and check the lengths of all segments",
+        signs=("faster", "slower"),
     ),
     "unmodelled-friction": Kind(
         None,
-        lambda fault, x, _: f"the residual of {fault.joint} depends on its velocity or load as {fault.form} does",
+        "the residual of {joint} depends on its velocity or load as {form} does",
         "compare terms with exoid select: Stribeck friction, friction under load, presliding",
     ),
     "unmodelled-force": Kind(
         None,
-        lambda fault, x, _: (
-            f"the residual of {fault.joint} depends on the angles as the force of a strap, a cable or a spring does"
-        ),
+        "the residual of {joint} depends on the angles as the force of a strap, a cable or a spring does",
         "remove the strap or cable, or add the term stiffness",
     ),
     "moment-arm": Kind(
         3e-4,
-        lambda fault, x, _: (
-            f"the moment arm of the actuator at {fault.joint} has another shape than described: as if "
-            f"the {fault.form} "
-            + (f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm")
-        ),
+        "the moment arm of the actuator at {joint} has another shape than described: as if the {form} {displaced}",
         "measure both attachment points in the frames of their links, or the moment arm over the angle",
     ),
     "cross-talk": Kind(
         5e-3,
-        lambda fault, _, delta: (
-            f"the torque sensor of {fault.joint} also sees the torques of other joints ({np.abs(delta).max():.1%})"
-        ),
+        "the torque sensor of {joint} also sees the torques of other joints ({largest:.1%})",
         "calibrate the sensors together, with a full matrix",
     ),
 }
