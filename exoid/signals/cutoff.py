@@ -110,7 +110,7 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
     for cutoff in CUTOFFS[lowest:].tolist():  # the ends of the filters leave half of each recording
         if all(cutoff < 0.4 * each.rate and 4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
-            return cutoff
+            return float(cutoff)
     return highest_cutoff(min(each.rate for each in powers))
 
 

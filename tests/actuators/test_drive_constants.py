@@ -71,14 +71,6 @@ def test_without_noise_constants_and_parameters_are_exact():
     assert found["kt_hip"].interval[0] < KT[0] < found["kt_hip"].interval[1]
 
 
-@pytest.mark.parametrize("factor", [0.05, 1000.0])
-def test_the_start_does_not_matter(factor):
-    """Such as where the constant includes a ratio that was not given."""
-    logs = [replace(one, current=one.current / factor) for one in (log(1), log(2, PAYLOAD))]
-    found = identify(LEG, logs, TERMS, actuators=motors())
-    check_against(found, TRUTH | {"kt_hip": factor * KT[0], "kt_knee": factor * KT[1]}, 0.02)
-
-
 def test_constants_of_joints_may_differ_by_orders_of_magnitude():
     """An efficiency that runs to its bound on the way comes back."""
     factors = np.array([20.0, 0.1])
@@ -206,16 +198,6 @@ def test_recordings_need_not_have_all_currents():
     gap[:, 1] = np.nan
     found = identify(LEG, [*logs[:2], replace(logs[2], current=gap)], TERMS, actuators=motors(), nonnegative=True)
     check_against(found, TRUTH, 0.02)
-
-
-def test_named_groups_are_refused():
-    with pytest.raises(ExoidError, match="kt_hip, kt_knee: constants of drives are not found where groups"):
-        identify(LEG, {"monday": [log(1), log(2, PAYLOAD)]}, TERMS, actuators=motors())
-
-
-def test_constants_are_no_parameters_of_the_leg():
-    with pytest.raises(ExoidError, match=r"kt_hip is a constant of a drive.*Motor\(torque_constant"):
-        identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors(), known={"kt_hip": 0.07})
 
 
 def test_logs_on_disk_give_the_same(tmp_path):

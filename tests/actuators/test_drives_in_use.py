@@ -76,11 +76,6 @@ def test_another_log_may_have_other_drives(by_force) -> None:
     assert exoid.validate(by_force, currents, actuators=MOTORS).verdict == "predicts"
 
 
-def test_estimates_of_torques_have_no_drives_in_their_files(by_torque) -> None:
-    assert by_torque.actuators is None
-    assert by_torque.to_json()["actuators"] is None
-
-
 def test_known_rotors_are_held_unless_the_caller_says_otherwise() -> None:
     drives = {joint: Motor(0.07, ratio=50.0, rotor_inertia=1e-5) for joint in LEG.joint_names}
     log = log_of(MOTORS)
