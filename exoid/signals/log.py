@@ -13,11 +13,10 @@ from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, wit
 from exoid.leg.payload import Payload, as_payloads
 
 from . import checks, timebase
-from .base_log import base_columns, matrix_headers, read_base
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column, column_in
-from .external_log import external_columns, is_external, read_external, wrench_headers
+from .log_parts import is_external, matrix_headers, part_columns, read_base, read_external
 from .quantities import QUANTITIES, refuse_silent_unit
 from .readers import ReadOptions, Table
 from .readers.opensim import TRANSLATIONS
@@ -38,7 +37,7 @@ def read_log(
     left_out = _left_out(joints, options.get("unmeasured", ()))
     headers = {name: header for name, header in headers.items() if name not in left_out}
     of_joints = _of_joints(table, headers, joints)
-    of_base, of_links = base_columns(table, headers), external_columns(headers, table.file)
+    of_base, of_links = part_columns(table, headers)
     names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
@@ -144,7 +143,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             )
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
     own = {header: header for header in table.header if header and header not in taken}
-    return {**matrix_headers(table.header), **wrench_headers(table.header), **own, **columns}
+    return {**matrix_headers(table.header), **own, **columns}
 
 
 def _is_of_no_joint(name: str) -> bool:
