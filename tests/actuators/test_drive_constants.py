@@ -13,8 +13,7 @@ from exoid.actuators.constants import at_start, unknown_constants, with_constant
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
-from exoid.signals import Poses, Recording, Recordings
-from exoid.signals.recordings import RecordingFile
+from exoid.signals import Poses, Recording
 from exoid.torques import Armature, Coulomb, LoadFriction, Motion, NonlinearParameter, Offset, TorqueModel, Viscous
 from exoid.torques.payloads import payload_torque
 
@@ -192,23 +191,6 @@ def test_a_drive_that_no_torque_comes_from_is_refused():
         identify(LEG, both, TERMS, actuators=motors())
 
 
-def test_recordings_need_not_have_all_currents():
-    logs = [log(1), log(2, PAYLOAD), log(3)]
-    gap = logs[2].current.copy()
-    gap[:, 1] = np.nan
-    found = identify(LEG, [*logs[:2], replace(logs[2], current=gap)], TERMS, actuators=motors(), nonnegative=True)
-    check_against(found, TRUTH, 0.02)
-
-
-def test_logs_on_disk_give_the_same(tmp_path):
-    logs = [log(1), log(2, PAYLOAD)]
-    for k, one in enumerate(logs):
-        one.to_csv(tmp_path / f"{k}.csv")
-    stored = Recordings(tuple(RecordingFile(tmp_path / f"{k}.csv", Recording.from_file) for k in range(2)))
-    here, there = (identify(LEG, data, TERMS, actuators=motors()) for data in (logs, stored))
-    assert there["kt_hip"].value == pytest.approx(here["kt_hip"].value, rel=1e-9)
-
-
 def test_an_estimate_keeps_its_constants(tmp_path):
     """In its file, in validation of a log of currents, and in what it exports."""
     found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors())
@@ -222,10 +204,6 @@ def test_an_estimate_keeps_its_constants(tmp_path):
     assert re.search(r"from array, array with knee:3.0@0.0,0.0,-0.3 \(\d+ samples\); zero-phase", str(again))
     found.to_urdf(tmp_path / "leg.urdf")
     found.to_c(tmp_path / "leg.c")
-
-
-def test_checks_of_a_log_of_currents_find_nothing():
-    assert not exoid.check(LEG, [log(1, seconds=40.0), log(2, PAYLOAD, seconds=40.0)], TERMS, actuators=motors())
 
 
 def test_a_motor_says_what_it_lacks():

@@ -27,10 +27,7 @@ from exoid.torques import (
     CouplingSpring,
     NonlinearParameter,
     TorqueModel,
-    register_term,
 )
-from exoid.torques.catalog import TERMS as KNOWN
-from exoid.torques.catalog import term_from_json, term_to_json
 from exoid.torques.nonlinear import nonlinear_settings
 from exoid.torques.term import random_motion
 
@@ -162,11 +159,6 @@ def test_couplings_are_found_beside_everything_else(estimate):
     assert np.abs(z).max() < 4.5, dict(zip(estimate.names, z, strict=True))
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert estimate.value("Ia_hip_knee_ankle") == pytest.approx(0.3, rel=0.05)
-
-
-def test_without_the_couplings_the_residual_is_many_times_the_noise(estimate):
-    plain = identify(LEG, swing_with_couplings(1), (Coulomb(), Viscous()))
-    assert (plain.residual_rms[:2] > 5.0 * estimate.residual_rms[:2]).all()
 
 
 def test_a_slack_that_is_not_known_is_found():
@@ -338,15 +330,6 @@ def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
 
 
 # ------------------------------------------------------------------------------------------- refusals
-
-
-def test_a_term_of_ones_own_without_a_name_cannot_be_saved_and_with_one_can(monkeypatch):
-    monkeypatch.setattr(KNOWN, "_registered", dict(KNOWN._registered))
-    term = Twist(joints=("hip", "knee"))
-    with pytest.raises(ExoidError, match="Twist has no name in files"):
-        term_to_json(term)
-    register_term("twist", Twist)
-    assert term_from_json(term_to_json(term)) == term
 
 
 def test_a_rotor_over_two_joints_is_regrouped_beside_the_rotor_of_the_second():

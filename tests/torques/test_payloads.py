@@ -140,12 +140,6 @@ def test_other_estimators_take_payloads(estimator):
     np.testing.assert_allclose(found.value("X2"), leg.parameters[3], rtol=0.02)
 
 
-def test_groups_may_carry_different_payloads():
-    leg = exoid.load_leg("cuhk")
-    found = identify(leg, {"light": log(leg, seed=1), "heavy": log(leg, HEAVY, seed=2)}, TERMS, own="offset")
-    np.testing.assert_allclose(found["heavy"].values[: len(leg.parameters)], leg.parameters, rtol=1e-3)
-
-
 def test_friction_under_load_carries_the_payload():
     """Friction of a gear is proportional to all torque that it carries."""
     leg, terms = exoid.load_leg("cuhk"), (LoadFriction(), Viscous())

@@ -47,11 +47,6 @@ def test_truth_is_recovered_and_a_model_without_it_is_worse(estimate):
     assert (cold.residual_rms > 1.3 * estimate.residual_rms).all()
 
 
-def test_without_noise_it_is_exact():
-    found = exoid.identify(LEG, recording(std=0.0), TERMS, check=False)
-    np.testing.assert_allclose(found.values, TRUTH, rtol=2e-3)
-
-
 def test_intervals_cover_the_truth():
     inside = []
     for seed in range(8):

@@ -95,27 +95,12 @@ def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
     np.testing.assert_array_equal(columns(term, v=v), [[-1, 0, 0, 0, 0, 0, 1]])
 
 
-@pytest.mark.parametrize("degree", [-1, 9, 2.5, 2.0, "2"])
-def test_a_degree_that_makes_no_sense_is_refused(degree):
-    with pytest.raises(ExoidError, match=f"stiffness of degree {degree}"):
-        Stiffness(degree=degree)
-
-
 # --------------------------------------------------------------------------------------------- joints
-
-
-def test_a_term_without_joints_acts_on_all():
-    assert Coulomb().joint_indices(NAMES, LABELS) == (0, 1, 2)
 
 
 @pytest.mark.parametrize("joints", [("knee",), ("left_knee",), ("knee", "left_knee")])
 def test_joints_are_found_by_label_or_by_full_name(joints):
     assert Viscous(joints=joints).joint_indices(NAMES, LABELS) == (1,)
-
-
-def test_joints_are_taken_in_the_order_of_the_leg():
-    assert Viscous(joints=("ankle", "left_hip")).joint_indices(NAMES, LABELS) == (0, 2)
-    assert Viscous(joints=()).joint_indices(NAMES, LABELS) == ()
 
 
 # ----------------------------------------------------------------------------------------------- JSON

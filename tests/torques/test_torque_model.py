@@ -5,7 +5,7 @@ import pytest
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
+from exoid import Armature, Coulomb, Leg, Offset, Stiffness, TorsoMotion, Viscous
 from exoid.leg.description import describe
 from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
@@ -44,14 +44,6 @@ def test_names_keep_the_whole_joint_name_where_it_has_no_side():
     assert model_of(leg, Viscous()).names[-2:] == ("d_hip", "d_knee")
     text = random_chain(np.random.default_rng(0), 2).text.replace('<joint name="hip"', '<joint name="left_hip"')
     assert model_of(Leg.from_description(describe(text)), Viscous()).names[-2:] == ("d_left_hip", "d_knee")
-
-
-def test_without_terms_the_model_is_the_leg(leg):
-    q, v, a = random_motion(np.random.default_rng(1), 3)
-    model = model_of(leg)
-    assert model.names == leg.parameter_names
-    assert model.regrouped == ()
-    np.testing.assert_array_equal(model.regressor(q, v, a), leg.regressor(q, v, a))
 
 
 # ------------------------------------------------------------------------------------------ columns
@@ -196,28 +188,7 @@ def test_what_is_left_is_independent(leg):
         assert sigma[-1] > 1e-3 * sigma[0]
 
 
-def test_a_share_other_than_one_is_stated():
-    assert str(Regrouped("a", {"b": 1.0, "c": -0.25})) == (
-        "a is regrouped into b, c (× -0.25): no motion distinguishes them"
-    )
-
-
 # ------------------------------------------------------------------------------------------ refusals
-
-
-@pytest.mark.parametrize(
-    ("terms", "repeated"),
-    [
-        ((Coulomb(), Coulomb(smoothing=0.5)), "c0_ankle, c0_hip, c0_knee"),
-        ((Viscous(joints=("knee",)), Viscous()), "d_knee"),
-        ((Stiffness(degree=1, joints=("hip",)), Stiffness(degree=0, joints=("left_hip",))), "b0_hip"),
-    ],
-)
-def test_a_term_twice_at_one_joint_is_refused(leg, terms, repeated):
-    with pytest.raises(
-        ExoidError, match=f"parameters occur twice: {repeated}\\. To fix it: give each term once a joint"
-    ):
-        TorqueModel(leg, terms)
 
 
 def test_the_same_term_at_different_joints_may_have_different_settings(leg):
