@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from exoid.torques import TorqueModel
-from exoid.torques.model import regroup
+from exoid.torques.regrouping import regroup
 
 
 def rotors_apart(models: Iterable[TorqueModel]) -> tuple[str, ...]:

@@ -42,8 +42,8 @@ def part_columns(table: Table, headers: Mapping[str, str]) -> tuple[tuple[str, .
     external = tuple(name for name in headers if is_external(name))
     for link in _links(external):
         for parts in (WRENCH_PARTS, POINT_PARTS):
-            names = tuple(f"wrench_{link}_{part}" for part in parts)
-            _has_all(names, external, f"the wrench on {link}", table.file, needed=parts is WRENCH_PARTS)
+            of_link = tuple(f"wrench_{link}_{part}" for part in parts)
+            _has_all(of_link, external, f"the wrench on {link}", table.file, needed=parts is WRENCH_PARTS)
     return tuple(of_base), external
 
 

@@ -28,8 +28,8 @@ from exoid.torques import (
     NonlinearParameter,
     TorqueModel,
 )
+from exoid.torques.motion import random_motion
 from exoid.torques.nonlinear import nonlinear_settings
-from exoid.torques.term import random_motion
 
 LEG = exoid.load_leg("bleex")
 SPRING = CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6))
