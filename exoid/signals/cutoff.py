@@ -50,16 +50,10 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
-    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz. If there is none for a joint,
-    its f has the smallest noise ratio. For logs at 20 Hz or less that ask for a higher cut-off than their rate allows,
-    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is raised until the
-    ends of the filters leave half of the samples. A recording that contains accelerations counts with its length and
-    its rate only. Where the base moves, noise and signal of its angular acceleration, ω² times those of its angular
-    velocity about the axis that turns most, are added to those of each joint. The specific force counts by gravity, of
-    which the noise of a usual accelerometer is less than 0.02.
-
-    Where the base has rows of its own, its angular acceleration is the column of its inertia: it then counts by itself
-    too.
+    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz, and at most 0.2 of a rate
+    below 20 Hz. If there is none for a joint, its f has the smallest noise ratio. For short recordings f is raised
+    until the ends of the filters leave half of the samples. Recorded accelerations have no such noise. Where the base
+    moves, noise and signal of its angular acceleration are added to those of each joint.
 
     Args:
         recordings: Recordings to identify from, all of the same joints. Poses are ignored.
