@@ -11,7 +11,7 @@ from exoid.estimate import Estimate
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.signals import FiniteDifference
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
-from exoid.torques.term import random_motion
+from exoid.torques.motion import random_motion
 
 from .model import ControlModel, ModelSource
 

@@ -9,7 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.torques import Term
-from exoid.torques.term import LoadedMotion, TermBlock, random_motion
+from exoid.torques.motion import LoadedMotion, random_motion
+from exoid.torques.term import TermBlock
 
 SLIDING = 0.02
 """Velocity over which a contact with memory changes its sign in a controller [rad/s]."""

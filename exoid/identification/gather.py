@@ -17,7 +17,7 @@ from exoid.signals import Preparation, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.preparation_names import preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
-from exoid.torques.model import regroup
+from exoid.torques.regrouping import regroup
 
 from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown

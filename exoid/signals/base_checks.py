@@ -13,7 +13,7 @@ from exoid.leg.torso import TorsoMotion
 
 from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
-from .base_pose import STANDARD_GRAVITY, BasePose, refuse_jumps
+from .base_pose import STANDARD_GRAVITY, refuse_jumps
 
 CONCLUSIVE = 0.7
 """Least share of the power of the direction's rate that a coefficient explains, before it counts."""
@@ -46,8 +46,16 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
     if base.pose is not None:
         with within(where):
             refuse_jumps(time, base.pose.position, base.pose.quaternion)
-        if time[-1] - time[0] >= SHORTEST:
-            _refuse_other_vertical(base, base.pose, where)
+        # Over `SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad
+        mean = np.einsum("nij,nj->i", base.pose.rotation, base.specific_force)
+        angle = float(np.arctan2(np.linalg.norm(mean[:2]), mean[2]))
+        if time[-1] - time[0] >= SHORTEST and angle > 0.35:
+            raise UnreadableInputError(
+                f"by the pose of the base, gravity is {np.rad2deg(angle):.0f}° off the vertical of the laboratory",
+                where=where,
+                remedy="give the orientation of the root link as quaternions (x, y, z, w), laboratory from root link, "
+                "in a laboratory whose z axis points up (exoid.signals.turn_upright)",
+            )
 
 
 def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
@@ -88,20 +96,6 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
                 remedy="give both sensors the axes of the root link: check the mounting (rotation=) and all signs",
                 command=f"check the mounting; a negative scale changes a sign: --column base_gyro_{axis}=HEADER:-1",
             )
-
-
-def _refuse_other_vertical(base: BaseMotion, pose: BasePose, where: str) -> None:
-    """Refuse a pose by which gravity does not point down."""
-    mean = np.einsum("nij,nj->i", pose.rotation, base.specific_force)
-    angle = float(np.arctan2(np.linalg.norm(mean[:2]), mean[2]))
-    # Over `SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad
-    if angle > 0.35:
-        raise UnreadableInputError(
-            f"by the pose of the base, gravity is {np.rad2deg(angle):.0f}° off the vertical of the laboratory",
-            where=where,
-            remedy="give the orientation of the root link as quaternions (x, y, z, w), laboratory from root link, in a "
-            "laboratory whose z axis points up (exoid.signals.turn_upright)",
-        )
 
 
 def agreements(time: FloatArray, base: BaseMotion) -> tuple[AxisAgreement, ...]:

@@ -176,6 +176,8 @@ def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
 
 def refuse_names(names: tuple[object, ...], kind: str = "joint") -> None:
     """Refuse names of joints or links that are not unique, printable strings that can head a column."""
+    if not names and kind == "joint":
+        raise BadArgumentError("joint_names is empty", remedy="name at least one joint")
     for name in names:
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
             raise BadArgumentError(

@@ -50,16 +50,10 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
-    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz. If there is none for a joint,
-    its f has the smallest noise ratio. For logs at 20 Hz or less that ask for a higher cut-off than their rate allows,
-    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is raised until the
-    ends of the filters leave half of the samples. A recording that contains accelerations counts with its length and
-    its rate only. Where the base moves, noise and signal of its angular acceleration, ω² times those of its angular
-    velocity about the axis that turns most, are added to those of each joint. The specific force counts by gravity, of
-    which the noise of a usual accelerometer is less than 0.02.
-
-    Where the base has rows of its own, its angular acceleration is the column of its inertia: it then counts by itself
-    too.
+    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz, and at most 0.2 of a rate
+    below 20 Hz. If there is none for a joint, its f has the smallest noise ratio. For short recordings f is raised
+    until the ends of the filters leave half of the samples. Recorded accelerations have no such noise. Where the base
+    moves, noise and signal of its angular acceleration are added to those of each joint.
 
     Args:
         recordings: Recordings to identify from, all of the same joints. Poses are ignored.
@@ -123,23 +117,20 @@ def highest_cutoff(rate: float) -> float:
 
 def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray:
     """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n)."""
-    segments = np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1)
-    return np.asarray(sum(_segment_power(segment, rate, derivatives) for segment in segments))
-
-
-def _segment_power(q: FloatArray, rate: float, derivatives: int) -> FloatArray:
-    samples = q.shape[1]
-    t = np.linspace(-1.0, 1.0, samples)
-    detrended = np.ascontiguousarray(q)
-    detrended = detrended - detrended.mean(axis=1, keepdims=True)
-    detrended -= np.multiply.outer(detrended @ t / (t @ t), t)
-    detrended *= np.hanning(samples)
-    spectrum = scipy.fft.rfft(detrended)
-    power = (spectrum.real**2 + spectrum.imag**2) / samples
-    frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
-    noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, angles are noise only
-    below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
-    slow = slice(0, below[-1] + 1)
-    weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
-    total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
-    return np.stack([np.multiply.outer(np.cumsum(weight)[below], noise), total.T])
+    powers = np.zeros((2, len(CUTOFFS), len(signals)))
+    for segment in np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1):
+        samples = segment.shape[1]
+        t = np.linspace(-1.0, 1.0, samples)
+        detrended = np.ascontiguousarray(segment)
+        detrended = detrended - detrended.mean(axis=1, keepdims=True)
+        detrended -= np.multiply.outer(detrended @ t / (t @ t), t)
+        spectrum = scipy.fft.rfft(detrended * np.hanning(samples))
+        power = (spectrum.real**2 + spectrum.imag**2) / samples
+        frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
+        noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, noise only
+        below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
+        slow = slice(0, below[-1] + 1)
+        weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
+        powers[0] += np.multiply.outer(np.cumsum(weight)[below], noise)
+        powers[1] += np.cumsum(weight * power[:, slow], axis=1)[:, below].T
+    return powers

@@ -79,10 +79,8 @@ def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
     * 2e-4 for f ≤ f_k/4, half of the cut-off of the parallel filter by default,
     * 1e-2 for f ≤ f_k/2, where the filter itself attenuates by 2e-3.
 
-    Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. The error falls
-    by ten with every further 0.9 periods (``tests/signals/test_motion_edge.py``). For faster motions there is no bound.
-    Filters ring longer at rates below 4 f_k and if their order is higher. The count there is that of `edge_length`,
-    below 3 f_k with a tolerance of 1e-6.
+    Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. Faster motions
+    have no bound. Filters ring longer at rates below 4 f_k and if their order is higher: more samples count there.
 
     Args:
         rate: Sampling rate [Hz].

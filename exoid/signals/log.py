@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, within
+from exoid.errors import ExoidError, UnreadableInputError, within
 from exoid.leg.payload import Payload, as_payloads
 
 from . import checks, timebase
-from .base_log import base_columns, matrix_headers, read_base
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column, column_in
-from .external_log import external_columns, is_external, read_external, wrench_headers
+from .log_parts import is_external, matrix_headers, part_columns, read_base, read_external
 from .quantities import QUANTITIES, refuse_silent_unit
 from .readers import ReadOptions, Table
 from .readers.opensim import TRANSLATIONS
@@ -35,14 +34,14 @@ def read_log(
     given = {name: column_in(table.header, column, name, table.file) for name, column in (columns or {}).items()}
     headers = _own_names(table, {name: column.header for name, column in given.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
-    left_out = _left_out(joints, options.get("unmeasured", ()))
+    left_out = {f"tau_{joint}" for joint in checks.as_joints(options.get("unmeasured", ()), joints, "unmeasured")}
     headers = {name: header for name, header in headers.items() if name not in left_out}
     of_joints = _of_joints(table, headers, joints)
-    of_base, of_links = base_columns(table, headers), external_columns(headers, table.file)
+    of_base, of_links = part_columns(table, headers)
     names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    degrees = options.get("angle_unit") == "deg" or _says_degrees(table)
+    degrees = options.get("angle_unit") == "deg" or getattr(table, "in_degrees", False)
     numbers = _numbers(table, names, headers, given, degrees)
     missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
@@ -144,7 +143,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             )
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
     own = {header: header for header in table.header if header and header not in taken}
-    return {**matrix_headers(table.header), **wrench_headers(table.header), **own, **columns}
+    return {**matrix_headers(table.header), **own, **columns}
 
 
 def _is_of_no_joint(name: str) -> bool:
@@ -171,8 +170,6 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
 def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
     names = checks.as_names(joint_names, "joint_names")
     checks.refuse_names(names)
-    if not names:
-        raise BadArgumentError("joint_names is empty", remedy="name at least one joint")
     return names
 
 
@@ -205,16 +202,6 @@ def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str,
             raise _missing(absent[0], f"and no angle belongs to {name}", table)
 
 
-def _left_out(joints: Sequence[str], unmeasured: Sequence[str]) -> set[str]:
-    """Torque columns that are not read."""
-    for joint in checks.as_names(unmeasured, "unmeasured"):
-        if joint not in joints:
-            raise UnreadableInputError(
-                f"unmeasured names {joint!r}", remedy=f"joints of the log are {', '.join(joints)}"
-            )
-    return {f"tau_{joint}" for joint in unmeasured}
-
-
 def _numbers(
     table: Table, names: Sequence[str], headers: Mapping[str, str], given: Mapping[str, Column], degrees: bool
 ) -> FloatArray:
@@ -227,15 +214,10 @@ def _numbers(
             refuse_silent_unit(column.header, name, table.file, degrees=degrees)
         if not column.is_plain:
             numbers[:, place] = column.read(name, numbers[:, place], table.file)
-        is_in_m = _says_degrees(table) and column.header.removesuffix("/value").endswith(TRANSLATIONS)
+        is_in_m = getattr(table, "in_degrees", False) and column.header.removesuffix("/value").endswith(TRANSLATIONS)
         if degrees and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
             numbers[:, place] = np.deg2rad(numbers[:, place])
     return numbers
-
-
-def _says_degrees(table: Table) -> bool:
-    """Whether the file itself says that its angles are in degrees."""
-    return bool(getattr(table, "in_degrees", False))
 
 
 def _may_share(names: Sequence[str]) -> bool:

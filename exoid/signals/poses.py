@@ -11,7 +11,8 @@ from exoid.errors import BadArgumentError
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
-from .source import Source
+from . import checks
+from .source import Source, SourceLocation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,20 +45,11 @@ class Poses:
     def __post_init__(self) -> None:
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
         object.__setattr__(self, "payloads", as_payloads(self.payloads))
+        shape = (len(self.q) if np.ndim(self.q) else 0, len(self.joint_names))
         for name in ("q", "tau"):
-            try:
-                array = np.array(getattr(self, name), dtype=np.float64)
-            except (TypeError, ValueError) as error:
-                raise BadArgumentError(f"{name} of the poses is no array of numbers ({error})") from error
-            if array.ndim != 2 or array.shape[1] != len(self.joint_names) or len(array) != len(self.q):
-                raise BadArgumentError(
-                    f"{name} has shape {array.shape} for {len(self.q)} poses of {', '.join(self.joint_names)}",
-                    remedy="pass one row a pose and one column a joint",
-                )
-            if not np.isfinite(array).all():
-                row = int(np.argwhere(~np.isfinite(array))[0, 0])
-                raise BadArgumentError(f"{name} of pose {row} is not finite", remedy="leave that pose out")
-            array.flags.writeable = False
+            array = checks.as_numbers(getattr(self, name), name)
+            checks.refuse_shape(array, shape, name)
+            checks.refuse_not_finite(array, [f"{name}_{joint}" for joint in self.joint_names], SourceLocation())
             object.__setattr__(self, name, array)
 
     def __len__(self) -> int:

@@ -15,12 +15,11 @@ from exoid.errors import BadArgumentError
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
-from .base_log import log_of_base
 from .column import Column
 from .csv_writer import LogPart, write_parts
 from .external import interpolate, refuse_contradictions, select_rows
-from .external_log import log_of_external
 from .log import read_log
+from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
 from .readers import ReadOptions
 from .readers.formats import open_table

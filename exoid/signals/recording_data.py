@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import BadArgumentError
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -77,8 +76,6 @@ class RecordingData:
     def _check(self) -> None:
         where, names, samples = SourceLocation(), self.joint_names, self.time.size
         checks.refuse_names(names)
-        if not names:
-            raise BadArgumentError("joint_names is empty", remedy="name each column of q")
         checks.refuse_shape(self.time, (samples,), "time")
         for quantity, values in self._arrays().items():
             checks.refuse_shape(values, (samples, len(names)), quantity)

@@ -5,8 +5,10 @@ from .coupled_term import CoupledTerm, JointsMotion
 from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck, TemperatureFriction
 from .internal_state import InternalState, Presliding
-from .model import Regrouped, TorqueModel
-from .term import JointMotion, Motion, NonlinearParameter, Term
+from .model import TorqueModel
+from .motion import JointMotion, Motion
+from .regrouping import Regrouped
+from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
 __all__ = [

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .term import JointMotion, LoadedMotion, Term
+from .motion import JointMotion, LoadedMotion
+from .term import Term
 
 
 class JointsMotion(NamedTuple):

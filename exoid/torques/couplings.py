@@ -18,7 +18,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
 from .coupled_term import CoupledTerm, JointsMotion
-from .term import JointMotion, NonlinearParameter, number
+from .motion import JointMotion
+from .term import NonlinearParameter, number
 from .terms import reversals
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .term import JointMotion, NonlinearParameter, number
+from .motion import JointMotion
+from .term import NonlinearParameter, number
 from .terms import DryFriction
 
 

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 
-from .model import Regrouped, TorqueModel, regroup
+from .model import TorqueModel
+from .motion import LoadedMotion
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
-from .term import LoadedMotion, Term, TermBlock, term_blocks
+from .regrouping import Regrouped, regroup
+from .term import Term, TermBlock, term_blocks
 
 STEP = 1e-4
 """Relative step of the differences by a setting."""

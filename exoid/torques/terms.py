@@ -12,7 +12,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
 from .internal_state import InternalState, Presliding
-from .term import JointMotion, NonlinearParameter, Term, number
+from .motion import JointMotion
+from .term import NonlinearParameter, Term, number
 
 SLOW = 0.05
 """Largest reversal speed over the RMS velocity: slow motion is no reversal."""

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.signals import Wrench
 
-from .model import Regrouped, TorqueModel
-from .term import Motion
+from .model import TorqueModel
+from .motion import Motion
+from .regrouping import Regrouped
 
 
 class ExtraColumns(Protocol):

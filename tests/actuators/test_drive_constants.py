@@ -13,8 +13,7 @@ from exoid.actuators.constants import at_start, unknown_constants, with_constant
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
-from exoid.signals import Poses, Recording, Recordings
-from exoid.signals.recordings import RecordingFile
+from exoid.signals import Poses, Recording
 from exoid.torques import Armature, Coulomb, LoadFriction, Motion, NonlinearParameter, Offset, TorqueModel, Viscous
 from exoid.torques.payloads import payload_torque
 
@@ -69,14 +68,6 @@ def test_without_noise_constants_and_parameters_are_exact():
     check_against(found, TRUTH, 1e-3)
     assert found["kt_hip"].unit == "N·m/A"
     assert found["kt_hip"].interval[0] < KT[0] < found["kt_hip"].interval[1]
-
-
-@pytest.mark.parametrize("factor", [0.05, 1000.0])
-def test_the_start_does_not_matter(factor):
-    """Such as where the constant includes a ratio that was not given."""
-    logs = [replace(one, current=one.current / factor) for one in (log(1), log(2, PAYLOAD))]
-    found = identify(LEG, logs, TERMS, actuators=motors())
-    check_against(found, TRUTH | {"kt_hip": factor * KT[0], "kt_knee": factor * KT[1]}, 0.02)
 
 
 def test_constants_of_joints_may_differ_by_orders_of_magnitude():
@@ -200,33 +191,6 @@ def test_a_drive_that_no_torque_comes_from_is_refused():
         identify(LEG, both, TERMS, actuators=motors())
 
 
-def test_recordings_need_not_have_all_currents():
-    logs = [log(1), log(2, PAYLOAD), log(3)]
-    gap = logs[2].current.copy()
-    gap[:, 1] = np.nan
-    found = identify(LEG, [*logs[:2], replace(logs[2], current=gap)], TERMS, actuators=motors(), nonnegative=True)
-    check_against(found, TRUTH, 0.02)
-
-
-def test_named_groups_are_refused():
-    with pytest.raises(ExoidError, match="kt_hip, kt_knee: constants of drives are not found where groups"):
-        identify(LEG, {"monday": [log(1), log(2, PAYLOAD)]}, TERMS, actuators=motors())
-
-
-def test_constants_are_no_parameters_of_the_leg():
-    with pytest.raises(ExoidError, match=r"kt_hip is a constant of a drive.*Motor\(torque_constant"):
-        identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors(), known={"kt_hip": 0.07})
-
-
-def test_logs_on_disk_give_the_same(tmp_path):
-    logs = [log(1), log(2, PAYLOAD)]
-    for k, one in enumerate(logs):
-        one.to_csv(tmp_path / f"{k}.csv")
-    stored = Recordings(tuple(RecordingFile(tmp_path / f"{k}.csv", Recording.from_file) for k in range(2)))
-    here, there = (identify(LEG, data, TERMS, actuators=motors()) for data in (logs, stored))
-    assert there["kt_hip"].value == pytest.approx(here["kt_hip"].value, rel=1e-9)
-
-
 def test_an_estimate_keeps_its_constants(tmp_path):
     """In its file, in validation of a log of currents, and in what it exports."""
     found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors())
@@ -240,10 +204,6 @@ def test_an_estimate_keeps_its_constants(tmp_path):
     assert re.search(r"from array, array with knee:3.0@0.0,0.0,-0.3 \(\d+ samples\); zero-phase", str(again))
     found.to_urdf(tmp_path / "leg.urdf")
     found.to_c(tmp_path / "leg.c")
-
-
-def test_checks_of_a_log_of_currents_find_nothing():
-    assert not exoid.check(LEG, [log(1, seconds=40.0), log(2, PAYLOAD, seconds=40.0)], TERMS, actuators=motors())
 
 
 def test_a_motor_says_what_it_lacks():

@@ -112,52 +112,6 @@ def test_any_table_is_read_or_refused(data):
         assert isinstance(actuators_from_data(data, CUHK), Actuators)
 
 
-@pytest.mark.parametrize(
-    ("text", "what"),
-    [
-        ("", "there are no drives"),
-        ("[left_hip", "not TOML"),
-        ("left_hip = 3", r"\[left_hip\]: is 3, not a table"),
-        ("[left_hip]\nratio = 3.0", r"\[left_hip\]: no type of drive"),
-        ('[left_hip]\ntype = "servo"', "type is 'servo'.*motor, linear, series-elastic, coupling"),
-        ('[left_hip]\ntype = "motor"', r"\[left_hip\]: no torque_constant"),
-        ('[left_hip]\ntype = "motor"\ntorque_konstant = 1.0', r"no torque_constant|did you mean torque_constant"),
-        ('[left_hip]\ntype = "motor"\ntorque_constant = 0.1\nratoi = 2.0', "unknown key 'ratoi'.*did you mean ratio"),
-        ('[left_hip]\ntype = "motor"\ntorque_constant = "0.1"', "torque_constant='0.1'"),
-        ('[left_hip]\ntype = "motor"\ntorque_constant = 0.1\nefficiency = 85', "efficiency=85"),
-        ('[left_hpi]\ntype = "motor"\ntorque_constant = 0.1', "'left_hpi', which the leg does not have"),
-        ('[left_knee]\ntype = "linear"', "no attachment points"),
-        ('[left_knee]\ntype = "linear"\nfirst = { link = "thigh" }', "no second"),
-        ('[left_knee]\ntype = "linear"\nfirst = { link = "thigh" }\nsecond = 1', "first is .*point"),
-        ('[left_knee]\ntype = "linear"\nangle = [0.0]\nfirst = 1', "both attachment points and a table"),
-        ('[left_knee]\ntype = "linear"\nangle = [0.0]\nangle_deg = [0.0]', "needs its angles"),
-        ('[left_knee]\ntype = "linear"\nangle = "x"\nmoment_arm = [1.0]', "angle is no row of numbers"),
-        ('[left_knee]\ntype = "series-elastic"', "no stiffness"),
-        ('[w]\ntype = "coupling"\njoints = ["left_hip", "left_knee"]', "no matrix"),
-        ('[w]\ntype = "coupling"\njoints = "left_hip"\nmatrix = [[1.0]]', "no row"),
-        (
-            '[w]\ntype = "coupling"\njoints = ["hip", "knee"]\nmatrix = [[1.0, 1.0], [1.0, 1.0]]',
-            r"\[w\]: .*singular",
-        ),
-    ],
-)
-def test_mistakes_in_a_file_are_errors_with_file_and_table(tmp_path, text, what):
-    path = tmp_path / "drives.toml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(exoid.ExoidError, match=what) as error:
-        read_actuators(path, CUHK)
-    assert "drives.toml" in str(error.value)
-
-
-def test_files_that_cannot_be_read_are_errors(tmp_path):
-    with pytest.raises(exoid.ExoidError, match="cannot be read"):
-        read_actuators(tmp_path / "none.toml", CUHK)
-    path = tmp_path / "binary.toml"
-    path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(exoid.ExoidError, match="cannot be read"):
-        read_actuators(path, CUHK)
-
-
 def test_degrees_of_a_table_are_named(tmp_path):
     path = tmp_path / "drives.toml"
     path.write_text(

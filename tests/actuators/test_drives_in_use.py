@@ -14,7 +14,6 @@ from unchecked import identify
 import exoid
 from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, read_actuators, write_actuators
 from exoid.cli import app
-from exoid.signals import Recordings
 from exoid.view.report import identification_report
 
 DATA = exoid.datasets.bleex_swing()
@@ -52,11 +51,6 @@ def test_motors_and_springs_give_the_estimate_of_torques(by_torque, drives) -> N
     np.testing.assert_allclose(estimate.values, by_torque.values, rtol=2e-2, atol=0.02)
 
 
-def test_a_log_of_forces_without_drives_says_what_to_describe() -> None:
-    with pytest.raises(exoid.ExoidError, match=r"the recording has forces and no torque.*actuators="):
-        identify(LEG, log_of(CYLINDERS))
-
-
 def test_an_estimate_remembers_its_drives(tmp_path, by_force) -> None:
     path = tmp_path / "est.json"
     by_force.save(path)
@@ -74,11 +68,6 @@ def test_another_log_may_have_other_drives(by_force) -> None:
     with pytest.raises(exoid.ExoidError, match="no torque, and not what its drives turn into torque, but current"):
         exoid.validate(by_force, currents)
     assert exoid.validate(by_force, currents, actuators=MOTORS).verdict == "predicts"
-
-
-def test_estimates_of_torques_have_no_drives_in_their_files(by_torque) -> None:
-    assert by_torque.actuators is None
-    assert by_torque.to_json()["actuators"] is None
 
 
 def test_known_rotors_are_held_unless_the_caller_says_otherwise() -> None:
@@ -110,12 +99,6 @@ def test_groups_of_recordings_have_drives_too() -> None:
     assert both["monday"].actuators is not None
     same = identify(LEG, {"monday": DATA.train, "tuesday": DATA.test}, own="offset")
     np.testing.assert_allclose(both["tuesday"].values, same["tuesday"].values, rtol=1e-6, atol=1e-9)
-
-
-def test_recordings_on_disk_get_their_torques_when_they_are_read(tmp_path, by_torque) -> None:
-    log_of(CYLINDERS).to_csv(tmp_path / "log.csv")
-    estimate = identify(LEG, Recordings.from_folder(tmp_path), actuators=CYLINDERS)
-    np.testing.assert_allclose(estimate.values, by_torque.values, rtol=1e-6, atol=1e-9)
 
 
 def test_checks_look_at_what_the_drive_measured() -> None:

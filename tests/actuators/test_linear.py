@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import exoid
-from exoid.actuators import Actuators, Attachments, LinearActuator, MomentArmTable, read_actuators
+from exoid.actuators import Attachments, LinearActuator, MomentArmTable, read_actuators
 
 BLEEX = exoid.load_leg("bleex")
 CYLINDERS = read_actuators("bleex", BLEEX)
@@ -86,48 +86,6 @@ def test_a_table_of_the_arm_gives_the_same_torque() -> None:
     np.testing.assert_allclose(change, exact.moment_arm.length(q) - exact.moment_arm.length(q[:1]), atol=1e-5)
 
 
-def test_angles_beyond_a_table_are_refused() -> None:
-    table = LinearActuator(MomentArmTable((0.0, 0.2, 0.4, 0.6), (0.04, 0.05, 0.05, 0.04)))
-    with pytest.raises(exoid.ExoidError, match=r"0.9 rad, and the moment arm was measured from 0 to 0.6 rad"):
-        table.torque(np.ones(2), np.array([0.1, 0.9]), np.zeros(2))
-
-
-@pytest.mark.parametrize(
-    ("angle", "arm", "what"),
-    [
-        ((0.0, 0.1, 0.2), (1.0, 1.0, 1.0), "3 angles"),
-        ((0.0, 0.1, 0.1, 0.3), (0.04,) * 4, "ascend"),
-        ((0.0, 10.0, 20.0, 30.0), (0.04,) * 4, "30 rad"),
-        ((0.0, 0.1, 0.2, 0.3), (40.0,) * 4, "40 m"),
-        ((0.0, 0.1, 0.2, 0.3), (0.0,) * 4, "zero"),
-        ((0.0, 0.1, 0.2, float("nan")), (0.04,) * 4, "finite"),
-        ((0.0, 0.1, 0.2, "x"), (0.04,) * 4, "numbers"),
-    ],
-)
-def test_impossible_tables_are_refused(angle: tuple[float, ...], arm: tuple[float, ...], what: str) -> None:
-    with pytest.raises(exoid.ExoidError, match=what):
-        MomentArmTable(angle, arm)
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "joint", "what"),
-    [
-        (("thigh", (0.0, 0.0, -0.1)), ("tibia", (0.0, 0.0, 0.0)), "left_knee", "no link 'tibia'"),
-        (("torso", (0.1, 0.0, 0.0)), ("shank", (0.1, 0.0, 0.0)), "left_knee", "separated by left_hip, left_knee"),
-        (("thigh", (0.1, 0.0, 0.0)), ("thigh", (0.1, 0.0, -0.2)), "left_knee", "no joint"),
-        (("thigh", (0.1, 0.0, 0.0)), ("shank", (0.0, 0.0, 0.0)), "left_knee", "on its axis"),
-        (("thigh", (0.0, 0.0, -0.33)), ("shank", (0.1, 0.0, 0.0)), "left_knee", "meet"),
-        (("thigh", (50.0, 0.0, 0.0)), ("shank", (40.0, 0.0, 0.0)), "left_knee", "in m in the frame"),
-        (("thigh", (0.0, 0.0)), ("shank", (0.0, 0.0, 0.0)), "left_knee", "link and point"),
-        (("thigh", (0.0, 0.0, float("inf"))), ("shank", (0.0, 0.0, 0.0)), "left_knee", "in m in the frame"),
-        ("thigh", "shank", "left_knee", "link and point"),
-    ],
-)
-def test_points_that_cannot_be_are_refused(first: object, second: object, joint: str, what: str) -> None:
-    with pytest.raises(exoid.ExoidError, match=what):
-        Attachments(first, second).on(BLEEX, joint)  # type: ignore[arg-type]
-
-
 def test_force_is_the_inverse_of_torque_and_dead_centres_are_refused() -> None:
     leg = exoid.load_leg("cuhk")
     drive = LinearActuator(Attachments(("thigh", (0.0, 0.0, 0.0)), ("shank", (0.1, 0.0, 0.0))), max_force=300.0).on(
@@ -140,15 +98,3 @@ def test_force_is_the_inverse_of_torque_and_dead_centres_are_refused() -> None:
         drive.command(np.ones(1), np.array([np.pi / 2.0]), np.zeros(1))
     with pytest.raises(exoid.ExoidError, match="max_force"):
         drive.torque(np.array([3000.0]), np.zeros(1), np.zeros(1))
-
-
-def test_an_actuator_that_is_not_mounted_says_so() -> None:
-    with pytest.raises(exoid.ExoidError, match="mount it"):
-        LinearActuator(POINTS).torque(np.ones(1), np.zeros(1), np.zeros(1))
-    with pytest.raises(exoid.ExoidError, match="moment_arm="):
-        LinearActuator(0.05)  # type: ignore[arg-type]
-
-
-def test_errors_name_the_joint() -> None:
-    with pytest.raises(exoid.ExoidError, match="left_hip: thigh and shank are separated by left_knee"):
-        Actuators.of(exoid.load_leg("cuhk"), {"hip": LinearActuator(POINTS)})

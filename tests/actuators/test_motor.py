@@ -11,12 +11,6 @@ from exoid.actuators import Actuators, Motor
 RNG = np.random.default_rng(3)
 
 
-def test_a_lossless_motor_is_a_gain() -> None:
-    motor = Motor(0.07, ratio=50.0)
-    current = RNG.normal(size=20)
-    np.testing.assert_allclose(motor.torque(current, current, current), 3.5 * current, rtol=1e-14)
-
-
 @pytest.mark.parametrize("ratio", [50.0, -50.0])
 @pytest.mark.parametrize(("efficiency", "back"), [(0.85, None), (0.8, 0.6)])
 def test_power_balance_in_both_directions(ratio: float, efficiency: float, back: float | None) -> None:
@@ -42,37 +36,6 @@ def test_the_command_is_the_inverse_of_the_torque_also_near_standstill() -> None
 def test_a_command_does_not_exceed_the_largest_current() -> None:
     motor = Motor(0.07, ratio=50.0, max_current=10.0)
     np.testing.assert_allclose(motor.command(np.array([70.0, -7.0]), np.zeros(2), np.zeros(2)), [10.0, -2.0])
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"torque_constant": 0.0},
-        {"torque_constant": -0.1},
-        {"torque_constant": float("nan")},
-        {"torque_constant": "0.1"},
-        {"torque_constant": True},
-        {"ratio": 0.0},
-        {"ratio": float("inf")},
-        {"efficiency": 85.0},
-        {"efficiency": 0.0},
-        {"back_efficiency": 1.1},
-        {"rotor_inertia": -1.0},
-        {"max_current": 0.0},
-        {"temperature_coefficient": -0.1},
-        {"temperature_coefficient": float("nan")},
-        {"reference_temperature": 25.0},
-        {"reference_temperature": 298.15, "temperature_coefficient": -0.001},
-    ],
-)
-def test_impossible_constants_are_refused_with_their_name(wrong: dict[str, object]) -> None:
-    with pytest.raises(exoid.ExoidError, match=next(iter(wrong))):
-        Motor(**{"torque_constant": 0.1, **wrong})  # type: ignore[arg-type]
-
-
-def test_an_unknown_torque_constant_is_refused_with_what_finds_it() -> None:
-    with pytest.raises(exoid.ExoidError, match="payload"):
-        Motor(None, ratio=50.0).torque(np.ones(3), np.zeros(3), np.zeros(3))
 
 
 def _recording(**given: object) -> exoid.Recording:
@@ -115,12 +78,6 @@ def test_a_log_without_currents_is_refused_by_the_names_of_the_columns() -> None
         _motors().torque(_recording(force=np.ones((200, 2))))
 
 
-def test_currents_beyond_the_largest_are_refused_with_file_and_joint() -> None:
-    motors = Actuators.of(exoid.load_leg("cuhk"), {"hip": Motor(0.1, max_current=10.0)})
-    with pytest.raises(exoid.ExoidError, match=r"left_hip: a current of 500 A"):
-        motors.torque(_recording(current=np.full((200, 2), 500.0)))
-
-
 def test_direction_of_power_comes_from_derived_velocities() -> None:
     lossy = Actuators.of(exoid.load_leg("cuhk"), {"hip": Motor(0.1, ratio=10.0, efficiency=0.8)})
     torque = lossy.torque(_recording(current=np.ones((200, 2)))).tau
@@ -128,17 +85,3 @@ def test_direction_of_power_comes_from_derived_velocities() -> None:
     fast = np.abs(np.cos(3.0 * np.arange(200) / 100.0)) > 0.2
     expected = np.where(np.cos(3.0 * np.arange(200) / 100.0) > 0.0, 0.8, 1.25)
     np.testing.assert_allclose(torque[fast, 0], expected[fast], rtol=1e-9)
-
-
-@pytest.mark.parametrize("drives", [{}, {"hip": 3.0}, {3: Motor(0.1)}, [Motor(0.1)], "hip"])
-def test_what_is_no_drive_of_a_named_joint_is_refused(drives: object) -> None:
-    with pytest.raises(exoid.ExoidError, match="give a drive"):
-        Actuators.of(exoid.load_leg("cuhk"), drives)  # type: ignore[arg-type]
-
-
-def test_unknown_and_repeated_joints_are_refused() -> None:
-    leg = exoid.load_leg("cuhk")
-    with pytest.raises(exoid.ExoidError, match="'ankle', which the leg does not have"):
-        Actuators.of(leg, {"ankle": Motor(0.1)})
-    with pytest.raises(exoid.ExoidError, match="two drives of left_hip"):
-        Actuators.of(leg, {"hip": Motor(0.1), "left_hip": Motor(0.1)})

@@ -41,9 +41,9 @@ def test_selecting_joints_goes_by_name():
         (Q, Q[:2], "tau has shape"),
         (Q, Q[:, :1], "tau has shape"),
         (Q[0], Q, "q has shape"),
-        (Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], "no array of numbers"),
-        (Q, [["a", "b"]] * 3, "no array of numbers"),
-        (Q, np.where(Q > 0.5, np.nan, Q), "pose 2 is not finite"),
+        (Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], "not an array of real numbers"),
+        (Q, [["a", "b"]] * 3, "not an array of real numbers"),
+        (Q, np.where(Q > 0.5, np.nan, Q), "row 2, column"),
     ],
 )
 def test_bad_poses_are_refused(q, tau, words):

@@ -13,8 +13,8 @@ from public_robots import urdf_of
 import exoid
 from exoid import ExoidError, Leg
 from exoid.leg.rewriting import read_inertials
+from exoid.torques.motion import Motion
 from exoid.torques.payloads import payload_torque
-from exoid.torques.term import Motion
 
 TOLERANCE = 1e-12
 POINT = np.array([0.1, -0.2, 0.3])

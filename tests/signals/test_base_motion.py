@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from walking import IMU, Walk
 
 import exoid
-from exoid import BaseMotion, ExoidError, Recording, TorsoMotion
+from exoid import BaseMotion, ExoidError, Recording
 from exoid.signals import Column, FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
 from exoid.signals.base_motion import BASE_COLUMNS
 from exoid.signals.moving_base import base_during
@@ -238,16 +238,6 @@ def test_a_base_that_turns_about_a_point_above_its_sensor_is_not_taken_for_a_wro
 def test_a_biased_gyroscope_is_not_refused():
     recording = slow().recording()
     with_base(recording, gyro=recording.base.angular_velocity + np.array([0.05, -0.05, 0.05]))
-
-
-def test_recordings_refuse_another_length_another_type_and_a_torso_beside():
-    recording = walk().recording()
-    with pytest.raises(ExoidError, match="base motion"):
-        dataclasses.replace(recording, base=recording.base.rows(slice(0, 50)))
-    with pytest.raises(ExoidError, match="of type dict"):
-        dataclasses.replace(recording, base={})
-    with pytest.raises(ExoidError, match="torso tilt and a base motion"):
-        dataclasses.replace(recording, torso=TorsoMotion(pitch=0.1))
 
 
 def pose():

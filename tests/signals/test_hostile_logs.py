@@ -133,12 +133,6 @@ def test_without_proc_nothing_is_bounded_and_reading_goes_on(monkeypatch, tmp_pa
 
 
 @posix
-def test_without_ps_a_process_has_no_known_size(monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    assert memory.size_of_process(None) == 0
-
-
-@posix
 @pytest.mark.parametrize("platform", ["darwin", "freebsd14"])
 def test_a_system_that_refuses_the_bound_reads_without_it(monkeypatch, platform):
     """As macOS on ARM, whose addresses exceed any bound from the start."""
@@ -165,14 +159,6 @@ def test_a_reader_that_hangs_is_killed(monkeypatch):
     monkeypatch.setattr(child, "most_seconds", lambda size: 0.5)
     with pytest.raises(ExoidError, match=r"log.bad: its reader has not ended within 0 s|within 1 s"):
         read_in_child(hostile_readers.hang, "log.bad")
-
-
-def test_an_interpreter_that_cannot_start_another_says_so(monkeypatch, tmp_path):
-    WRITERS["log.mat"](tmp_path / "log.mat", swing())
-    monkeypatch.setattr(child, "_CHILDREN", [])
-    monkeypatch.setattr("multiprocessing.spawn.get_executable", lambda: b"/no/such/python")
-    with pytest.raises(ExoidError, match="cannot be started"):
-        Recording.from_file(tmp_path / "log.mat")
 
 
 @posix

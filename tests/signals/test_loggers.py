@@ -156,12 +156,6 @@ def test_sign_and_zero_of_an_encoder_are_the_users(dephy):
     np.testing.assert_allclose(log.q[:, 0], 0.25 - ANGLE, atol=math.pi / 16384)
 
 
-def test_mapped_columns_are_read_as_they_stand(moteus):
-    columns = {"q_knee": Column("POSITION", unit="rev"), "tau_knee": "TORQUE"}
-    log = Recording.from_file(moteus, columns=columns)
-    np.testing.assert_allclose(log.q[:, 0], ANGLE, atol=math.pi * 1e-4)
-
-
 def test_a_format_of_text_is_refused_for_other_files(tmp_path):
     np.savez(tmp_path / "log.npz", time=TIME, q=ANGLE[:, None], joint_names=["knee"])
     with pytest.raises(ExoidError, match="that of a text file"):

@@ -11,7 +11,7 @@ import pytest
 
 import exoid
 from exoid import Estimate, ExoidError
-from exoid.tools.files import make_folder, refuse_input, refuse_unwritable, write_bytes, write_together, write_whole
+from exoid.tools.files import make_folder, refuse_input, refuse_unwritable, write_together, write_whole
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, modes and pipes of POSIX")
 
@@ -98,17 +98,6 @@ def test_threads_that_write_one_path_all_succeed(write, tmp_path):
     assert (tmp_path / "file").read_text() == "new"
 
 
-def test_a_part_file_that_a_killed_writer_left_is_no_obstacle(write, tmp_path):
-    (tmp_path / f".file.{os.getpid()}.part").write_text("half of")
-    write(tmp_path / "file")
-    assert (tmp_path / "file").read_text() == "new"
-
-
-def test_the_longest_name_of_a_file_can_be_written(write, tmp_path):
-    write(tmp_path / ("ü" * 127))  # 254 bytes
-    assert (tmp_path / ("ü" * 127)).read_text() == "new"
-
-
 @pytest.mark.parametrize("name", ["a\0b", "x" * 300])
 def test_names_that_no_file_can_have_end_in_one_line(write, tmp_path, name):
     for action in (write, refuse_unwritable):
@@ -163,12 +152,3 @@ def test_an_estimate_knows_its_inputs_by_their_content(estimate, method, name):
     with pytest.raises(ExoidError, match="is an input, which the output would replace"):
         getattr(Estimate.load(estimate / "est.json"), method)(estimate / name)
     assert (estimate / name).read_bytes() == before
-
-
-def test_an_estimate_and_an_export_may_be_written_again(estimate, tmp_path):
-    found = Estimate.load(estimate / "est.json")
-    for _ in range(2):
-        found.save(tmp_path / "est.json")
-        found.to_urdf(tmp_path / "leg.urdf")
-    write_bytes(tmp_path / "est.json", [b"another"])
-    found.save(tmp_path / "est.json")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from exoid.tools.json_values import attributes, json_value, named
+from exoid.tools.json_values import json_value, named
 
 
 class Point(NamedTuple):
@@ -24,11 +24,6 @@ class Line:
     @property
     def count(self):
         return np.int64(len(self.ends))
-
-
-@dataclass(frozen=True)
-class Empty:
-    pass
 
 
 LINE = Line((Point(0.0, 1.0), Point(2.0, np.inf)), np.array([[0.1, np.nan], [1.0, 2.0]]))
@@ -60,14 +55,6 @@ def test_records_are_written_field_by_field_in_their_order():
     assert text == (
         '{"ends": [{"x": 0.0, "y": 1.0}, {"x": 2.0, "y": null}], "weights": [[0.1, null], [1.0, 2.0]], "label": "a"}'
     )
-
-
-def test_a_record_without_fields_is_empty():
-    assert json_value(Empty()) == {}
-
-
-def test_attributes_may_be_properties_and_come_in_the_order_asked_for():
-    assert list(attributes(LINE, "label", "count").items()) == [("label", "a"), ("count", 2)]
 
 
 def test_numbers_keep_every_bit():

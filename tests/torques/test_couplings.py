@@ -21,19 +21,15 @@ from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
 from exoid.torques import (
     Cable,
-    CoordinateTerm,
     CoupledTerm,
     CouplingFriction,
     CouplingInertia,
     CouplingSpring,
     NonlinearParameter,
     TorqueModel,
-    register_term,
 )
-from exoid.torques.catalog import TERMS as KNOWN
-from exoid.torques.catalog import term_from_json, term_to_json
+from exoid.torques.motion import random_motion
 from exoid.torques.nonlinear import nonlinear_settings
-from exoid.torques.term import random_motion
 
 LEG = exoid.load_leg("bleex")
 SPRING = CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6))
@@ -144,13 +140,6 @@ def test_a_rotor_takes_the_power_that_its_kinetic_energy_gains():
     )
 
 
-def test_columns_follow_the_order_of_the_joints_that_the_term_names():
-    turned = CouplingSpring(joints=("knee", "hip"), ratios=(-0.6, 1.0))
-    motion = random_motion(20, 3)
-    np.testing.assert_allclose(columns(turned, *motion), columns(SPRING, *motion), rtol=1e-12, atol=1e-14)
-    assert TorqueModel(LEG, (turned,)).names[-2:] == ("k_knee_hip", "preload_knee_hip")
-
-
 def test_the_whole_model_is_the_sum_of_its_equations():
     model, (q, v, a) = TorqueModel(LEG, ALL), random_motion(50, 3)
     values = np.append(LEG.parameters, [VALUES[name] for name in model.names[len(LEG.parameters) :]])
@@ -170,11 +159,6 @@ def test_couplings_are_found_beside_everything_else(estimate):
     assert np.abs(z).max() < 4.5, dict(zip(estimate.names, z, strict=True))
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert estimate.value("Ia_hip_knee_ankle") == pytest.approx(0.3, rel=0.05)
-
-
-def test_without_the_couplings_the_residual_is_many_times_the_noise(estimate):
-    plain = identify(LEG, swing_with_couplings(1), (Coulomb(), Viscous()))
-    assert (plain.residual_rms[:2] > 5.0 * estimate.residual_rms[:2]).all()
 
 
 def test_a_slack_that_is_not_known_is_found():
@@ -246,12 +230,6 @@ def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
     assert (found.candidate.nrmse < 0.03).all()
 
 
-def test_a_term_with_an_open_setting_cannot_stand_beside_the_friction_that_is_chosen():
-    free = Cable(joints=CABLE.joints, ratios=CABLE.ratios, slack=NonlinearParameter(0.2, 0.01, 0.6))
-    with pytest.raises(ExoidError, match="nonlinear parameters have no value yet: slack_knee_ankle"):
-        select_terms(LEG, swing_with_spring(), beside=(free,))
-
-
 @pytest.mark.slow
 def test_the_checks_find_no_fault_where_the_couplings_are_in_the_model():
     checked = exoid.identify(LEG, [swing_with_couplings(1), swing_with_couplings(2)], TERMS)
@@ -270,11 +248,6 @@ def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_
     motion = random_motion(30, 3)
     np.testing.assert_array_equal(again.torque(*motion), estimate.torque(*motion))
     assert (exoid.validate(again, swing_with_couplings(3)).nrmse < 0.05).all()
-
-
-@pytest.mark.parametrize("term", ALL, ids=lambda term: type(term).__name__)
-def test_every_coupling_passes_through_json(term):
-    assert term_from_json(term_to_json(term)) == term
 
 
 def test_a_urdf_has_couplings_in_its_sidecar_and_the_rig_refuses_them_by_name(estimate, tmp_path):
@@ -331,14 +304,6 @@ def test_the_mass_matrix_has_the_rotor_across_joints(estimate, control):
     assert check_properties(estimate, poses=20).skewness < 1e-6
 
 
-def test_settings_that_differ_by_joint_are_two_terms_of_one_type():
-    sharp, soft = Coulomb(joints=("hip",), smoothing=0.01), Coulomb(joints=("knee", "ankle"), smoothing=0.05)
-    model, (q, v, a) = TorqueModel(LEG, (sharp, soft)), random_motion(20, 3)
-    assert model.names[-3:] == ("c0_hip", "c0_knee", "c0_ankle")
-    found = model.regressor(q, v, a)[:, range(3), range(len(LEG.parameters), len(LEG.parameters) + 3)]
-    np.testing.assert_allclose(found, np.tanh(v / [0.01, 0.05, 0.05]), atol=1e-14)
-
-
 def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
     """Without dry friction and other friction across joints, which linearisation leaves out."""
     q, v, a = random_motion(1, 3)[:, 0]
@@ -364,80 +329,7 @@ def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
         np.testing.assert_allclose(B[3:, joint], by_tau, rtol=1e-5, atol=1e-4)
 
 
-def test_scaled_friction_leaves_springs_across_joints_as_they_are(control):
-    q, v, a = random_motion(1, 3)[:, 0]
-    more = control.with_friction(2.0)
-    np.testing.assert_array_equal(more.inverse_dynamics(q, v, a), control.inverse_dynamics(q, v, a))
-    np.testing.assert_allclose(more.friction(q, v, 0.02), 2.0 * control.friction(q, v, 0.02))
-
-
 # ------------------------------------------------------------------------------------------- refusals
-
-
-WRONG = {
-    "no joints": (lambda: CouplingSpring(ratios=(1.0, 2.0)), r"name the joints that it couples"),
-    "one joint": (lambda: CouplingSpring(joints=("hip",), ratios=(1.0,)), r"name the joints that it couples"),
-    "text": (lambda: CouplingSpring(joints="hip", ratios=(1.0,)), r"name the joints that it couples"),
-    "twice": (lambda: CouplingSpring(joints=("hip", "hip"), ratios=(1.0, 1.0)), r"each once"),
-    "too few ratios": (lambda: CouplingSpring(joints=("hip", "knee"), ratios=(1.0,)), r"one finite ratio for each"),
-    "no number": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, "a")), r"one finite ratio for each"),
-    "not finite": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, np.nan)), r"one finite ratio for each"),
-    "zero": (lambda: CouplingInertia(joints=("hip", "knee"), ratios=(1.0, 0.0)), r"leave out joints"),
-    "slack": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, 1.0), slack=np.inf), r"slack=inf"),
-    "text as slack": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, 1.0), slack="a"), r"slack='a'"),
-    "smoothing": (lambda: CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 1.0), smoothing=-1.0), r"smoothing=-1"),
-}
-
-
-@pytest.mark.parametrize(("make", "words"), WRONG.values(), ids=WRONG)
-def test_a_coupling_that_makes_no_sense_is_refused(make, words):
-    with pytest.raises(ExoidError, match=words):
-        make()
-
-
-def test_a_joint_that_the_leg_does_not_have_or_has_by_two_names_is_refused():
-    with pytest.raises(ExoidError, match="CouplingSpring acts on toe"):
-        TorqueModel(LEG, (CouplingSpring(joints=("hip", "toe"), ratios=(1.0, 1.0)),))
-    both = ("hip", LEG.joint_names[0])
-    assert both[0] != both[1]
-    with pytest.raises(ExoidError, match="names a joint twice"):
-        TorqueModel(LEG, (CouplingSpring(joints=both, ratios=(1.0, 1.0)),))
-
-
-def test_the_same_coupling_twice_is_refused():
-    with pytest.raises(ExoidError, match="parameters occur twice: k_hip_knee"):
-        TorqueModel(LEG, (SPRING, SPRING))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Loaded(CoordinateTerm):
-    """Would read the load."""
-
-    symbols = ("f",)
-    units = ("1",)
-    loaded = True
-
-    def fill(self, motion, out):
-        out[0] = motion.load
-
-
-def test_a_coupling_that_reads_the_load_is_refused():
-    with pytest.raises(ExoidError, match="Loaded depends on the load, which a term of several joints cannot"):
-        TorqueModel(LEG, (Loaded(joints=("hip", "knee"), ratios=(1.0, 1.0)),))
-
-
-def test_a_coupling_needs_the_motion_of_all_its_joints():
-    with pytest.raises(ExoidError, match="needs the motion of hip, knee at once"):
-        Twist(joints=("hip", "knee")).fill(None, np.zeros((2, 3)))
-
-
-def test_a_term_of_ones_own_without_a_name_cannot_be_saved_and_with_one_can(monkeypatch):
-    monkeypatch.setattr(KNOWN, "_registered", dict(KNOWN._registered))
-    term = Twist(joints=("hip", "knee"))
-    with pytest.raises(ExoidError, match="Twist has no name in files"):
-        term_to_json(term)
-    register_term("twist", Twist)
-    assert term_from_json(term_to_json(term)) == term
 
 
 def test_a_rotor_over_two_joints_is_regrouped_beside_the_rotor_of_the_second():

@@ -149,16 +149,6 @@ def test_friction_in_a_mirror_is_friction_with_the_other_sign(term, presliding, 
     np.testing.assert_allclose(columns(term, q=-q, v=-v, load=-load), -columns(term, q=q, v=v, load=load), atol=1e-15)
 
 
-def test_asymmetric_friction_has_a_size_for_each_direction():
-    v = np.array([-2.0, -0.5, 0.0, 0.5, 2.0])
-    torque = np.array([3.0, 1.0]) @ columns(Coulomb(asymmetric=True, smoothing=0.0), v=v)
-    np.testing.assert_array_equal(torque, [-1.0, -1.0, 0.0, 3.0, 3.0])
-    torque = np.array([3.0, 1.0]) @ columns(Viscous(asymmetric=True), v=v)
-    np.testing.assert_array_equal(torque, [-2.0, -0.5, 0.0, 1.5, 6.0])
-    assert Coulomb(asymmetric=True).symbols == ("c0p", "c0n")
-    assert Viscous(asymmetric=True).symbols == ("dp", "dn")
-
-
 def test_stribeck_friction_is_largest_where_motion_is_slow():
     size = columns(Stribeck(velocity=0.2, smoothing=0.0), v=[1e-9, 0.2, 2.0])[0]
     np.testing.assert_allclose(size, [1.0, np.exp(-1.0), 0.0], atol=1e-12)
@@ -215,25 +205,6 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
     ]
     for term in terms:
         assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term
-
-
-@pytest.mark.parametrize(
-    ("make", "what"),
-    [
-        (lambda: Stribeck(velocity=0.0), "a velocity in rad/s, positive"),
-        (lambda: Coulomb(presliding=-1.0), "an angle in rad, zero or positive"),
-        (lambda: Coulomb(presliding=1e-3, smoothing=NonlinearParameter(0.1, 0.01, 1.0)), "leave out one of the two"),
-        (lambda: NonlinearParameter(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
-        (lambda: NonlinearParameter(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
-        (lambda: NonlinearParameter(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
-        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "settings are"),
-        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "no value yet: vs_hip, vs_knee"),
-        (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
-    ],
-)
-def test_a_setting_that_makes_no_sense_is_refused(make, what):
-    with pytest.raises(ExoidError, match=what):
-        make()
 
 
 def test_one_quantity_of_a_joint_is_one_setting():

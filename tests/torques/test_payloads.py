@@ -95,14 +95,6 @@ def test_recordings_with_different_payloads_give_the_unloaded_leg():
     assert found.inputs[1].payloads == ("knee:3.0@0.0,0.0,-0.3",)
 
 
-@pytest.mark.parametrize("preparation", ["finite-difference", "smoothed"])
-def test_every_preparation_takes_payloads_out(preparation):
-    leg = exoid.load_leg("cuhk")
-    found = identify(leg, log(leg, HEAVY), TERMS, preparation=preparation)
-    bare = identify(leg, log(leg), TERMS, preparation=preparation)
-    np.testing.assert_allclose(found.values, bare.values, rtol=2e-2, atol=2e-3)
-
-
 def test_validation_and_prediction_include_the_payload():
     leg = exoid.load_leg("cuhk")
     estimate = identify(leg, log(leg, noise=0.1), TERMS)
@@ -146,27 +138,6 @@ def test_other_estimators_take_payloads(estimator):
     leg = exoid.load_leg("cuhk")
     found = identify(leg, log(leg, HEAVY, noise=0.1), TERMS, estimator=estimator)
     np.testing.assert_allclose(found.value("X2"), leg.parameters[3], rtol=0.02)
-
-
-def test_joint_likelihood_refuses_payloads():
-    leg = exoid.load_leg("cuhk")
-    with pytest.raises(ExoidError, match=r"ml fits the leg without payloads.*use wls"):
-        identify(leg, log(leg, HEAVY, seconds=5.0), TERMS, estimator="ml")
-
-
-def test_a_payload_on_a_joint_that_the_leg_lacks_is_refused():
-    leg = exoid.load_leg("cuhk")
-    wrong = replace(log(leg), payloads=(Payload("ankle", 1.0),))
-    with pytest.raises(ExoidError, match="payload on 'ankle', which the leg does not have"):
-        identify(leg, wrong, TERMS)
-    with pytest.raises(ExoidError, match=r"is no payload.*pass payloads"):
-        replace(log(leg), payloads=("knee:3",))
-
-
-def test_groups_may_carry_different_payloads():
-    leg = exoid.load_leg("cuhk")
-    found = identify(leg, {"light": log(leg, seed=1), "heavy": log(leg, HEAVY, seed=2)}, TERMS, own="offset")
-    np.testing.assert_allclose(found["heavy"].values[: len(leg.parameters)], leg.parameters, rtol=1e-3)
 
 
 def test_friction_under_load_carries_the_payload():

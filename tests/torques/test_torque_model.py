@@ -1,16 +1,13 @@
 """Rigid bodies and terms in one linear model: names, order, columns, regrouping and refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
+from exoid import Armature, Coulomb, Leg, Offset, Stiffness, TorsoMotion, Viscous
 from exoid.leg.description import describe
-from exoid.torques import DEFAULT_TERMS, LoadFriction, Regrouped, Term, TorqueModel
-from exoid.torques.linearised import linearise
+from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
 
 
@@ -42,25 +39,11 @@ def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
     )
 
 
-def test_names_are_the_same_on_both_sides():
-    left, right = (model_of(exoid.load_leg("bleex", side=side), *DEFAULT_TERMS).names for side in ("left", "right"))
-    assert left == right
-    assert "c0_knee" in left
-
-
 def test_names_keep_the_whole_joint_name_where_it_has_no_side():
     leg = random_chain(np.random.default_rng(0), 2).leg()
     assert model_of(leg, Viscous()).names[-2:] == ("d_hip", "d_knee")
     text = random_chain(np.random.default_rng(0), 2).text.replace('<joint name="hip"', '<joint name="left_hip"')
     assert model_of(Leg.from_description(describe(text)), Viscous()).names[-2:] == ("d_left_hip", "d_knee")
-
-
-def test_without_terms_the_model_is_the_leg(leg):
-    q, v, a = random_motion(np.random.default_rng(1), 3)
-    model = model_of(leg)
-    assert model.names == leg.parameter_names
-    assert model.regrouped == ()
-    np.testing.assert_array_equal(model.regressor(q, v, a), leg.regressor(q, v, a))
 
 
 # ------------------------------------------------------------------------------------------ columns
@@ -101,13 +84,6 @@ def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
     np.testing.assert_array_equal(W[:, :, 9:], model.regressor(q, v, a)[:, :, 9:])
 
 
-def test_each_column_is_contiguous_in_memory(leg):
-    W = model_of(leg, *DEFAULT_TERMS).regressor(*np.zeros((3, 5000, 3)))
-    for joint in range(3):
-        for column in range(W.shape[2]):
-            assert W[:, joint, column].flags.c_contiguous
-
-
 def test_a_numeric_leg_has_terms_too():
     text = random_chain(np.random.default_rng(4), 2, axis="y").text
     slant = (
@@ -126,11 +102,6 @@ def test_a_numeric_leg_has_terms_too():
     np.testing.assert_array_equal(W[:, 1, -2], 0.0)
     np.testing.assert_array_equal(W[:, 0, -2], v[:, 0])
     np.testing.assert_array_equal(W[:, 1, -3], a[:, 1])
-
-
-def test_arrays_of_the_wrong_shape_are_refused(leg):
-    with pytest.raises(ExoidError, match="do not fit a leg of 3 joints"):
-        model_of(leg, Coulomb()).regressor(*np.zeros((3, 5, 2)))
 
 
 # ---------------------------------------------------------------------------------------- regrouping
@@ -202,46 +173,6 @@ def test_regrouped_parameters_state_their_share_and_leave_the_others_their_colum
     assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
 
 
-def test_two_kinds_of_friction_that_differ_are_not_regrouped(leg):
-    assert model_of(leg, Coulomb(), Viscous(), Offset()).regrouped == ()
-
-
-@pytest.fixture
-def qr_calls(monkeypatch):
-    """Shapes of the matrices that np.linalg.qr is called with."""
-    calls, qr = [], np.linalg.qr
-    monkeypatch.setattr(np.linalg, "qr", lambda A, *args, **kwargs: (calls.append(A.shape), qr(A, *args, **kwargs))[1])
-    return calls
-
-
-def test_construction_regroups_once_and_attributes_look_up(leg, qr_calls):
-    model = model_of(leg, *DEFAULT_TERMS)
-    assert len(qr_calls) == 1
-    assert len(model.names) == len(model.units) == model.acting.shape[1] == len(model.friction)
-    assert [one.name for one in model.regrouped] == ["Ia_hip"]
-    assert len(qr_calls) == 1
-
-
-def test_copies_of_a_model_carry_what_is_regrouped(leg, qr_calls):
-    terms = (LoadFriction(), Armature())
-    model = model_of(leg, *terms)
-    values = np.append(2.0 * leg.parameters, np.zeros(5))
-    copies = [
-        model.loaded_by(values),
-        replace(model, rigid=leg.parameters),
-        TorqueModel(leg, terms, None, model.regrouped),
-    ]
-    copies.append(linearise(leg, terms, values, {}, regrouped=model.regrouped))
-    assert all(copy.regrouped is model.regrouped and copy.names == model.names for copy in copies)
-    assert len(qr_calls) == 1
-
-
-def test_regrouping_of_other_terms_is_refused(leg):
-    model = model_of(leg, Armature())
-    with pytest.raises(ExoidError, match="Ia_hip of regrouped are no parameters"):
-        replace(model, terms=(Viscous(),))
-
-
 def test_models_and_motions_print_one_line(leg):
     model = model_of(leg, Viscous(joints=("knee",)), Offset(joints=("hip",)))
     names = ", ".join(leg.parameter_names)
@@ -257,28 +188,7 @@ def test_what_is_left_is_independent(leg):
         assert sigma[-1] > 1e-3 * sigma[0]
 
 
-def test_a_share_other_than_one_is_stated():
-    assert str(Regrouped("a", {"b": 1.0, "c": -0.25})) == (
-        "a is regrouped into b, c (× -0.25): no motion distinguishes them"
-    )
-
-
 # ------------------------------------------------------------------------------------------ refusals
-
-
-@pytest.mark.parametrize(
-    ("terms", "repeated"),
-    [
-        ((Coulomb(), Coulomb(smoothing=0.5)), "c0_ankle, c0_hip, c0_knee"),
-        ((Viscous(joints=("knee",)), Viscous()), "d_knee"),
-        ((Stiffness(degree=1, joints=("hip",)), Stiffness(degree=0, joints=("left_hip",))), "b0_hip"),
-    ],
-)
-def test_a_term_twice_at_one_joint_is_refused(leg, terms, repeated):
-    with pytest.raises(
-        ExoidError, match=f"parameters occur twice: {repeated}\\. To fix it: give each term once a joint"
-    ):
-        TorqueModel(leg, terms)
 
 
 def test_the_same_term_at_different_joints_may_have_different_settings(leg):
@@ -286,11 +196,6 @@ def test_the_same_term_at_different_joints_may_have_different_settings(leg):
     assert model.names[9:] == ("c0_hip", "c0_knee", "c0_ankle")
     W = model.regressor(np.zeros((1, 3)), np.full((1, 3), 0.5), np.zeros((1, 3)))
     np.testing.assert_allclose(W[0, [0, 1, 2], [9, 10, 11]], [np.tanh(1.0), 1.0, 1.0])
-
-
-def test_a_term_on_a_missing_joint_is_refused_when_the_model_is_made(leg):
-    with pytest.raises(ExoidError, match="Coulomb acts on toe, which the leg does not have"):
-        model_of(leg, Coulomb(joints=("toe",)))
 
 
 # ------------------------------------------------------------------------------------------- usable
@@ -301,9 +206,3 @@ def test_only_the_joint_within_its_dead_band_is_unusable(leg):
     model = model_of(leg, Coulomb(joints=("knee", "ankle"), dead_band=0.1), Viscous())
     np.testing.assert_array_equal(model.usable(v), [[True, False, False], [True] * 3, [True, False, True]])
     assert model_of(leg, Coulomb(), Viscous()).usable(v).all()
-
-
-def test_dead_bands_of_several_terms_add_up(leg):
-    v = np.array([[0.05, 0.15, 0.05]])
-    model = model_of(leg, Coulomb(joints=("hip",), dead_band=0.1), Coulomb(joints=("knee",), dead_band=0.2))
-    np.testing.assert_array_equal(model.usable(v), [[False, False, True]])

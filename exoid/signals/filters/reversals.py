@@ -160,18 +160,11 @@ def _cuts(rows: range, pulses: NDArray[np.intp], size: int) -> list[int]:
 @lru_cache(maxsize=4)
 def _noise_correlations(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
     """Correlation of filtered white noise between so many samples, ``step`` apart, (``count``, ``count``)."""
-    correlation = np.zeros(count)
-    later = _noise_correlation(parallel, step)[:count]
-    correlation[: len(later)] = later
-    return np.asarray(scipy.linalg.toeplitz(correlation))
-
-
-@lru_cache(maxsize=16)
-def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
-    """Correlation of filtered white noise with that 0, ``step``, 2 ``step``, … samples later, (M + 1,)."""
     response = _impulse_response(parallel)
     later = scipy.signal.fftconvolve(response, response)[len(response) - 1 :: step]
-    return np.asarray(later / later[0])
+    correlation = np.zeros(count)
+    correlation[: len(later)] = (later / later[0])[:count]
+    return np.asarray(scipy.linalg.toeplitz(correlation))
 
 
 def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.signals import Wrench
 from exoid.torques.model import TorqueModel
-from exoid.torques.term import Motion, internal_states, random_base, random_motion
+from exoid.torques.motion import Motion, random_base, random_motion
+from exoid.torques.term import internal_states
 
 from .elimination import eliminate
 

@@ -11,7 +11,6 @@ import pooch
 import pytest
 
 import exoid
-from exoid import ExoidError
 from exoid.signals import ZeroPhase, zero_phase
 from exoid.signals.datasets import dfki
 from exoid.signals.differentiation import central_difference
@@ -185,29 +184,6 @@ def test_the_recorded_velocity_costs_accuracy_at_the_shoulder(with_velocity, dat
         late = exoid.validate(exoid.identify(data.leg, train), test).nrmse[0]
         print("NRMSE at the shoulder:", late.round(4), "against", ours.round(4))
         assert least < late / ours < most
-
-
-def test_a_file_that_is_not_the_published_one_is_refused(tmp_path, monkeypatch):
-    folder = tmp_path / "dfki_double_pendulum"
-    folder.mkdir()
-    (folder / dfki.FILE).write_text("time,pos1,pos2,tau1,tau2\n0,0,0,0,0\n", encoding="utf-8")
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
-    with pytest.raises(ExoidError, match=r"not the published file: its hash differs.*delete it, or unset"):
-        exoid.datasets.dfki_double_pendulum()
-
-
-@pytest.mark.parametrize("folder", ["", "empty"])
-def test_without_a_network_the_error_says_what_to_fetch_and_where_to_put_it(tmp_path, monkeypatch, folder):
-    def offline(*_, **__):
-        raise OSError("Name or service not known\nsecond line")
-
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path / folder) if folder else "")
-    monkeypatch.setattr(pooch, "retrieve", offline)
-    with pytest.raises(ExoidError, match=r"cannot be downloaded \(Name or service not known second line\)") as e:
-        exoid.datasets.dfki_double_pendulum()
-    assert dfki.FILE in e.value.remedy
-    assert e.value.where.startswith("https://")
-    assert "\n" not in str(e.value)
 
 
 @pytest.mark.real_data("dfki_double_pendulum")

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pooch
 import pytest
 
 import exoid
 from exoid import ExoidError
-from exoid.signals.datasets import sydney
 
 AUTHORS = {"inner": (4.321897e-3, 5.452402e-3, 1.403128e-3), "outer": (4.374847e-3, 4.722823e-3, 2.158321e-3)}
 """J [kg·m²], Kc [N·m] and Kv [N·m·s/rad] that the authors identified, as in their files times 1e-3."""
@@ -65,23 +63,6 @@ def test_the_command_line_knows_both_legs(exoid_):
         done = exoid_("identify", name, f"{name}:train", "--no-check", "--test", f"{name}:test")
         assert done.code == 0, done.err
         assert "J1" in done.out
-
-
-def test_each_file_is_fetched_at_its_commit_and_checked(tmp_path, monkeypatch):
-    asked = []
-
-    def offline(url, sha, **_):
-        asked.append((url, sha))
-        raise OSError("no network")
-
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
-    monkeypatch.setattr(pooch, "retrieve", offline)
-    for which, file in sydney.FILES.items():
-        with pytest.raises(ExoidError, match="cannot be downloaded") as error:
-            exoid.datasets.sydney_swing_leg(which)
-        assert error.value.remedy == f"download it to $EXOID_DATA_DIR/sydney_swing_leg/{file}"
-    assert [sha for _, sha in asked] == [f"sha256:{sha}" for sha in sydney.SHA256.values()]
-    assert all(sydney.COMMIT in url and " " not in url for url, _ in asked)
 
 
 def test_there_are_two_legs():

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-
 import numpy as np
 import pinocchio as pin
-import pooch
 import pytest
 
 import exoid
-from exoid import ExoidError
 from exoid.signals import zero_phase
 from exoid.signals.datasets import teststand
 
@@ -83,32 +79,3 @@ def test_logs_are_aligned_by_their_counter():
     one, two = teststand.aligned(first, second)
     assert one.tolist() == [[20.0], [30.0], [50.0]]
     assert two.tolist() == [[0.2, -2.0], [0.3, -3.0], [0.5, -5.0]]
-
-
-def test_a_file_that_is_not_the_published_one_is_refused(tmp_path, monkeypatch):
-    (tmp_path / "teststand_leg").mkdir()
-    (tmp_path / "teststand_leg" / "teststand.urdf").write_text("<robot/>", encoding="utf-8")
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
-    with pytest.raises(ExoidError, match=r"not the published file: its hash differs.*delete it, or unset"):
-        exoid.datasets.teststand_leg()
-
-
-def test_each_file_is_fetched_from_its_repository_at_a_commit_and_checked(tmp_path, monkeypatch):
-    asked = []
-
-    def offline(url, sha, **_):
-        asked.append((url, sha))
-        raise OSError("no network")
-
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
-    monkeypatch.setattr(pooch, "retrieve", offline)
-    for file in (teststand.URDF, *teststand.LOGS):
-        with pytest.raises(ExoidError, match="cannot be downloaded") as error:
-            file.path()
-        assert error.value.remedy == f"download it to $EXOID_DATA_DIR/teststand_leg/{file.name}"
-    for (url, sha), file in zip(asked, (teststand.URDF, *teststand.LOGS), strict=True):
-        assert url.startswith("https://raw.githubusercontent.com/")
-        assert url.endswith(f"/{file.name}")
-        assert teststand.LOG_COMMIT in url or teststand.URDF_COMMIT in url
-        assert sha == f"sha256:{file.sha256}"
-        assert len(file.sha256) == hashlib.sha256().digest_size * 2

@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scipy.io import savemat
 
 from exoid import ExoidError, Recording, Recordings
 from exoid.signals import Column
@@ -34,76 +33,16 @@ def write_npz(path, **columns):
     return path
 
 
-def write_mat(path, **columns):
-    savemat(path, columns)
-    return path
-
-
 def write_parquet(path, **columns):
     polars = pytest.importorskip("polars")
     polars.DataFrame(columns).write_parquet(path)
     return path
 
 
-FILES = {"csv": write_csv, "npz": write_npz, "mat": write_mat, "parquet": write_parquet}
+FILES = {"csv": write_csv, "npz": write_npz, "parquet": write_parquet}
 
 
 # --- currents and forces --------------------------------------------------------------------------------------
-
-
-def test_a_recording_without_torque_may_have_currents_and_forces():
-    log = recording()
-    assert "current [A], force [N]" in repr(log)
-    assert "torque not measured" not in repr(log)
-    assert "current [A]" in log._repr_html_()
-    assert "force [N]" in log._repr_html_()
-    assert not log.measured.any()
-    assert not log.current.flags.writeable
-
-
-def test_slices_selections_and_resampling_keep_currents_and_forces():
-    log = recording()
-    np.testing.assert_array_equal(log.slice(5, 30).current, CURRENT[5:30])
-    np.testing.assert_array_equal(log.select(("knee",)).force[:, 0], FORCE[:, 1])
-    assert log.select(("knee",)).current is None  # the only column was not measured
-    faster = log.resampled(200.0)
-    assert faster.current.shape == faster.force.shape == (79, 2)
-    np.testing.assert_allclose(faster.current[::2, 0], CURRENT[:, 0])
-    assert np.isnan(faster.current[:, 1]).all()
-
-
-def test_currents_and_forces_are_written_and_read_back_exactly(tmp_path):
-    log = recording(tau=np.column_stack([T, np.full(40, np.nan)]))
-    log.to_csv(tmp_path / "log.csv")
-    again = Recording.from_csv(tmp_path / "log.csv")
-    for name in ("time", "q", "tau", "current", "force"):
-        np.testing.assert_array_equal(getattr(again, name), getattr(log, name))
-    header = (tmp_path / "log.csv").read_text().splitlines()[0]
-    assert header == "time,q_hip,q_knee,tau_hip,i_hip,f_knee"
-
-
-@pytest.mark.parametrize("kind", FILES)
-def test_every_format_has_columns_of_currents_and_forces(kind, tmp_path):
-    columns = {"time": T, "q_hip": Q[:, 0], "q_knee": Q[:, 1], "i_hip": CURRENT[:, 0], "f_knee": FORCE[:, 1]}
-    log = Recording.from_file(FILES[kind](tmp_path / f"log.{kind}", **columns))
-    np.testing.assert_array_equal(log.current, CURRENT)
-    np.testing.assert_array_equal(log.force, FORCE)
-    assert log.tau is None
-
-
-@pytest.mark.parametrize("kind", ["npz", "mat"])
-@pytest.mark.parametrize("names", [("current", "force"), ("i", "f")])
-def test_matrices_of_currents_and_forces_are_read(kind, names, tmp_path):
-    matrices = dict(zip(names, (CURRENT, FORCE), strict=True))
-    path = FILES[kind](tmp_path / f"log.{kind}", time=T, q=Q, **matrices)
-    log = Recording.from_file(path, ("hip", "knee"))
-    np.testing.assert_array_equal(log.current, CURRENT)
-    np.testing.assert_array_equal(log.force, FORCE)
-
-
-def test_a_matrix_of_another_width_is_no_force_of_the_joints(tmp_path):
-    np.savez(tmp_path / "plate.npz", time=T, q=Q, force=np.ones((40, 6)), joint_names=["hip", "knee"])
-    assert Recording.from_file(tmp_path / "plate.npz").force is None
 
 
 # --- scale, zero and unit ----------------------------------------------------------------------------------------
@@ -125,11 +64,6 @@ def test_a_unit_converts_a_column_to_si(raw):
     np.testing.assert_allclose(log.time, T, atol=1e-15)
     np.testing.assert_allclose(log.q, Q[:, :1], rtol=1e-14)
     np.testing.assert_allclose(log.current, CURRENT[:, :1], rtol=1e-14)
-
-
-def test_scale_and_zero_make_a_torque_of_a_current(raw):
-    log = Recording.from_file(raw, columns={**BASE, "tau_hip": Column("cur", scale=-0.118e-3, zero=2500.0)})
-    np.testing.assert_allclose(log.tau[:, 0], -0.118 * (CURRENT[:, 0] - 2.5), rtol=1e-12)
 
 
 @pytest.mark.parametrize(

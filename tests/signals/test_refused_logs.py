@@ -260,7 +260,7 @@ LOGS = {
     "no exoid column": (GOOD, {"columns": {"angle_hip": "q_hip"}}, UnreadableInputError, "log.csv"),
     "torque of no joint": (GOOD, {"columns": {"tau_hpi": "tau_hip"}}, UnreadableInputError, "log.csv"),
     "a header twice": (GOOD, {"columns": {"q_a": "q_hip", "q_b": "q_hip"}}, UnreadableInputError, "log.csv"),
-    "unmeasured unknown": (GOOD, {"unmeasured": ("ankle",)}, UnreadableInputError, ""),
+    "unmeasured unknown": (GOOD, {"unmeasured": ("ankle",)}, BadArgumentError, ""),
     "unmeasured string": (GOOD, {"unmeasured": "knee"}, BadArgumentError, ""),
     "names of a headed file": (GOOD, {"names": ("time", "q_a", "", "", "")}, BadArgumentError, "log.csv, line 1"),
     "too many names": (b"0,1\n1,2\n", {"names": ("time", "q_a", "q_b")}, BadArgumentError, "log.csv, line 1"),

@@ -1,0 +1,124 @@
+"""Motion of a leg, and of one of its joints, from which columns of the torque model are formed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.torso import MovingBase, TorsoMotion
+
+from .internal_state import InternalState
+
+
+class Motion(NamedTuple):
+    """Motion of a whole recording, or of some of its rows, from which regressors are formed.
+
+    :meth:`TorqueModel.motion` makes it.
+
+    Attributes:
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+        torso: Motion of the torso, or of the base; None if it is upright and still.
+        states: Internal states by joint, (N,) each.
+        payload: Torque that payloads take [N·m], (N, n); None without payloads.
+        computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
+        temperature: Temperatures [°C], (N, n), NaN at joints without one; None without temperatures.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    torso: MovingBase | None = None
+    states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
+    payload: FloatArray | None = None
+    computed: NDArray[np.bool_] | None = None
+    temperature: FloatArray | None = None
+
+    def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
+        """Select rows; consecutive ones are not copied.
+
+        Args:
+            rows: The rows.
+
+        Returns:
+            Their motion.
+        """
+        torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
+        states = {key: state[rows] for key, state in self.states.items()}
+        payload = None if self.payload is None else self.payload[rows]
+        heat = None if self.temperature is None else self.temperature[rows]
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, heat)
+
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        samples, joints = self.q.shape
+        return f"Motion({samples} samples, {joints} joints, {len(self.states)} internal states)"
+
+
+def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:
+    """Rows of the entries that have one value a sample."""
+    if not isinstance(torso, TorsoMotion):
+        return torso.rows(rows)
+    entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
+    constant = {"hip_acceleration": 1}
+    return TorsoMotion(
+        **{name: x[rows] if x.ndim > constant.get(name, 0) and len(x) == count else x for name, x in entries.items()}
+    )
+
+
+class JointMotion(NamedTuple):
+    """Motion of one joint over N consecutive samples, as a term receives it.
+
+    Attributes:
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
+        a: Acceleration [rad/s²], (N,).
+        load: Rigid-body torque of the model at this joint [N·m], (N,); never the measured torque.
+        state: Internal state of the term, (N,); None for a term without one.
+        temperature: Temperature of the joint [°C], (N,); None without temperatures.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    load: FloatArray
+    state: FloatArray | None = None
+    temperature: FloatArray | None = None
+
+
+class LoadedMotion(NamedTuple):
+    """Motion of all joints over some samples, with the rigid-body torques that load them, (n, N) each."""
+
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]
+    a: FloatArray  # accelerations [rad/s²]
+    load: FloatArray  # rigid-body torques, those of payloads included [N·m]
+    payload: FloatArray  # torques of payloads [N·m], part of `load`
+    states: Mapping[tuple[int, InternalState], FloatArray]  # internal states, (N,) each
+    temperature: FloatArray | None = None  # temperatures [°C]; None without
+
+    def at(self, joint: int, state: InternalState | None) -> JointMotion:
+        """Motion of one joint, with the internal state of a term."""
+        found = None if state is None else self.states[joint, state]
+        heat = None if self.temperature is None else self.temperature[joint]
+        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found, heat)
+
+
+def random_motion(samples: int, joints: int) -> FloatArray:
+    """Draw independent normal angles, velocities and accelerations, always the same."""
+    motion = np.random.default_rng(0).standard_normal((3, samples, joints))
+    return motion * [[[1.0]], [[2.0]], [[5.0]]]
+
+
+def random_base(samples: int) -> BaseKinematics:
+    """Draw a motion of the base, always the same."""
+    motion = np.random.default_rng(1).standard_normal((3, samples, 3))
+    return BaseKinematics(2.0 * motion[0], 5.0 * motion[1], 10.0 * motion[2])

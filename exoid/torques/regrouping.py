@@ -1,0 +1,80 @@
+"""Parameters of terms that no motion distinguishes from others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.leg.leg import Leg
+
+from .motion import Motion, random_base, random_motion
+from .term import TermBlock, fill_terms, internal_states, load_motion
+
+DEPENDENT = 2e-4
+"""A unit column this close to the span of the columns before it is linearly dependent on them.
+
+A URDF with four decimals misplaces joint axes by up to 5e-5 rad and m, and columns of inertias by a few times as much.
+At a threshold of floating-point precision a rotor would not merge into its link there. Its standard deviation would
+then be thousands of times that of the link's inertia.
+"""
+
+
+class Regrouped(NamedTuple):
+    """A parameter that no motion can distinguish from others, which therefore include it.
+
+    Attributes:
+        name: Name of the parameter.
+        into: Names of the parameters that include it, with its coefficient in each.
+    """
+
+    name: str
+    into: dict[str, float]
+
+    def __str__(self) -> str:
+        """Write one sentence."""
+        into = ", ".join(n if abs(c - 1.0) < 1e-6 else f"{n} (× {c:.3g})" for n, c in self.into.items())
+        return f"{self.name} is regrouped into {into}: no motion distinguishes them"
+
+
+def regroup(
+    leg: Leg,
+    blocks: Sequence[TermBlock],
+    rigid: FloatArray | None = None,
+    *,
+    separate: Sequence[str] = (),
+    moving_base: bool = False,
+) -> tuple[Regrouped, ...]:
+    """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1."""
+    # Each column over random motion is compared with those before it. Terms that depend on the load are left to
+    # the fit: their columns depend on the parameters.
+    count = len(leg.parameter_names)
+    names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
+    loaded = {name for block in blocks if block.term.loaded for name in block.names}
+    q, v, a = random_motion(10 * len(names), len(leg.joint_names))
+    columns = np.zeros((len(names), leg.base_rows + q.shape[1], len(q)))
+    base = random_base(len(q)) if moving_base or leg.base != "fixed" else None
+    leg.fill_regressor(q, v, a, columns[:count], base)
+    of_joints = columns[:, leg.base_rows :]
+    heat = 25.0 + 20.0 * np.random.default_rng(2).standard_normal(q.shape)  # about 25 °C
+    motion = Motion(q, v, a, None, internal_states(blocks, q, v), temperature=heat)
+    loaded_motion = load_motion(blocks, motion, of_joints, leg.parameters if rigid is None else rigid)
+    fill_terms(blocks, loaded_motion, of_joints[count:], names)
+    W = columns.transpose(2, 1, 0).reshape(-1, len(names))
+    scale = np.linalg.norm(W, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    R = np.asarray(np.linalg.qr(W / scale, mode="r"))  # small: a seven-joint arm has 80 columns
+    kept, regrouped = list(range(count)), []
+    for k in (k for k in range(count, len(names)) if names[k] not in loaded):
+        share, *_ = np.linalg.lstsq(R[:, kept], R[:, k])
+        if R[:, k].any() and np.linalg.norm(R[:, k] - R[:, kept] @ share) < DEPENDENT:
+            if names[k] in separate:
+                continue
+            coefficients = zip(kept, share, share * scale[k] / scale[kept], strict=True)
+            into = {names[i]: float(c) for i, part, c in coefficients if abs(part) > DEPENDENT}
+            regrouped.append(Regrouped(names[k], into))
+        else:
+            kept.append(k)
+    return tuple(regrouped)

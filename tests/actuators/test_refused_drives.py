@@ -1,0 +1,168 @@
+"""Drives that cannot be, and files that describe none, are refused: the kind of the error, and its place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.actuators import (
+    Actuators,
+    Attachments,
+    Coupling,
+    LinearActuator,
+    MomentArmTable,
+    Motor,
+    SeriesElastic,
+    read_actuators,
+)
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
+
+BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
+MATRIX = ((0.05, 0.05), (0.06, -0.04))
+WARM = Motor(0.1, temperature_coefficient=-1e-3)
+POINTS = Attachments(("thigh", (0.05, 0.0, -0.1)), ("shank", (0.05, 0.0, -0.06)))
+WRIST = Coupling(("hip", "knee"), MATRIX)
+ARMS = (0.04, 0.05, 0.05, 0.04)
+ONE, NOTHING = np.ones(1), np.zeros(1)
+
+
+def motor(**changes):
+    return lambda: Motor(**{"torque_constant": 0.1, **changes})
+
+
+def points(first, second, joint="left_knee"):
+    return lambda: Attachments(first, second).on(BLEEX, joint)
+
+
+def on_leg(drives):
+    return lambda: Actuators.of(CUHK, drives)
+
+
+def currents(size):
+    time = np.arange(20) / 100.0
+    return exoid.Recording(time, np.zeros((20, 2)), joint_names=CUHK.joint_names, current=np.full((20, 2), size))
+
+
+DRIVES = {
+    "no torque per ampere": motor(torque_constant=0.0),
+    "negative constant": motor(torque_constant=-0.1),
+    "missing constant": motor(torque_constant=float("nan")),
+    "constant of text": motor(torque_constant="0.1"),
+    "constant of truth": motor(torque_constant=True),
+    "ratio zero": motor(ratio=0.0),
+    "ratio infinite": motor(ratio=float("inf")),
+    "efficiency in percent": motor(efficiency=85.0),
+    "no efficiency": motor(efficiency=0.0),
+    "back efficiency above one": motor(back_efficiency=1.1),
+    "negative rotor": motor(rotor_inertia=-1.0),
+    "no current": motor(max_current=0.0),
+    "coefficient in percent": motor(temperature_coefficient=-0.1),
+    "reference alone": motor(reference_temperature=25.0),
+    "reference in kelvins": motor(reference_temperature=298.15, temperature_coefficient=-0.001),
+    "unknown constant in use": lambda: Motor(None, 50.0).torque(ONE, NOTHING, NOTHING),
+    "spring without stiffness": lambda: SeriesElastic(0.0),
+    "stiffness of text": lambda: SeriesElastic("1"),
+    "spring without ratio": lambda: SeriesElastic(300.0, ratio=0.0),
+    "one joint coupled": lambda: Coupling(("hip",), ((1.0,),)),
+    "joint coupled twice": lambda: Coupling(("hip", "hip"), MATRIX),
+    "joints as text": lambda: Coupling("hip", MATRIX),
+    "matrix of one row": lambda: Coupling(("hip", "knee"), ((1.0, 1.0),)),
+    "singular matrix": lambda: Coupling(("hip", "knee"), ((1.0, 1.0), (1.0, 1.0))),
+    "matrix with a hole": lambda: Coupling(("hip", "knee"), ((1.0, 1.0), (1.0, float("nan")))),
+    "matrix of text": lambda: Coupling(("hip", "knee"), "A"),
+    "one motor for two": lambda: Coupling(("hip", "knee"), MATRIX, (Motor(0.1),)),
+    "warm motor in a coupling": lambda: Coupling(
+        ("hip", "knee"), MATRIX, (Motor(0.1, temperature_coefficient=-1e-3),) * 2
+    ),
+    "three angles": lambda: MomentArmTable((0.0, 0.1, 0.2), (1.0, 1.0, 1.0)),
+    "angles twice": lambda: MomentArmTable((0.0, 0.1, 0.1, 0.3), ARMS),
+    "angles in degrees": lambda: MomentArmTable((0.0, 10.0, 20.0, 30.0), ARMS),
+    "arms in mm": lambda: MomentArmTable((0.0, 0.1, 0.2, 0.3), (40.0,) * 4),
+    "no arm": lambda: MomentArmTable((0.0, 0.1, 0.2, 0.3), (0.0,) * 4),
+    "angle missing": lambda: MomentArmTable((0.0, 0.1, 0.2, float("nan")), ARMS),
+    "angle of text": lambda: MomentArmTable((0.0, 0.1, 0.2, "x"), ARMS),
+    "beyond the table": lambda: MomentArmTable((0.0, 0.2, 0.4, 0.6), ARMS).arm(np.array([0.9])),
+    "no such link": points(("thigh", (0.0, 0.0, -0.1)), ("tibia", (0.0, 0.0, 0.0))),
+    "two joints between": points(("torso", (0.1, 0.0, 0.0)), ("shank", (0.1, 0.0, 0.0))),
+    "no joint between": points(("thigh", (0.1, 0.0, 0.0)), ("thigh", (0.1, 0.0, -0.2))),
+    "on the axis": points(("thigh", (0.1, 0.0, 0.0)), ("shank", (0.0, 0.0, 0.0))),
+    "points that meet": points(("thigh", (0.0, 0.0, -0.33)), ("shank", (0.1, 0.0, 0.0))),
+    "points in mm": points(("thigh", (50.0, 0.0, 0.0)), ("shank", (40.0, 0.0, 0.0))),
+    "point of two": points(("thigh", (0.0, 0.0)), ("shank", (0.0, 0.0, 0.0))),
+    "infinite point": points(("thigh", (0.0, 0.0, float("inf"))), ("shank", (0.0, 0.0, 0.0))),
+    "links alone": points("thigh", "shank"),
+    "not mounted": lambda: LinearActuator(POINTS).torque(ONE, ONE, ONE),
+    "arm of a number": lambda: LinearActuator(0.05),
+    "no drives": on_leg({}),
+    "number as drive": on_leg({"hip": 3.0}),
+    "number as joint": on_leg({3: Motor(0.1)}),
+    "list of drives": on_leg([Motor(0.1)]),
+    "no such joint": on_leg({"ankle": Motor(0.1)}),
+    "joint by two names": on_leg({"hip": Motor(0.1), "left_hip": Motor(0.1)}),
+    "joint of a coupling": on_leg({"wrist": WRIST, "hip": Motor(0.1)}),
+    "coupling of no joint": on_leg({"wrist": Coupling(("ankle", "knee"), MATRIX)}),
+    "cylinder at another joint": on_leg({"hip": LinearActuator(POINTS)}),
+    "command of one joint": lambda: on_leg({"wrist": WRIST})().command([[1.0]], [[0.0, 0.0]], [[0.0, 0.0]]),
+    "command missing": lambda: on_leg({"wrist": WRIST})().command([[np.nan, 1.0]], [[0.0, 0.0]], [[0.0, 0.0]]),
+    "command of text": lambda: on_leg({"wrist": WRIST})().command([["a", 1.0]], [[0.0, 0.0]], [[0.0, 0.0]]),
+}
+
+
+@pytest.mark.parametrize("call", DRIVES.values(), ids=DRIVES)
+def test_a_drive_that_cannot_be_is_refused(call):
+    with pytest.raises(BadArgumentError) as error:
+        call()
+    assert "\n" not in str(error.value)
+
+
+def test_currents_that_no_motor_has_name_the_joint():
+    with pytest.raises(UnreadableInputError) as error:
+        Actuators.of(CUHK, {"hip": Motor(0.1, max_current=10.0)}).torque(currents(300.0))
+    assert error.value.where == "left_hip"
+
+
+MOTOR = '[left_hip]\ntype = "motor"\n'
+LINEAR = '[left_knee]\ntype = "linear"\n'
+COUPLING = '[w]\ntype = "coupling"\n'
+
+FILES = {
+    "empty": ("", "drives.toml"),
+    "no TOML": ("[left_hip", "drives.toml"),
+    "no table": ("left_hip = 3", "drives.toml, [left_hip]"),
+    "no type": ("[left_hip]\nratio = 3.0", "drives.toml, [left_hip]"),
+    "another type": ('[left_hip]\ntype = "servo"', "drives.toml, [left_hip]"),
+    "no constant": (MOTOR, "drives.toml, [left_hip]"),
+    "misspelt ratio": (MOTOR + "torque_constant = 0.1\nratoi = 2.0", "drives.toml, [left_hip]"),
+    "constant of text": (MOTOR + 'torque_constant = "0.1"', "drives.toml, [left_hip]"),
+    "efficiency in percent": (MOTOR + "torque_constant = 0.1\nefficiency = 85", "drives.toml, [left_hip]"),
+    "misspelt joint": ('[left_hpi]\ntype = "motor"\ntorque_constant = 0.1', "drives.toml"),
+    "no points": (LINEAR, "drives.toml, [left_knee]"),
+    "one point": (LINEAR + 'first = { link = "thigh" }', "drives.toml, [left_knee]"),
+    "point without place": (LINEAR + 'first = { link = "thigh" }\nsecond = 1', "drives.toml, [left_knee]"),
+    "points and table": (LINEAR + "angle = [0.0]\nfirst = 1", "drives.toml, [left_knee]"),
+    "two rows of angles": (LINEAR + "angle = [0.0]\nangle_deg = [0.0]", "drives.toml, [left_knee]"),
+    "angles of text": (LINEAR + 'angle = "x"\nmoment_arm = [1.0]', "drives.toml, [left_knee]"),
+    "no stiffness": ('[left_knee]\ntype = "series-elastic"', "drives.toml, [left_knee]"),
+    "no matrix": (COUPLING + 'joints = ["left_hip", "left_knee"]', "drives.toml, [w]"),
+    "joints in no row": (COUPLING + 'joints = "left_hip"\nmatrix = [[1.0]]', "drives.toml, [w]"),
+    "singular": (COUPLING + 'joints = ["hip", "knee"]\nmatrix = [[1.0, 1.0], [1.0, 1.0]]', "drives.toml, [w]"),
+}
+
+
+@pytest.mark.parametrize(("text", "where"), FILES.values(), ids=FILES)
+def test_a_file_that_describes_no_drives_is_refused_with_file_and_table(tmp_path, monkeypatch, text, where):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "drives.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ExoidError) as error:
+        read_actuators("drives.toml", CUHK)
+    assert error.value.where == where
+    assert error.value.remedy
+
+
+@pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])
+def test_a_file_that_cannot_be_read_is_refused(tmp_path, content):
+    if content is not None:
+        (tmp_path / "drives.toml").write_bytes(content)
+    with pytest.raises(UnreadableInputError):
+        read_actuators(tmp_path / "drives.toml", CUHK)

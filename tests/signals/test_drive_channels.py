@@ -1,0 +1,152 @@
+"""What drives measure (currents, forces, motor torques and angles, temperatures) is kept, read and written alike."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import polars
+import pytest
+from scipy.io import savemat
+
+import exoid
+from exoid.identification.findings.sample import averaged
+from exoid.identification.recording_summary import evidence
+from exoid.signals import Column, Recording, ZeroPhase
+
+TIME = np.arange(40) / 20.0
+NAMES = ("hip", "knee")
+NOTHING = np.full(40, np.nan)
+WARMING = 25.0 + 10.0 * (1.0 - np.exp(-TIME))
+
+CHANNELS = {
+    "current": ("i", 3.0 + np.sin(9.0 * TIME), "mA", 1e3, 0.0),
+    "force": ("f", 500.0 * np.cos(7.0 * TIME), "kN", 1e-3, 0.0),
+    "motor_torque": ("tm", np.sin(TIME), "N·mm", 1e3, 0.0),
+    "motor_angle": ("qm", 50.0 * np.sin(TIME), "deg", 180.0 / np.pi, 0.0),
+    "temperature": ("temp", WARMING, "K", 1.0, 273.15),
+}
+"""Prefix of the columns, values in SI (°C), another unit, and reading in it: factor times value plus zero."""
+
+
+@pytest.fixture(params=CHANNELS)
+def channel(request):
+    return request.param, *CHANNELS[request.param]
+
+
+def recording(**given):
+    return Recording(time=TIME, q=np.zeros((40, 2)), joint_names=NAMES, **given)
+
+
+def write_csv(path, **columns):
+    np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    return path
+
+
+def write_parquet(path, **columns):
+    polars.DataFrame(columns).write_parquet(path)
+    return path
+
+
+def write_npz(path, **columns):
+    np.savez(path, **columns)
+    return path
+
+
+def write_mat(path, **columns):
+    savemat(path, columns)
+    return path
+
+
+FILES = {"csv": write_csv, "npz": write_npz, "mat": write_mat, "parquet": write_parquet}
+
+
+def test_a_channel_of_one_joint_is_written_read_sliced_selected_and_resampled(channel, tmp_path):
+    name, prefix, values, *_ = channel
+    given = recording(**{name: np.column_stack([NOTHING, values])})
+    given.to_csv(tmp_path / "log.csv")
+    header = (tmp_path / "log.csv").read_text(encoding="utf-8").partition("\n")[0]
+    assert header == f"time,q_hip,q_knee,{prefix}_knee"
+    both = getattr(given, name)
+    again = Recording.from_csv(tmp_path / "log.csv")
+    np.testing.assert_array_equal(getattr(again, name), both)
+    assert again.tau is None
+    np.testing.assert_array_equal(getattr(given.select(("knee",)), name), both[:, 1:])
+    assert getattr(given.select(("hip",)), name) is None  # its only column was not measured
+    np.testing.assert_array_equal(getattr(given.between(0.5, 1.5), name), both[10:30])
+    faster = getattr(given.resampled(40.0), name)
+    np.testing.assert_allclose(faster[::2, 1], values, rtol=1e-12, atol=1e-12)
+    assert np.isnan(faster[:, 0]).all()
+    assert f"{name} [" in repr(given)
+    assert f"{name} [" in given._repr_html_()
+    assert not both.flags.writeable
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_every_format_has_columns_of_it(channel, kind, tmp_path):
+    name, prefix, values, *_ = channel
+    columns = {"time": TIME, "q_hip": 0.1 * TIME, "q_knee": 0.2 * TIME, f"{prefix}_knee": values}
+    read = Recording.from_file(FILES[kind](tmp_path / f"log.{kind}", **columns))
+    np.testing.assert_allclose(getattr(read, name)[:, 1], values, rtol=1e-15)
+    assert np.isnan(getattr(read, name)[:, 0]).all()
+
+
+@pytest.mark.parametrize("kind", ["npz", "mat"])
+def test_a_matrix_has_the_name_of_the_quantity_or_of_its_columns(channel, kind, tmp_path):
+    name, prefix, values, *_ = channel
+    both = np.column_stack([values, values + 1.0])
+    for title in (name, prefix):
+        path = FILES[kind](tmp_path / f"{title}.{kind}", time=TIME, q=np.zeros((40, 2)), **{title: both})
+        np.testing.assert_array_equal(getattr(Recording.from_file(path, NAMES), name), both)
+
+
+def test_another_unit_scale_and_zero_give_the_same(channel, tmp_path):
+    name, prefix, values, unit, factor, zero = channel
+    readings = factor * values + zero
+    path = write_csv(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, raw=readings, tenths=10.0 * readings + 5.0)
+    for column in (Column("raw", unit=unit), Column("tenths", scale=0.1, zero=5.0, unit=unit)):
+        read = Recording.from_csv(path, columns={f"{prefix}_hip": column})
+        np.testing.assert_allclose(getattr(read, name)[:, 0], values, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize(("unit", "cells"), [("degC", WARMING), ("°F", 32.0 + 1.8 * WARMING)])
+def test_temperatures_have_units_with_a_zero_of_their_own(tmp_path, unit, cells):
+    path = write_csv(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, case=cells)
+    read = Recording.from_csv(path, columns={"temp_hip": Column("case", unit=unit)})
+    np.testing.assert_allclose(read.temperature[:, 0], WARMING, atol=1e-9)
+
+
+def test_one_sensor_may_serve_several_joints_and_no_other_quantity(tmp_path):
+    path = write_csv(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, q_knee=0.1 * TIME, case=WARMING)
+    read = Recording.from_csv(path, columns={"temp_hip": "case", "temp_knee": "case"})
+    np.testing.assert_array_equal(read.temperature[:, 0], read.temperature[:, 1])
+    with pytest.raises(exoid.ExoidError, match="different header"):
+        Recording.from_csv(path, columns={"temp_hip": "case", "i_hip": "case"})
+
+
+def test_a_header_in_kelvins_is_not_read_as_degrees_in_silence(tmp_path):
+    path = write_csv(tmp_path / "log.csv", **{"time": TIME, "q_hip": 0.1 * TIME, "case [K]": WARMING + 273.15})
+    with pytest.raises(exoid.ExoidError, match="says K"):
+        Recording.from_csv(path, columns={"temp_hip": "case [K]"})
+
+
+def test_a_matrix_of_another_width_is_no_force_of_the_joints(tmp_path):
+    np.savez(tmp_path / "plate.npz", time=TIME, q=np.zeros((40, 2)), force=np.ones((40, 6)), joint_names=NAMES)
+    assert Recording.from_file(tmp_path / "plate.npz").force is None
+
+
+def test_a_channel_counts_in_the_hash_and_in_the_average():
+    given = recording(temperature=np.column_stack([NOTHING, WARMING]))
+    other = dataclasses.replace(given, temperature=given.temperature + 1.0)
+    assert evidence(given).sha256 != evidence(other).sha256
+    time = np.arange(8000) / 2000.0
+    fast = Recording(time, 0.1 * np.sin(time)[:, None], joint_names=("hip",), temperature=20.0 + time[:, None])
+    mean = averaged(fast, ZeroPhase(5.0))
+    assert len(mean) < len(fast)
+    np.testing.assert_allclose(mean.temperature[:, 0], 20.0 + mean.time, atol=1e-9)
+
+
+def test_joints_whose_torque_was_computed_stay_known():
+    given = recording(tau=np.ones((40, 2)), computed=("knee",))
+    assert given.between(0.5, 1.5).computed == ("knee",)
+    assert given.select(("hip",)).computed == ()

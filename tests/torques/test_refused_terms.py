@@ -1,0 +1,109 @@
+"""Terms and models that make no sense are refused: the kind of the error, with what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
+from exoid.errors import BadArgumentError, ExoidError
+from exoid.torques import (
+    Cable,
+    CoordinateTerm,
+    CouplingFriction,
+    CouplingInertia,
+    CouplingSpring,
+    JointMotion,
+    NonlinearParameter,
+    Stribeck,
+    TemperatureFriction,
+    TorqueModel,
+)
+from exoid.torques.catalog import term_by_name, term_from_json, term_to_json
+
+LEG = exoid.load_leg("cuhk")
+BOTH = ("hip", "knee")
+FREE = NonlinearParameter(0.1, 0.01, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loaded(CoordinateTerm):
+    """Would read the load."""
+
+    symbols = ("f",)
+    units = ("1",)
+    loaded = True
+
+    def fill(self, motion, out):
+        out[0] = motion.load
+
+
+class Magnet(Offset):
+    """A term that files do not know."""
+
+
+def spring(joints=BOTH, ratios=(1.0, 1.0)):
+    return CouplingSpring(joints=joints, ratios=ratios)
+
+
+def still(term):
+    """Columns of a joint at rest."""
+    term.fill(JointMotion(*np.zeros((4, 1))), np.zeros((1, 1)))
+
+
+SETTINGS = {
+    "negative smoothing": lambda: Coulomb(smoothing=-0.1),
+    "infinite dead band": lambda: Coulomb(dead_band=np.inf),
+    "negative presliding": lambda: Coulomb(presliding=-1.0),
+    "smoothing beside presliding": lambda: Coulomb(presliding=1e-3, smoothing=FREE),
+    "Stribeck at rest": lambda: Stribeck(velocity=0.0),
+    "half a degree": lambda: Stiffness(degree=2.5),
+    "below absolute zero": lambda: TemperatureFriction(reference=-300.0),
+    "no reference": lambda: TemperatureFriction(reference=float("nan")),
+    "start below its bound": lambda: NonlinearParameter(0.1, 0.2, 1.0),
+    "bound at zero": lambda: NonlinearParameter(0.1, 0.0, 1.0),
+    "no upper bound": lambda: NonlinearParameter(0.1, 0.1, np.inf),
+    "open setting in columns": lambda: still(Stribeck(velocity=FREE)),
+    "open setting in a model": lambda: TorqueModel(LEG, (Stribeck(velocity=FREE),)),
+    "no joints": lambda: spring(joints=None),
+    "one joint": lambda: spring(("hip",), (1.0,)),
+    "joints as text": lambda: spring("hip", (1.0,)),
+    "joint twice": lambda: spring(("hip", "hip")),
+    "joint by two names": lambda: TorqueModel(LEG, (spring(("hip", "left_hip")),)),
+    "joint not there": lambda: TorqueModel(LEG, (spring(("hip", "toe")),)),
+    "joint not there, alone": lambda: TorqueModel(LEG, (Coulomb(joints=("toe",)),)),
+    "too few ratios": lambda: spring(ratios=(1.0,)),
+    "ratio of text": lambda: spring(ratios=(1.0, "a")),
+    "ratio missing": lambda: spring(ratios=(1.0, np.nan)),
+    "ratio zero": lambda: CouplingInertia(joints=BOTH, ratios=(1.0, 0.0)),
+    "slack infinite": lambda: Cable(joints=BOTH, ratios=(1.0, 1.0), slack=np.inf),
+    "slack as text": lambda: Cable(joints=BOTH, ratios=(1.0, 1.0), slack="a"),
+    "negative smoothing of motors": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), smoothing=-1.0),
+    "negative reversal of motors": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), reversal_speed=-1.0),
+    "name of two words": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), name="hip motor"),
+    "the same twice": lambda: TorqueModel(LEG, (spring(), spring())),
+    "load of several joints": lambda: TorqueModel(LEG, (Loaded(joints=BOTH, ratios=(1.0, 1.0)),)),
+    "regrouped of other terms": lambda: replace(TorqueModel(LEG, (Armature(),)), terms=(Viscous(),)),
+    "no name in files": lambda: term_to_json(Magnet()),
+    "unknown name": lambda: term_by_name("magnet"),
+    "no name": lambda: term_from_json({}),
+    "name of another type": lambda: term_from_json({"term": ["coulomb"]}),
+    "setting of another term": lambda: term_from_json({"term": "viscous", "smoothing": 0.1}),
+    "setting of text": lambda: term_from_json({"term": "coulomb", "smoothing": "slow"}),
+    "half an open setting": lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}),
+}
+
+
+@pytest.mark.parametrize("call", SETTINGS.values(), ids=SETTINGS)
+def test_a_term_or_model_that_makes_no_sense_is_refused(call):
+    with pytest.raises(BadArgumentError) as error:
+        call()
+    assert "\n" not in str(error.value)
+
+
+def test_arrays_of_another_leg_are_refused():
+    with pytest.raises(ExoidError, match="do not fit a leg of 2 joints"):
+        TorqueModel(LEG, (Coulomb(),)).regressor(*np.zeros((3, 5, 3)))
