@@ -2,7 +2,7 @@
 
     python scripts/mutate_code.py                              # 60 mutations, a line each; then a table by rooms
     python scripts/mutate_code.py --room regression --count 8  # mutations of one room
-    python scripts/mutate_code.py --jobs 2 --seconds 300       # two at once; longest processor time of the tests of each
+    python scripts/mutate_code.py --jobs 2 --seconds 300       # two at once; longest processor time of each
 
 The seed chooses the mutations, as many in each room. Each is made in a copy of the repository. The tests of its room
 run first, then those elsewhere that import the room, up to the first failure. The test that fails must pass without
