@@ -85,9 +85,10 @@ def _changes(node: ast.AST, lines: list[str]) -> Iterator[tuple[int, int, int, s
         yield from _between(node.values[0], node.values[1], node.op, lines)
     elif isinstance(node, ast.Compare) and len(node.ops) == 1:
         yield from _between(node.left, node.comparators[0], node.ops[0], lines)
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, float) and node.end_col_offset is not None:
-        new = node.value + 1 if type(node.value) is int else 2.0 * node.value + (node.value == 0.0)
-        yield node.lineno, node.col_offset, node.end_col_offset, repr(new)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, int | float) and node.end_col_offset is not None:
+        if not isinstance(node.value, bool):
+            new = node.value + 1 if isinstance(node.value, int) else 2.0 * node.value + (node.value == 0.0)
+            yield node.lineno, node.col_offset, node.end_col_offset, repr(new)
     elif isinstance(node, ast.Attribute | ast.Name) and node.end_col_offset is not None:
         name = node.attr if isinstance(node, ast.Attribute) else node.id
         if name in NAMES and node.end_lineno is not None:
@@ -111,7 +112,7 @@ def tests_of(mutation: Mutation, copy: Path) -> list[str]:
     body = ast.parse((ROOT / mutation.path).read_text(encoding="utf-8")).body
     defined = [node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
     names = re.compile(rf"\b({'|'.join([mutation.path.stem, *defined])})\b")
-    found = []
+    found: list[tuple[int, Path]] = []
     for path in sorted((copy / "tests").rglob("test_*.py")):
         text, place = path.read_text(encoding="utf-8"), path.relative_to(copy)
         own = place.parts[1] == top

@@ -176,7 +176,7 @@ REFUSED = {
     ExoidError: [  # what other rooms refuse
         ("finite", lambda: Plant.build(BLEEX, {"X1": np.inf})),
         *(("payload", lambda x=x: Payload("hip", *x)) for x in ((-1.0,), (np.nan,), (1.0, (0.0, np.inf, 0.0)))),
-        ("payload", lambda: Payload("hip", 1.0, gyration=-0.1)),
+        *(("payload", lambda x=x: Payload("hip", 1.0, gyration=x)) for x in (-0.1, 500.0)),
         ("ankle", lambda: leg_with_payloads(CUHK, [Payload("ankle", 1.0)])),
         ("base", lambda: Wearer(exoid.load_leg("cuhk", base="floating"))),
         ("foot", lambda: GroundPlant.build(LEGS, {"foot": BLEEX_SOLES["left_foot"]})),
