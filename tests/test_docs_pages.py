@@ -14,7 +14,6 @@ DOCS = ROOT / "docs"
 TESTED_ELSEWHERE = {
     "extending": "tests/extension/test_extending_page.py",  # it needs an installed package
     "control": "tests/control/test_control_page.py",
-    "rig": "tests/rig/test_rig_page.py",
     "microcontroller": "tests/codegen/test_microcontroller_page.py",
     "stability": "tests/cli/test_stability_command.py",
     "view": "tests/view/test_view_docs.py",

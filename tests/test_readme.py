@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands, shell_commands
@@ -68,13 +66,6 @@ def test_one_line_replays_the_documents_and_one_runs_the_tests():
     lines = [line.partition("  ")[0] for block in SHOWN for line in block.splitlines()]
     assert "pip install . && exoid reproduce bleex" in lines
     assert "pip install '.[test]' && pytest" in lines
-
-
-def test_links_to_files_lead_somewhere():
-    links = re.findall(r"\]\((?!https?:)([^)#]+)\)", README.read_text(encoding="utf-8"))
-    assert links
-    for link in links:
-        assert (README.parent / link).is_file(), link
 
 
 def test_every_parameter_is_in_the_table():

@@ -90,7 +90,15 @@ def run_static(
         seed=rng,
         progress=progress,
     )
-    _refuse_unsettled(run, protocol.readings)
+    moved = np.ptp(run.q[-protocol.readings :], axis=0).max(axis=0)
+    unsettled = np.flatnonzero(moved > 1e-4)  # rad
+    if len(unsettled):
+        worst = int(moved.argmax())
+        raise BadArgumentError(
+            f"{len(unsettled)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
+            "during the readings",
+            remedy="wait longer, or add damping to the servo",
+        )
     return [
         Approaches(*(_read(run, slice(first, first + count), protocol.readings) for first in (a, a + count)))
         for a in range(0, wide.count, 2 * count)
@@ -113,18 +121,6 @@ def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) 
         raise BadArgumentError(
             f"{protocol.readings} readings at {bench.rates.log:g} Hz take longer than the wait of {protocol.wait:g} s",
             remedy="wait longer, or read fewer",
-        )
-
-
-def _refuse_unsettled(run: Run, readings: int) -> None:
-    moved = np.ptp(run.q[-readings:], axis=0).max(axis=0)
-    unsettled = np.flatnonzero(moved > 1e-4)  # rad
-    if len(unsettled):
-        worst = int(moved.argmax())
-        raise BadArgumentError(
-            f"{len(unsettled)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
-            "during the readings",
-            remedy="wait longer, or add damping to the servo",
         )
 
 

@@ -133,7 +133,11 @@ def simulate(
             past.append((torque, rig.q, rig.v, *((limb.limb.q, limb.limb.v) if limb else ())))
             logs, controls = k % every_log == 0, every_control and k % every_control == 0
             if controls or logs:
-                _refuse_divergence(rig.v, k * dt)
+                if not (np.abs(rig.v) < DIVERGED_SPEED).all():
+                    raise BadArgumentError(
+                        f"the rig diverged before {k * dt:.3g} s",
+                        remedy="lower the gain, add damping or leakage, or shorten the step; check gains and model",
+                    )
                 target, (tau, *motion) = reference.at(k * dt), past[0]
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
             if controls:
@@ -202,11 +206,3 @@ def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
             f"{name}: shape {np.shape(values)} for {plant.n} joints of {plant.count} rigs",
             remedy=f"give ({plant.n}, {plant.count}) or ({plant.n}, 1) numbers",
         ) from error
-
-
-def _refuse_divergence(v: FloatArray, time: float) -> None:
-    if not (np.abs(v) < DIVERGED_SPEED).all():
-        raise BadArgumentError(
-            f"the rig diverged before {time:.3g} s",
-            remedy="lower the gain, add damping or leakage, or shorten the step; check gains and model",
-        )

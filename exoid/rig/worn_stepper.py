@@ -24,7 +24,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.dynamics import inverse_dynamics
-from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
 
 from .controllers import Reference, Target
@@ -156,7 +155,10 @@ def intended(
 def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
     """Build the limbs of the rigs of a plant: bodies without friction, on the same torso."""
     leg, limb = plant.leg, wearer.limb
-    if limb.joint_names != leg.joint_names or not _same_geometry(leg, limb):
+    kinds = [[joint.shortname() for joint in body.model.joints] for body in (leg, limb)]
+    places = zip(leg.model.jointPlacements, limb.model.jointPlacements, strict=False)
+    alike = kinds[0] == kinds[1] and all(at.isApprox(there, TOLERANCE) for at, there in places)
+    if limb.joint_names != leg.joint_names or not alike:
         raise BadArgumentError(
             f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}",
             remedy="make the wearer of the plant's leg: Wearer.build(plant.leg, height, mass)",
@@ -185,13 +187,6 @@ def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
             f"beyond {lower[joint, rig]:.4g} and {upper[joint, rig]:.4g} rad",
             remedy="give an intention in rad between the end stops, or build the plant with end_stops=False",
         )
-
-
-def _same_geometry(leg: Leg, limb: Leg) -> bool:
-    one, other = leg.model, limb.model
-    kinds = [[joint.shortname() for joint in model.joints] for model in (one, other)]
-    placements = zip(one.jointPlacements, other.jointPlacements, strict=False)
-    return kinds[0] == kinds[1] and all(at.isApprox(there, TOLERANCE) for at, there in placements)
 
 
 def _limb_response(limb: Equations, half: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -200,36 +200,3 @@ def test_each_tilt_and_each_set_of_poses_has_a_file(tmp_path):
     assert all((tmp_path / name).is_file() for name in names)
     with pytest.raises(ExoidError, match=r"name the file \.csv"):
         write_plan(tmp_path / "plan.txt", plan)
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"duration": 2.0}, "too short for 3 harmonics"),
-        ({"duration": -1.0}, "positive numbers"),
-        ({"rate": 10.0}, "sample it at 24 Hz"),
-        ({"criterion": "best"}, "use one of worst, a, d"),
-        ({"starts": 0}, "at least one start"),
-        ({"noise": (0.1, 0.2, 0.3)}, "torque noise of 3 joints"),
-        ({"noise": 0.0}, "give a positive standard deviation"),
-        ({"values": {"c0_elbow": 1.0}}, "no parameter c0_elbow"),
-        (
-            {"limits": lambda: MotionLimits.of(CUHK, torque=5.0, angles_deg={"hip": (40, 50)})},
-            "the torque limit is exceeded",
-        ),
-        ({"limits": lambda: MotionLimits.of(CUHK, torque=0.5), "poses": 3}, "of 400 poses are within the limits"),
-        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"elbow": (0, 1)})}, "no joint 'elbow'"),
-        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"knee": (90, 20)})}, "no range between the limits"),
-        ({"limits": lambda: MotionLimits.of(CUHK, velocity=-1.0)}, "velocity limit is not positive"),
-        ({"limits": lambda: MotionLimits.of(CUHK, velocity=(1.0, 2.0, 3.0))}, "velocity limits of 3 joints"),
-        ({"limits": lambda: MotionLimits.of(CUHK, clearance=Clearance(np.zeros((1, 3))))}, r"give \(forward, up\)"),
-    ],
-)
-def test_what_cannot_be_planned_is_refused(options, words):
-
-    def planned():
-        limits = options.get("limits", lambda: None)()
-        return plan_excitation(CUHK, **{"duration": 10.0, "starts": 1, **options, "limits": limits})
-
-    with pytest.raises(ExoidError, match=words):
-        planned()

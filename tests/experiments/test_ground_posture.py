@@ -3,9 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from ground_machines import spatial_plant
 
-from exoid import ExoidError
 from exoid.experiments.ground import bleex_machine
 from exoid.experiments.ground.posture import centre_of_mass, planar_legs, total_mass
 from exoid.leg.link_frames import link_frame
@@ -51,11 +49,3 @@ def test_the_centre_of_mass_is_pinocchios():
             base[0] + (pin.exp3(np.array([0.0, -base[2], 0.0])) @ np.sum(bodies, axis=0))[0] / total_mass(PLANT)
         )
     np.testing.assert_allclose(centre_of_mass(PLANT, BASES, q), expected, rtol=0, atol=1e-12)
-
-
-def test_what_is_out_of_reach_or_not_planar_is_refused():
-    leg = planar_legs(PLANT)[0]
-    with pytest.raises(ExoidError, match=r"a leg of 0\.86 m"):
-        leg.angles(BASES, np.full(3, 3.0 + 0.0j), np.zeros(3))
-    with pytest.raises(ExoidError, match="not planar"):
-        planar_legs(spatial_plant())

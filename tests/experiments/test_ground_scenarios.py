@@ -8,10 +8,8 @@ from ground_machines import inverse_dynamics_residual, residual
 from scipy.interpolate import CubicSpline
 
 import exoid
-from exoid import ExoidError
 from exoid.experiments.ground import (
     Gait,
-    Stance,
     bleex_machine,
     rail_squats,
     single_support,
@@ -21,8 +19,7 @@ from exoid.experiments.ground import (
 )
 from exoid.experiments.ground.planned_motion import Bearing, planned_motion
 from exoid.experiments.ground.posture import planar_legs
-from exoid.rig.ground import GroundPlant, JointGains, simulate_on_ground
-from exoid.rig.ground.plant import BLEEX_SOLES
+from exoid.rig.ground import JointGains, simulate_on_ground
 
 EXO, LEG = bleex_machine(), bleex_machine("left")
 WEIGHT = 9.81 * sum(body.mass for body in EXO.leg.model.inertias)
@@ -188,30 +185,3 @@ def test_machines_walk_by_every_norm(speed, period):
 def test_one_leg_carries_the_other_without_moving_it():
     assert LEG.leg.joint_names == ("left_hip", "left_knee", "left_ankle")
     assert sum(body.mass for body in LEG.leg.model.inertias) * 9.81 == pytest.approx(WEIGHT)
-
-
-@pytest.mark.parametrize(
-    ("mistake", "message"),
-    [
-        (lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=1.0)), "m from the hip, a leg of 0.86 m"),
-        (
-            lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=0.5)),
-            r"asks left_knee for -126.6°. To fix it: stay between",
-        ),
-        (lambda: squats_and_shifts(EXO, 6.0, stance=Stance(frequency=1.6)), r"machine falls: at 5\.\d+ s its torso is"),
-        (lambda: single_support(EXO, 1.0, stance=Stance(height=0.75)), r"right_foot would swing -48.4 mm above"),
-        (lambda: single_support(EXO, 1.0, standing=2), "no leg 2 of 2"),
-        (lambda: walking(EXO, 1.0, gait=Gait(speed="Running")), "Running"),
-        (lambda: bleex_machine("three"), "legs 'three'"),
-        (
-            lambda: rail_squats(
-                GroundPlant.build(exoid.load_exo("cuhk", base="floating"), {"left_shank": BLEEX_SOLES["left_foot"]}),
-                1.0,
-            ),
-            "hip, knee, ankle and one sole",
-        ),
-    ],
-)
-def test_motions_that_cannot_be_followed_are_refused(mistake, message):
-    with pytest.raises(ExoidError, match=message):
-        mistake()

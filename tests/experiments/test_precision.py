@@ -7,7 +7,6 @@ import pytest
 from unchecked import identify
 
 import exoid
-from exoid.errors import ExoidError
 from exoid.experiments import Bench, Harmonics, cuhk
 from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import MotionLimits, Scales, StaticRows, TorqueNoise, assess, plan_excitation, predict
@@ -166,11 +165,6 @@ def test_a_slow_log_is_assessed_behind_the_cutoff_with_which_it_will_be_identifi
     said = assess(LEG, slow, noise=0.3)
     expected = assess(LEG, slow, noise=0.3, preparation=exoid.signals.ZeroPhase(2.0))
     np.testing.assert_allclose(said.precision.std, expected.precision.std)
-
-
-def test_nothing_to_assess_is_refused():
-    with pytest.raises(ExoidError, match="no recordings to assess"):
-        assess(LEG, [])
 
 
 @pytest.mark.slow

@@ -6,9 +6,8 @@ import pytest
 import exoid
 from exoid import published
 from exoid.errors import ExoidError
-from exoid.experiments import Harmonics, Hold, StaticProtocol, bleex, cuhk, healthy_gait
+from exoid.experiments import Harmonics, bleex, cuhk, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
-from exoid.experiments.references import Approach
 from exoid.torques import TorqueModel
 
 
@@ -118,68 +117,9 @@ def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
         cuhk.multisine(leg, np.random.default_rng(0), 0)
 
 
-def test_velocity_is_the_derivative_of_every_reference():
-    start, goal = np.array([[0.0], [0.5]]), np.array([[0.3], [-0.5]])
-    motions = [Approach(start, goal, 2.0), healthy_gait(), cuhk.swing(0), Hold(goal)]
-    for motion in motions:
-        for t in (0.4, 1.1, 1.9, 3.0):
-            slope = (np.asarray(motion.at(t + 1e-6).q) - motion.at(t - 1e-6).q) / 2e-6
-            np.testing.assert_allclose(motion.at(t).v, slope, atol=1e-6)
-    np.testing.assert_allclose(motions[0].at(9.0).q, goal)
-    slope = (healthy_gait().at(1.0 + 1e-6).v - healthy_gait().at(1.0 - 1e-6).v) / 2e-6
-    np.testing.assert_allclose(healthy_gait().at(1.0).a, slope, atol=1e-5)
-
-
 def test_concatenated_motions_are_unchanged():
     both = Harmonics.concatenate([healthy_gait().tile(2), cuhk.swing(1)])
     np.testing.assert_allclose(
         both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])
     )
     np.testing.assert_allclose(both.at(1.3).v[:, :1], healthy_gait().at(1.3).v)
-
-
-@pytest.mark.parametrize(
-    ("poses", "words"),
-    [
-        ([[0.0, -0.1, 1.0]], "pose 0 asks left_ankle for 57.3"),
-        ([[0.0, -0.1, 0.0], [0.0, np.nan, 0.0]], "pose 1 asks left_knee for nan"),
-        ([[0.0, -0.1]], "shape"),
-        ([0.0, -0.1, 0.0], "shape"),
-        (np.zeros((0, 3)), "shape"),
-    ],
-)
-def test_poses_beyond_the_limits_are_refused(poses, words):
-    with pytest.raises(ExoidError, match=words):
-        refuse_poses_beyond_limits(exoid.load_leg("bleex"), poses)
-
-
-def harmonic(amplitude_deg, frequency, joints=2):
-    shape = (1, joints, 1)
-    return Harmonics(
-        np.full(shape[1:], np.deg2rad(40.0)),
-        np.full(shape, np.deg2rad(amplitude_deg)),
-        np.full(shape, 2.0 * np.pi * frequency),
-        np.zeros(shape),
-    )
-
-
-@pytest.mark.parametrize(
-    ("motion", "duration", "words"),
-    [
-        (harmonic(100.0, 0.1), 10.0, "an angle of"),
-        (harmonic(20.0, 4.0), 1.0, "a speed of"),
-        (harmonic(np.nan, 0.1), 10.0, "an angle of nan"),
-        (harmonic(10.0, 0.1, joints=3), 10.0, "shape"),
-        (harmonic(10.0, 0.1), 0.0, "positive duration"),
-        (harmonic(10.0, 0.1), np.nan, "positive duration"),
-    ],
-)
-def test_motions_beyond_the_limits_are_refused(motion, duration, words):
-    with pytest.raises(ExoidError, match=words):
-        refuse_motion_beyond_limits(exoid.load_leg("cuhk"), motion, duration)
-
-
-@pytest.mark.parametrize("wrong", [{"travel": 0.0}, {"wait": -1.0}, {"readings": 0}, {"distance": np.nan}])
-def test_a_static_protocol_that_cannot_be_done_is_refused(wrong):
-    with pytest.raises(ExoidError, match="positive"):
-        StaticProtocol(**wrong)

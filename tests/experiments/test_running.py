@@ -59,41 +59,6 @@ def test_every_rig_has_poses_of_its_own(plant):
     np.testing.assert_allclose(second.averaged.tau, expected, atol=0.05)
 
 
-@pytest.mark.parametrize(
-    ("poses", "protocol", "words"),
-    [
-        ([[3.0, 0.5]], PROTOCOL, "pose 0 asks left_hip"),
-        ([[0.5, 0.5]], StaticProtocol(travel=0.01), "the approach asks"),
-        ([[0.5, 0.5]], StaticProtocol(wait=0.1, readings=50), "take longer than the wait"),
-    ],
-)
-def test_bad_protocols_are_refused_before_anything_runs(plant, poses, protocol, words, monkeypatch):
-    monkeypatch.setattr("exoid.experiments.static.simulate", lambda *_, **__: pytest.fail("it ran"))
-    with pytest.raises(ExoidError, match=words):
-        run_static(plant, np.array(poses), BENCH, np.random.default_rng(0), protocol)
-
-
-def test_motions_beyond_the_limits_are_refused_before_anything_runs(plant, monkeypatch):
-    monkeypatch.setattr("exoid.experiments.bench.simulate", lambda *_, **__: pytest.fail("it ran"))
-    fast = cuhk.swing(0)
-    wild = type(fast)(fast.centre, 10.0 * fast.amplitude, fast.frequency, fast.phase)
-    with pytest.raises(ExoidError, match="an angle of"):
-        run_motion(plant, wild, BENCH, 20.0, np.random.default_rng(0))
-
-
-def test_rates_that_do_not_fit_are_refused(plant):
-    bench = Bench(BENCH.controller, BENCH.actuator, BENCH.sensors, Rates(control=333.0))
-    with pytest.raises(ExoidError, match="do not fit"):
-        run_motion(plant, cuhk.swing(0), bench, 1.0, np.random.default_rng(0))
-
-
-def test_joints_that_do_not_rest_are_refused(plant):
-    undamped = Bench(ProportionalDerivative(400.0, 0.0), IdealTorque(), Sensors(encoder_counts=np.inf), BENCH.rates)
-    frictionless = Plant.build(LEG)
-    with pytest.raises(ExoidError, match="did not come to rest"):
-        run_static(frictionless, np.array([[0.5, 0.5]]), undamped, np.random.default_rng(0), PROTOCOL)
-
-
 def test_a_motion_is_followed_and_logged(plant):
     run = run_motion(plant, cuhk.swing(0), BENCH, 2.0, np.random.default_rng(0))
     assert run.recording(0).joint_names == LEG.joint_names

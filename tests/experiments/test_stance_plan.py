@@ -12,7 +12,6 @@ from exoid.experiments.excitation import (
     GroundLimits,
     MotionLimits,
     TorqueNoise,
-    plan_excitation,
     plan_stance,
     predict,
     run_stance,
@@ -24,7 +23,6 @@ from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
-from exoid.rig.ground import Sole
 from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.contacts.elimination import eliminate
@@ -279,25 +277,6 @@ def test_files_have_contacts_and_are_identified(plan, tmp_path):
     np.testing.assert_allclose(found.values, EXO.parameters, rtol=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"feet": ("middle",)}, "middle"),
-        ({"feet": ("left", "left")}, "left"),
-        ({"soles": {link: Sole.flat(-0.02, 0.02, -0.115) for link in BLEEX_SOLES}}, "centre of pressure"),
-        ({"ground": GroundLimits(knee_deg=119.0)}, "no range"),
-        ({"limits": MotionLimits.of(EXO, torque=5.0)}, "torque"),
-        ({"soles": {"left_foot": BLEEX_SOLES["left_foot"]}}, "soles"),
-        ({"duration": 1.0}, "too short"),
-        ({"starts": 0}, "starts"),
-        ({"values": {"mass": 1.0}}, "mass"),
-    ],
-)
-def test_what_cannot_be_planned_is_one_error(arguments, message):
-    with pytest.raises(ExoidError, match=message):
-        plan_stance(EXO, (), **({"noise": STD, "duration": 10.0, "starts": 1} | arguments))
-
-
 def test_a_machine_of_one_leg_stands_on_it():
     one = exoid.load_leg("bleex", base="floating")
     with pytest.MonkeyPatch.context() as patch:
@@ -308,16 +287,3 @@ def test_a_machine_of_one_leg_stands_on_it():
     assert {"X0", "Y0"} <= {name for name, grade in grades.items() if grade != "not"}
     assert grades["J0"] == grades["M"] == "not"
     assert list(found.recordings[0].contacts) == ["left_foot"]
-
-
-def test_a_leg_that_hangs_on_its_torso_is_refused():
-    with pytest.raises(ExoidError, match="floating"):
-        plan_stance(exoid.load_leg("bleex"))
-    with pytest.raises(ExoidError, match="floats"):
-        plan_excitation(EXO)
-
-
-@pytest.mark.parametrize("number", [{"friction": 0.0}, {"least_load": 1.2}, {"doubt": -0.1}, {"clearance": np.nan}])
-def test_bad_limits_of_the_ground_are_one_error(number):
-    with pytest.raises(ExoidError):
-        GroundLimits(**number)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-import pytest
 from rigs import BLEEX, EVERYTHING, POSE, torque, zeros
 
 import exoid
@@ -65,15 +64,3 @@ def test_energy_is_balanced_with_friction_and_rotors_of_both_sides() -> None:
     )
     assert run.energy.dissipated[0] > 1.0
     assert run.energy.relative_error[0] < 1e-3
-
-
-@pytest.mark.parametrize("wrong", [{"coulomb": -1.0}, {"viscous": (1.0, 2.0, 3.0)}, {"rotor": float("nan")}])
-def test_impossible_friction_of_motors_is_refused(wrong: dict[str, object]) -> None:
-    with pytest.raises(exoid.ExoidError, match=next(iter(wrong))):
-        CoupledMotors(Coupling(("hip", "knee"), ((1.0, 0.0), (0.0, 1.0))), **wrong)  # type: ignore[arg-type]
-
-
-def test_several_rigs_are_refused() -> None:
-    plant = Plant.build(BLEEX).repeat(2)
-    with pytest.raises(exoid.ExoidError, match="2 rigs"):
-        CoupledStepper(plant, np.tile(POSE, 2), zeros(plant), DT)

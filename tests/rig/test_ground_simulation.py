@@ -9,13 +9,11 @@ import pinocchio as pin
 import pytest
 from ground_machines import inverse_dynamics_residual, residual, spatial_plant
 
-import exoid
 from exoid import ExoidError
 from exoid.experiments.ground import bleex_machine
 from exoid.rig import Rates
-from exoid.rig.ground import GroundMotion, GroundPlant, GroundSensors, JointGains, Sole, Spring, simulate_on_ground
+from exoid.rig.ground import GroundMotion, GroundPlant, JointGains, Spring, simulate_on_ground
 from exoid.rig.ground.engine import Engine
-from exoid.rig.ground.plant import BLEEX_SOLES
 
 PLANT = bleex_machine()
 GAINS = JointGains((2000.0, 2000.0, 1500.0), (60.0, 60.0, 40.0))
@@ -169,44 +167,3 @@ def test_mujoco_is_imported_by_the_first_run_only():
     program = "import sys, exoid.experiments.ground as g; g.bleex_machine(); print('mujoco' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.strip() == "False"
-
-
-def simulate_with(**changes):
-    return simulate_on_ground(**{"plant": PLANT, "motion": motion(), "gains": GAINS, **changes})
-
-
-STIFF = Spring((0.0, 0.0, 0.3), (1e9, 0.0, 1e9), (0.0, 0.0, 0.0))
-LATE = motion(lead=0.5)
-FIXED = exoid.load_exo("bleex")
-
-
-@pytest.mark.parametrize(
-    ("mistake", "message"),
-    [
-        (lambda: simulate_with(rail=True, spring=HOLD), "a rail and a spring"),
-        (lambda: simulate_with(motion=LATE), "begin at zero or before"),
-        (lambda: simulate_with(gains=JointGains((1.0,) * 4, 1.0)), "stiffness has 4 values for 6 joints"),
-        (lambda: simulate_with(gains=JointGains(1.0, -1.0)), "damping is -1.0"),
-        (lambda: simulate_with(rates=Rates(control=3000.0)), "do not fit a step"),
-        (lambda: simulate_with(plant=spatial_plant(), rail=True), "moves in a plane"),
-        (lambda: simulate_with(spring=STIFF), "the machine diverged before"),
-        (lambda: GroundPlant.build(FIXED, BLEEX_SOLES), "needs a floating base, not 'fixed'"),
-        (lambda: GroundPlant.build(PLANT.leg, {"foot": BLEEX_SOLES["left_foot"]}), "no link 'foot' in the URDF"),
-        (lambda: GroundPlant.build(PLANT.leg, {}), "no sole"),
-        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, {"c0_hip": 1.0}), "the plant has no c0_hip"),
-        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, {"c0_left_hip": -1.0}), "c0 of the plant"),
-        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, ground_friction=0.0), "friction coefficient of the ground"),
-        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, smoothing=0.0), "a smoothing of 0"),
-        (lambda: Sole(np.zeros((1, 3))), "a sole with points of shape"),
-        (lambda: Sole.flat(-75.0, 130.0, -115.0), "in m"),
-        (lambda: Sole(np.zeros((2, 3)), radius=0.0), "radius 0 m"),
-        (lambda: Spring((0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "is not a spring"),
-        (lambda: GroundSensors(angle_noise=-1.0), "angle_noise of the sensors is -1.0"),
-        (lambda: GroundSensors(wrench_axes="plate"), "wrenches in axes 'plate'"),
-        (lambda: GroundSensors(mislabelled=1.0), "mislabelled"),
-        (lambda: GroundSensors(imu_position=(0.0, np.nan, 0.0)), "imu_position"),
-    ],
-)
-def test_bad_input_is_refused(mistake, message):
-    with pytest.raises(ExoidError, match=message):
-        mistake()

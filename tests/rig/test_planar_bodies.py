@@ -1,15 +1,12 @@
 """Batched planar dynamics against Pinocchio's."""
 
-import re
-
 import numpy as np
 import pinocchio as pin
 import pytest
 from planar_chains import random_chain, random_motion
 
 import exoid
-from exoid import ExoidError, Leg
-from exoid.leg.description import describe
+from exoid import Leg
 from exoid.rig.planar_bodies import PlanarBodies
 
 B = 30
@@ -80,12 +77,3 @@ def test_legs_in_a_batch_may_differ():
         still = np.zeros((1, 3))
         expected = one.inverse_dynamics(q[k : k + 1], v[k : k + 1], still)[0]
         np.testing.assert_allclose(bias[:, k], expected, rtol=0, atol=1e-11)
-
-
-def test_a_leg_that_is_not_planar_is_refused_with_advice():
-    first, rest = LEGS[4].description.text.split("<axis", 1)
-    turned = re.sub(r'xyz="[^"]*"', 'xyz="0.6 0 0.8"', rest, count=1)
-    leg = Leg.from_description(describe(f"{first}<axis{turned}"))
-    assert leg.chain is None
-    with pytest.raises(ExoidError, match="PinocchioStepper"):
-        PlanarBodies.from_parameters(leg, leg.parameters[:, None], np.zeros(1))

@@ -7,7 +7,6 @@ from planar_chains import random_chain
 from rigs import BLEEX, EVERYTHING, FRICTION, POSE, torque, zeros
 
 import exoid
-from exoid import ExoidError
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.rig import PinocchioStepper, PlanarStepper, Plant
 
@@ -231,9 +230,3 @@ def test_mujocos_friction_creeps_where_ours_holds():
         rig.step(inside, zeros(plant))
     assert np.abs(data.qpos[dofs] - POSE[:, 0]).max() > 1e-3
     np.testing.assert_array_equal(rig.q, POSE)
-
-
-def test_pinocchio_steps_one_rig_only():
-    plant = Plant.build(BLEEX).repeat(2)
-    with pytest.raises(ExoidError, match=r"plant\.take"):
-        PinocchioStepper(plant, zeros(plant), zeros(plant), 1e-3)

@@ -50,6 +50,17 @@ class OpenLoop:
         return np.zeros_like(q)
 
 
+class Feel(OpenLoop):
+    """Notes the torque of the wearer that it receives."""
+
+    def __init__(self):
+        self.felt = []
+
+    def command_worn(self, target, q, v, interaction):
+        self.felt.append(interaction)
+        return np.zeros_like(q)
+
+
 def worn(plant=FREE, wearer=None, duration=1.0, controller=None, reference=GAIT, **options):
     options = {"rates": FINE, "wearer": wearer or Wearer.build(plant.leg), **options}
     return simulate(
@@ -302,14 +313,6 @@ def test_smooth_friction_may_be_worn():
 
 @pytest.mark.slow
 def test_controllers_that_can_receive_the_torque_of_the_wearer():
-    class Feel(OpenLoop):
-        def __init__(self):
-            self.felt = []
-
-        def command_worn(self, target, q, v, interaction):
-            self.felt.append(interaction)
-            return np.zeros_like(q)
-
     exact, noisy = Feel(), Feel()
     sensors = Sensors(np.inf, interaction_noise=(2.0, 0.5), interaction_offset=3.0)
     rates = Rates(100.0, 100.0, 5e-4)
@@ -323,14 +326,6 @@ def test_controllers_that_can_receive_the_torque_of_the_wearer():
 
 
 def test_the_torque_of_the_wearer_arrives_as_late_as_all_readings():
-    class Feel(OpenLoop):
-        def __init__(self):
-            self.felt = []
-
-        def command_worn(self, target, q, v, interaction):
-            self.felt.append(interaction)
-            return np.zeros_like(q)
-
     late, rates = Feel(), Rates(100.0, 100.0, 5e-4)
     run = worn(controller=late, rates=rates, sensors=Sensors(np.inf, delay=3))
     np.testing.assert_array_equal(np.array(late.felt)[3:], run.interaction[:-3])
@@ -361,88 +356,12 @@ def test_a_passive_limb_of_the_same_size_makes_the_documents_leg():
     np.testing.assert_allclose(cuffed.q, welded.q, atol=1e-3)
 
 
-def test_legs_that_are_no_persons_have_no_anthropometry():
-    arm = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
-    with pytest.raises(ExoidError, match="no anthropometry for the joints"):
-        limb_of(arm)
-
-
-@pytest.mark.parametrize("stature", [{"height": 175.0}, {"mass": 7e4}, {"height": -1.7}, {"mass": np.nan}])
-def test_statures_in_other_units_are_refused(stature):
-    with pytest.raises(ExoidError, match="a wearer of"):
-        Wearer.build(CUHK, **stature)
-
-
-# ------------------------------------------------------------------------------------------------ refusals
-
-
-@pytest.mark.parametrize(
-    ("bad", "message"),
-    [
-        ({"cuff_stiffness": -1.0}, "cuff_stiffness of the wearer is -1.0"),
-        ({"cuff_damping": (1.0, -2.0)}, "cuff_damping"),
-        ({"cuff_stiffness": (1.0, 2.0, 3.0)}, "one for each of 2 joints"),
-        ({"muscle_damping": np.nan}, "muscle_damping"),
-        ({"cuff_damping": "soft"}, "cuff_damping"),
-        ({"muscle_stiffness": 10.0}, "muscles with stiffness but without intention"),
-        ({"intention": GAIT, "muscle_stiffness": 0.0, "muscle_damping": 0.0, "feedforward": False}, "without muscles"),
-    ],
-)
-def test_wearers_that_cannot_be_are_refused(bad, message):
-    with pytest.raises(ExoidError, match=message):
-        Wearer.build(CUHK, **bad)
-
-
-def test_a_wearer_of_a_leg_that_floats_is_refused():
-    with pytest.raises(ExoidError, match="a wearer needs a base that is held"):
-        Wearer(exoid.load_leg("cuhk", base="floating"))
-    with pytest.raises(ExoidError, match="a limb of type Plant"):
-        Wearer(FREE)
-
-
-def test_the_limb_of_another_leg_is_refused():
-    with pytest.raises(ExoidError, match=r"a limb of bleex\.urdf .* in a leg of"):
-        worn(FREE, Wearer.build(BLEEX))
-    longer, other = (random_chain(np.random.default_rng(seed), 2).leg() for seed in (0, 1))
-    with pytest.raises(ExoidError, match="make the wearer of the plant's leg"):
-        worn(Plant.build(longer, end_stops=False), Wearer(other))
-
-
-def test_cuffs_of_other_rigs_are_refused():
-    with pytest.raises(ExoidError, match="cuff_stiffness for 3 rigs on 1"):
-        worn(FREE, Wearer.build(CUHK, cuff_stiffness=np.ones((2, 3))))
-
-
-def test_a_limb_without_bodies_is_refused():
-    with pytest.raises(ExoidError, match="mass matrix is not positive definite"):
-        worn(FREE, Wearer(CUHK.with_parameters(np.zeros(6))))
-
-
-def test_an_intention_beyond_the_end_stops_is_refused():
-    beyond = Wearer.build(CUHK, intention=healthy_gait(3.0, 1.2))
-    with pytest.raises(ExoidError, match=r"the wearer intends .* rad of left_knee at"):
-        worn(STICKING, beyond, reference=healthy_gait(0.5, 1.2))
-
-
-@pytest.mark.parametrize(
-    ("intention", "message"),
-    [
-        (Hold(np.array([[40.0], [20.0]])), "the wearer intends 40 rad"),
-        (Hold(np.array([[np.nan], [0.2]])), "not finite"),
-        (Hold(np.zeros((3, 1))), r"an intention of shape \(3, 1\) for 2 joints of 1 rigs"),
-    ],
-)
-def test_intentions_that_do_not_fit_are_refused(intention, message):
-    with pytest.raises(ExoidError, match=message):
-        worn(FREE, Wearer.build(CUHK, intention=intention))
-
-
 def test_an_intention_without_acceleration_needs_muscles_without_feedforward():
     class Line:
         def at(self, time):
             return Target(np.full((2, 1), 0.2 + 0.1 * time), np.full((2, 1), 0.1))
 
-    with pytest.raises(ExoidError, match="the intention has no acceleration"):
+    with pytest.raises(ExoidError, match="acceleration"):
         worn(FREE, Wearer.build(CUHK, intention=Line()))
     run = worn(FREE, Wearer.build(CUHK, intention=Line(), feedforward=False), reference=Line())
     assert np.abs(run.limb_q[-1] - run.limb_q[0]).max() > 0.02

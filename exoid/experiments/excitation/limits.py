@@ -142,31 +142,25 @@ class MotionLimits:
         lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + margin
         upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - margin
         for name, (low, high) in (angles_deg or {}).items():
-            joint = joint_index(leg, name)
+            if name not in (*leg.joint_names, *leg.joint_labels):
+                known = ", ".join(leg.joint_names)
+                raise BadArgumentError(f"no joint {name!r} in the leg", remedy=f"its joints are {known}")
+            joint = (*leg.joint_names, *leg.joint_labels).index(name) % n
             lower[joint] = max(lower[joint], np.deg2rad(low))
             upper[joint] = min(upper[joint], np.deg2rad(high))
         given = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
         urdf = {"velocity": own.velocity, "acceleration": np.full(n, np.inf), "torque": own.effort}
-        chosen = {key: np.minimum(_stated(urdf[key]), _each(value, n, key)) for key, value in given.items()}
+        # zero in a URDF means no limit
+        chosen = {
+            key: np.minimum(np.where(urdf[key] > 0.0, urdf[key], np.inf), _each(value, n, key))
+            for key, value in given.items()
+        }
         return cls(lower, upper, **chosen, clearance=clearance)
 
     @property
     def span(self) -> FloatArray:
         """Range of angle [rad], (n,)."""
         return self.upper - self.lower
-
-
-def joint_index(leg: Leg, name: str) -> int:
-    """Find a joint by its name or label."""
-    for names in (leg.joint_names, leg.joint_labels):
-        if name in names:
-            return names.index(name)
-    raise BadArgumentError(f"no joint {name!r} in the leg", remedy=f"its joints are {', '.join(leg.joint_names)}")
-
-
-def _stated(limit: FloatArray) -> FloatArray:
-    """Limits of a URDF, in which zero means no limit."""
-    return np.where(limit > 0.0, limit, np.inf)
 
 
 def _each(value: ArrayLike | None, n: int, name: str) -> FloatArray:

@@ -6,39 +6,27 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from exoid.tools.tables import DataTable, make_table, to_text
+from exoid.tools.tables import make_table, to_text
 
 from .precision import Precision
 
 
-def precision_table(precision: Precision) -> DataTable:
-    """Make a table of expected value, predicted and relative standard deviation of each parameter."""
-    scales = precision.scales
-    rows = zip(
-        precision.names,
-        scales.expected,
-        precision.std,
-        precision.relative,
-        precision.identifiability,
-        precision.units,
-        strict=True,
-    )
-    return make_table(
+def prediction_text(head: str, precision: Precision, more: Iterable[str] = ()) -> str:
+    """Print a table of expected value and predicted precision with its head, and below it what is not determined."""
+    p = precision
+    columns = (p.names, p.scales.expected, p.std, p.relative, p.identifiability, p.units)
+    table = make_table(
         ["parameter", "expected", "± std", "% of scale", "class", "unit"],
         [
             (name, f"{value:.4g}", _digits(std), _digits(100.0 * relative), grade, unit)
-            for name, value, std, relative, grade, unit in rows
+            for name, value, std, relative, grade, unit in zip(*columns, strict=True)
         ],
     )
+    closing = [f"condition number {p.condition_number:.0f}", *_identifiability_lines(p), *more]
+    return to_text(head, table) + "\n\n" + "\n".join(closing)
 
 
-def prediction_text(head: str, precision: Precision, more: Iterable[str] = ()) -> str:
-    """Print the table with its head, and below it what is not determined."""
-    closing = [f"condition number {precision.condition_number:.0f}", *identifiability_lines(precision), *more]
-    return to_text(head, precision_table(precision)) + "\n\n" + "\n".join(closing)
-
-
-def identifiability_lines(precision: Precision) -> list[str]:
+def _identifiability_lines(precision: Precision) -> list[str]:
     """Name the parameters that will not be determined well."""
     lines = []
     for word, phrase in (("not", "cannot be determined"), ("weakly", "will be determined weakly")):

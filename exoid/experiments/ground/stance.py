@@ -147,7 +147,13 @@ def single_support(
         waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
         q[:, leg.joints] = leg.flexion(1.2, 1.65, 0.4) + np.column_stack(waves)
     _balance(plant, q, stands, base, target)
-    _refuse_touching(swings, base, q)
+    for leg in swings:
+        height = float(leg.points(base, q).imag.min())
+        if height < 0.01:  # m
+            raise BadArgumentError(
+                f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
+                remedy="raise the torso, or swing less",
+            )
     motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
     return follow(plant, motion, GAINS, rates, spring=hand_rail)
 
@@ -178,13 +184,3 @@ def _balance(
 
 def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:
     return {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in legs}
-
-
-def _refuse_touching(swings: Sequence[PlanarLeg], base: FloatArray, q: FloatArray) -> None:
-    for leg in swings:
-        height = float(leg.points(base, q).imag.min())
-        if height < 0.01:  # m
-            raise BadArgumentError(
-                f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
-                remedy="raise the torso, or swing less",
-            )

@@ -40,6 +40,7 @@ class Engine:
     # angular in its own axes.
     # acceleration: Accelerations of the last step in the coordinates of `rate`, (base + n,), a view.
     # spheres: Place of the points of each sole among all of them.
+    # has_rail: Whether a rail holds the torso.
     # applied: Forces that are applied in this step, in these coordinates, a view.
 
     def __init__(self, plant: GroundPlant, step: float, *, rail: bool = False) -> None:
@@ -57,6 +58,7 @@ class Engine:
         counts = np.cumsum([0, *(len(sole.points) for sole in plant.soles.values())])
         self.spheres = {link: slice(*ends) for link, ends in zip(plant.soles, pairwise(counts), strict=True)}
         self._first_sphere = int(self.model.geom(geometry_name(next(iter(plant.soles)), 0)).id)
+        self.has_rail = rail
         self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
 
     def place(self, q: FloatArray, base: FloatArray) -> None:
@@ -132,23 +134,10 @@ class Engine:
         return np.asarray(self.data.qfrc_constraint)
 
     @property
-    def has_rail(self) -> bool:
-        """Whether a rail holds the torso."""
-        return bool(self.model.neq)
-
-    @property
-    def rail_wrench(self) -> FloatArray:
-        """Force and moment of the rail about the root link's origin in the laboratory [N, N·m], (2, 3)."""
-        plane, rail = self.plant.plane, self.rail
-        if not self.has_rail:
-            return np.zeros((2, 3))
-        return np.array([rail[0] * plane.forward + rail[1] * plane.up, -rail[2] * plane.lateral])
-
-    @property
     def rail(self) -> FloatArray:
         """Generalised force of the rail in the step, (base + n,); zero without a rail."""
         out = np.zeros(len(self.rate))
-        if self.model.neq:
+        if self.has_rail:
             out[list(self._rows)] = self.data.efc_force[: self.model.neq]  # equalities are MuJoCo's first constraints
         return out
 

@@ -17,7 +17,7 @@ from exoid.signals import Recording, Wrench
 
 from .motion import per_joint
 from .plant import GroundPlant
-from .sensors import BaseSteps, GroundSensors, read_imu, read_pose, read_switch, read_wrench
+from .sensors import BaseSteps, GroundSensors, read_imu, read_pose, read_switch
 
 
 class Audit(NamedTuple):
@@ -176,13 +176,18 @@ class GroundRun:
         for link in self.wrenches:
             if link not in logged and link not in contacts:
                 contacts[link] = np.ones(len(self.time), dtype=np.bool_)
+        imu, measured = read_imu(sensors, base, rng, pose), {}
+        for link in logged:
+            true = self.wrench(link, world=world)
+            force, moment = noisy(true.force, sensors.force_noise, rng), noisy(true.moment, sensors.moment_noise, rng)
+            measured[link] = Wrench(force, moment, true.point, true.axes)
         return Recording(
             self.time,
             q,
             tau=tau,
             joint_names=self.plant.leg.joint_names,
-            base=read_imu(sensors, base, rng, pose),
-            wrenches={link: read_wrench(sensors, self.wrench(link, world=world), rng) for link in logged},
+            base=imu,
+            wrenches=measured,
             contacts=contacts,
         )
 

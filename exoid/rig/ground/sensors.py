@@ -13,7 +13,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.rig.sensors import check_numbers, noisy
-from exoid.signals import BaseMotion, BasePose, Wrench
+from exoid.signals import BaseMotion, BasePose
 
 Axes = Literal["link", "world"]
 """Axes of the logged wrenches: instrumented soles turn with the foot, force plates stand in the laboratory."""
@@ -148,12 +148,6 @@ def read_pose(sensors: GroundSensors, position: FloatArray, rotation: FloatArray
     turn = orientation.from_rotvec(sensors.turn_noise * rng.standard_normal((len(position), 3)))
     place = noisy(position, sensors.position_noise, rng)
     return BasePose(place, (orientation.from_matrix(rotation) * turn).as_quat())
-
-
-def read_wrench(sensors: GroundSensors, wrench: Wrench, rng: np.random.Generator) -> Wrench:
-    """Read a force plate, an instrumented sole or the sensor of a hand rail."""
-    force, moment = noisy(wrench.force, sensors.force_noise, rng), noisy(wrench.moment, sensors.moment_noise, rng)
-    return Wrench(force, moment, wrench.point, wrench.axes)
 
 
 def read_switch(sensors: GroundSensors, force: FloatArray, rate: float, rng: np.random.Generator) -> BoolArray:

@@ -116,7 +116,9 @@ class _Books:
         forces = torque, engine.constraint - rail, rail if held is None else held
         if logs:
             self._logged.append(len(self._steps))
-            wrench = engine.rail_wrench if self._holder is None else self._holder.wrench
+            plane = engine.plant.plane
+            wrench = np.array([rail[0] * plane.forward + rail[1] * plane.up, -rail[2] * plane.lateral])
+            wrench = wrench if self._holder is None else self._holder.wrench
             self._samples.append((wrench, *engine.placements(), *engine.loads()))
         self._steps.append((*begun, engine.acceleration.copy(), *forces))
 

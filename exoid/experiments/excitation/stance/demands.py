@@ -104,7 +104,9 @@ class Demands:
         rows = np.matmul(support.directions, found.torque)
         pitch = torso.pose[:, 2]
         upright = [pitch + np.deg2rad(self.limits.bow_deg), np.deg2rad(self.limits.recline_deg) - pitch]
-        margins = [*self._ground(found.wrench), *upright, *self._torque(rows), *self._clear(joints, torso.pose)]
+        margins = [*self._ground(found.wrench), *upright, *self._torque(rows)]
+        # margins of the feet in the air, in units of 0.1 m
+        margins += [*((support.heights(joints.q, torso.pose).T - self.limits.clearance) / 0.1)]
         return Demand(rows, np.array(margins))
 
     def _ground(self, wrench: FloatArray) -> list[FloatArray]:
@@ -137,10 +139,6 @@ class Demands:
         shared = np.linalg.norm(self.support.spread, axis=1)
         own = np.where(self.support.spread != 0.0, self.torque, np.inf).min(axis=1)
         return np.asarray(1.0 - (np.abs(terms.sum(axis=0)) + spread) / (own * shared)[:, None])
-
-    def _clear(self, joints: States, pose: FloatArray) -> FloatArray:
-        """Margins of the feet in the air, (K, N)."""
-        return np.asarray((self.support.heights(joints.q, pose).T - self.limits.clearance) / 0.1)  # in units of 0.1 m
 
 
 def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""References as sums of sinusoids: fitted to data, exact in their derivatives, on any leg."""
+"""References: exact in their derivatives, fitted to data, on any leg, with tremor and stumbles."""
 
 import hashlib
 
@@ -8,11 +8,46 @@ import pytest
 import exoid
 from exoid import datasets
 from exoid.errors import ExoidError
-from exoid.experiments import Approach, Hold, fit_harmonics, gait_for_leg, healthy_gait, norm_gait
+from exoid.experiments import (
+    Approach,
+    Hold,
+    Stumble,
+    Tremor,
+    cuhk,
+    fit_harmonics,
+    gait_for_leg,
+    healthy_gait,
+    norm_gait,
+)
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
 from exoid.experiments.limits import refuse_motion_beyond_limits
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Wearer, simulate
 
-GAIT = healthy_gait(1.0, 1.0)
+GAIT, WALK, LEG = healthy_gait(1.0, 1.0), healthy_gait(0.8, 1.2), exoid.load_leg("cuhk")
+START, GOAL = np.array([[0.0], [0.5]]), np.array([[0.3], [-0.5]])
+INTENTIONS = {
+    "tremor": Tremor(WALK, (0.02, 0.01), 8.0),
+    "stumble": Stumble(WALK, (0.3, -0.2), 0.5),
+    "both": Stumble(Tremor(WALK, 0.01), 0.2, 0.3, 0.6),
+}
+MOTIONS = {
+    **{"gait": healthy_gait(), "swing": cuhk.swing(0), "hold": Hold(np.ones((2, 3)))},
+    **{"approach": Approach(START, GOAL, 2.0), **INTENTIONS},
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_velocity_and_acceleration_are_derivatives(motion):
+    """By central differences, also after an approach has ended."""
+    step = 1e-5
+    for t in np.linspace(0.05, 3.0, 57):
+        before, now, after = (motion.at(t + shift) for shift in (-step, 0.0, step))
+        np.testing.assert_allclose((after.q - before.q) / (2 * step), now.v, atol=1e-6)
+        np.testing.assert_allclose((after.v - before.v) / (2 * step), now.a, atol=1e-3)
+
+
+def test_an_approach_ends_at_its_goal():
+    np.testing.assert_allclose(MOTIONS["approach"].at(9.0).q, GOAL)
 
 
 def series(phase):
@@ -26,20 +61,6 @@ def test_the_healthy_gait_is_its_series(phase):
     np.testing.assert_allclose(np.rad2deg(GAIT.at(phase).q[:, 0]), series(phase), atol=1e-12)
     slow = healthy_gait(1.2, 10.0).at(10.0 * phase)
     np.testing.assert_allclose(np.rad2deg(slow.q[:, 0]) - MEAN_DEG, 1.2 * (series(phase) - MEAN_DEG), atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "motion",
-    [healthy_gait(), Approach(np.zeros((2, 1)), np.array([[0.5], [1.0]]), 3.0), Hold(np.ones((2, 3)))],
-    ids=["harmonics", "approach", "hold"],
-)
-def test_velocity_and_acceleration_are_derivatives(motion):
-    """By central differences."""
-    h = 1e-4
-    for t in (0.4, 1.3, 2.2):
-        before, here, after = (motion.at(t + s * h) for s in (-1, 0, 1))
-        np.testing.assert_allclose(here.v, (after.q - before.q) / (2 * h), atol=1e-7)
-        np.testing.assert_allclose(here.a, (after.v - before.v) / (2 * h), atol=1e-7)
 
 
 def test_a_fit_finds_the_series_that_made_the_samples():
@@ -60,22 +81,6 @@ def test_a_fit_of_too_few_harmonics_is_the_best_there_is():
     np.testing.assert_allclose(found.amplitude, GAIT.amplitude[:2], atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("time", "q", "period", "count", "word"),
-    [
-        (np.arange(5.0), np.zeros((5, 1)), 5.0, 3, "5 samples"),
-        (np.linspace(0.0, 0.1, 100), np.zeros((100, 1)), 1.0, 6, "do not determine"),
-        (np.arange(5.0), np.zeros(5), 5.0, 1, "no motion"),
-        (np.arange(5.0), np.full((5, 1), np.nan), 5.0, 1, "no motion"),
-        (np.arange(9.0), np.zeros((9, 1)), 0.0, 1, "period"),
-        (np.arange(9.0), np.zeros((9, 1)), 9.0, 0, "0 harmonics"),
-    ],
-)
-def test_what_cannot_be_fitted_is_refused(time, q, period, count, word):
-    with pytest.raises(ExoidError, match=word):
-        fit_harmonics(time, q, period, count)
-
-
 def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
     """Seen in space: the ankle's place in the plane is the same on both built-in legs, whatever their axes."""
     for time in (0.0, 2.0, 6.5):
@@ -90,12 +95,6 @@ def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
 
 def test_on_document_2s_leg_the_gait_is_as_it_was():
     np.testing.assert_array_equal(gait_for_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
-
-
-def test_a_gait_needs_hip_knee_and_ankle():
-    arm = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
-    with pytest.raises(ExoidError, match="shoulder"):
-        gait_for_leg(arm, GAIT)
 
 
 def write_norms(folder, monkeypatch, *, known=True):
@@ -143,3 +142,49 @@ def test_the_published_norms_fit_six_harmonics_and_bleex():
     fitted = np.rad2deg([motion.at(float(p)).q[:, 0] for p in norm.phase])
     assert (np.sqrt(np.mean((fitted - norm.mean_deg) ** 2, axis=0)) < [0.15, 0.15, 0.7]).all()
     refuse_motion_beyond_limits(exoid.load_leg("bleex"), gait_for_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)
+
+
+def test_a_stumble_is_over_after_its_time():
+    motion = MOTIONS["stumble"]
+    np.testing.assert_allclose(motion.at(0.7).q - WALK.at(0.7).q, [[0.3], [-0.2]], rtol=1e-12)
+    for t in (0.0, 0.5, 0.9, 2.0):
+        for moved, plain in zip(motion.at(t), WALK.at(t), strict=True):
+            np.testing.assert_allclose(moved, plain, atol=1e-9)
+    accelerations = [np.abs(motion.at(t).a - WALK.at(t).a) for t in np.linspace(0.5, 0.9, 2001)]
+    assert np.max(accelerations) == pytest.approx(24.0 * 0.3 / 0.4**2, rel=1e-6)
+
+
+def test_a_tremor_has_its_amplitude_and_frequency():
+    times = np.arange(1000) / 500.0
+    added = np.array([MOTIONS["tremor"].at(t).q[:, 0] - WALK.at(t).q[:, 0] for t in times])
+    spectrum = np.abs(np.fft.rfft(added, axis=0)) / 500.0
+    assert np.fft.rfftfreq(1000, 1 / 500.0)[spectrum.argmax(axis=0)] == pytest.approx([8.0, 8.0])
+    np.testing.assert_allclose(spectrum.max(axis=0), [0.02, 0.01], rtol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("motion", INTENTIONS.values(), ids=INTENTIONS)
+def test_a_wearer_moves_so(motion):
+    """Muscles with feedforward, no cuff: the limb does what is intended."""
+    wearer = Wearer.build(LEG, intention=motion, cuff_stiffness=0.0, cuff_damping=0.0)
+    plant = Plant.build(LEG, end_stops=False)
+    run = simulate(
+        plant,
+        motion,
+        ProportionalDerivative(50.0, 5.0),
+        IdealTorque(),
+        1.2,
+        wearer=wearer,
+        rates=Rates(500.0, 100.0, 5e-4),
+    )
+    aim = np.array([motion.at(t).q for t in run.time])
+    np.testing.assert_allclose(run.limb_q, aim, atol=1e-4)
+
+
+def test_a_motion_without_accelerations_stays_without():
+    class Line:
+        def at(self, time):
+            return exoid.rig.Target(np.full((2, 1), time), np.ones((2, 1)))
+
+    assert Tremor(Line(), 0.1).at(0.3).a is None
+    assert Stumble(Line(), 0.1, 0.1).at(0.3).a is None
