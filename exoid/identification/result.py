@@ -41,7 +41,6 @@ from .findings.checkup import Checkup
 from .findings.factors import never_negative
 from .group_rows import Group
 from .problem import Fitted
-from .row_changes import SoleCompliance
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,13 +65,11 @@ class Result:
     warnings: tuple[str, ...]  # warnings of the fit as a whole
 
     @classmethod
-    def of(
-        cls, fitted: Fitted, estimator: Estimator, cutoff_source: str, soles: SoleCompliance | None, *, white: bool
-    ) -> Result:
+    def of(cls, fitted: Fitted, estimator: Estimator, cutoff_source: str, *, white: bool) -> Result:
         """Find noise and covariance of a fit, and what stands behind its values."""
         problem, fit, solution = fitted.problem, fitted.fit, fitted.fit.solution
         found, noises, _ = uncertainty_of(problem, fit, white=white)
-        covariance = found.matrix if soles is None else found.matrix + soles.slopes @ soles.covariance @ soles.slopes.T
+        covariance = found.matrix if fitted.doubt is None else found.matrix + fitted.doubt
         noise = describe_noise(problem, fit.point, noises)
         rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))

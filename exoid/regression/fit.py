@@ -102,7 +102,8 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     """
     first = ols(problem).solution.values
     floor = noise_floor(problem)
-    weights = [1.0 / max(_rms(r_factor, first), floor) for r_factor in problem.r_factors]
+    sizes = [each.residual(first) / math.sqrt(max(each.rows, 1)) for each in problem.r_factors]
+    weights = [1.0 / max(size, floor) for size in sizes]
     return Fit(problem.solve(stack(problem.r_factors, weights)), weights)
 
 
@@ -112,11 +113,6 @@ def noise_floor(problem: LeastSquaresProblem) -> float:
     # Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight
     # further
     return 1e-9 * torque
-
-
-def _rms(r_factor: RFactor, values: FloatArray) -> float:
-    """RMS residual of one joint [N·m]."""
-    return r_factor.residual(values) / math.sqrt(max(r_factor.rows, 1))
 
 
 class Uncertainty(NamedTuple):
@@ -144,7 +140,7 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
     if fit.noises is None:
         bare = sandwich(problem, fit.point, solution)
         found = textbook if white else _correlated(problem, fit.point, solution, bare)
-        return Uncertainty(_not_below(found, smallest_variances(problem, fit)), bare.noises, white)
+        return Uncertainty(_not_below_accuracy(found, problem, fit), bare.noises, white)
     if fit.correlated is not None:
         return Uncertainty(textbook if white else fit.correlated, fit.noises, white)
     if white:
@@ -177,20 +173,14 @@ def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
     return Covariance(covariance * np.multiply.outer(scale, scale), found.dofs, covariance)
 
 
-def smallest_variances(problem: RowProblem, fit: Fit) -> FloatArray:
-    """Compute the variances for white noise of :data:`ACCURACY` of the RMS torque of each joint."""
-    inverse = fit.solution.inverse
-    variances = np.zeros(len(inverse))
+def _not_below_accuracy(found: Covariance, problem: RowProblem, fit: Fit) -> Covariance:
+    """Raise variances below those for white noise of :data:`ACCURACY` of each joint's torque; correlations stay."""
+    inverse, variances = fit.solution.inverse, np.diag(found.matrix)
+    smallest = np.zeros(len(inverse))
     for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
         if r_factor.rows:
             size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
-            variances += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
-    return variances
-
-
-def _not_below(found: Covariance, smallest: FloatArray) -> Covariance:
-    """Raise the variances that are smaller; correlations stay."""
-    variances = np.diag(found.matrix)
+            smallest += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
     if (variances >= smallest).all():
         return found
     scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))

@@ -180,17 +180,6 @@ def scaled_lstsq(A: FloatArray, b: FloatArray, rank: float = RANK) -> FloatArray
     return np.asarray((x.T / scale).T)
 
 
-def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
-    """Refuse a fit in which the terms' dead bands left no sample of a joint."""
-    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
-    if empty:
-        raise NotIdentifiableError(
-            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
-            remedy="move faster, or choose a smaller dead_band",
-            joints=tuple(empty),
-        )
-
-
 class Solution(NamedTuple):
     """Least-squares estimate with its evidence.
 
@@ -248,7 +237,10 @@ def solve(
     free = prior_knowledge.free(names)
     if not free.any():
         raise BadArgumentError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
-    reduced = _without_known(r_factor, prior_knowledge.fixed_values(names), free)
+    reduced = r_factor
+    if not free.all():
+        torque = r_factor.R @ np.append(-prior_knowledge.fixed_values(names), 1.0)
+        reduced = factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
     count = len(reduced.R) - 1
     dof = r_factor.samples - count
     if dof <= 0.0:
@@ -284,14 +276,6 @@ def solve(
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
     condition = float(sigma[0] / sigma[-1])
     return Solution(all_values, variance * whole, condition, dof, whole, noise, places, sigma, Vt, np.flatnonzero(free))
-
-
-def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:
-    """Take the torque of known parameters away, and their columns."""
-    if free.all():
-        return r_factor
-    torque = r_factor.R @ np.append(-fixed, 1.0)
-    return factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
 
 
 def _row_noise(r_factor: RFactor, dof: float) -> float:

@@ -118,12 +118,6 @@ class _Sums:
     noise: FloatArray
     cross: FloatArray
 
-    @classmethod
-    def zero(cls, rows: int, columns: int) -> _Sums:
-        """Make sums of no samples."""
-        nonlinear = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
-        return cls(*(np.zeros(shape) for shape in nonlinear))
-
     def plus(self, other: _Sums) -> _Sums:
         """Add the sums of other samples."""
         return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
@@ -139,7 +133,9 @@ def _sum_up(edges: Mapping[int, FloatArray], noises: Noises, parts: Iterator[Ser
         D = _indicators(part, edges[part.joint])
         if part.begins:
             forms[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(D) + len(part.X))
-            sums[part.joint] = _Sums.zero(len(D), len(part.X))
+            rows, columns = len(D), len(part.X)
+            shapes = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
+            sums[part.joint] = _Sums(*(np.zeros(shape) for shape in shapes))
         forms[part.joint].add(np.vstack([D, part.X]))
         found = sums[part.joint]
         found.residual += D @ part.residual
@@ -166,7 +162,8 @@ def _edges(problem: RowProblem, point: Point) -> dict[int, FloatArray]:
         for joint, spread in of_recording.items():
             seen.setdefault(joint, []).append(spread)
     # Independent samples wanted in each on average
-    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if _count(spreads) >= 10 * BINS}
+    rows = {joint: sum(one.values.shape[1] * one.stands_for for one in spreads) for joint, spreads in seen.items()}
+    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if rows[joint] >= 10 * BINS}
 
 
 def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:
@@ -183,10 +180,6 @@ def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:
             values = values[:, np.linspace(0, count - 1, QUANTILES).round().astype(np.intp)]
         spreads[joint] = _Spread(values, count / max(values.shape[1], 1))
     return spreads
-
-
-def _count(spreads: Sequence[_Spread]) -> float:
-    return float(sum(spread.values.shape[1] * spread.stands_for for spread in spreads))
 
 
 def _quantiles(spreads: Sequence[_Spread]) -> FloatArray:
