@@ -14,7 +14,6 @@ from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedErr
 from exoid.identification.estimators import JointML
 from exoid.torques import LoadFriction, NonlinearParameter, Stribeck
 
-
 BAD, NI = BadArgumentError, NotIdentifiableError
 
 
