@@ -111,7 +111,7 @@ class Result:
             else influence(problem, [one.name for one in inputs], fit.weights, std),
             warnings=(
                 *fitted.warnings,
-                *nonlinear.warnings,
+                *(() if nonlinear is NO_NONLINEAR_PARAMETERS else nonlinear.warnings),
                 *collinearity.warnings(problem.names),
                 *(() if white else short_runs(noises, problem.joint_names)),
             ),
