@@ -113,30 +113,6 @@ class EstimateData(ParameterTable):
             )
 
     @property
-    def dof_each(self) -> FloatArray:  # type: ignore[override]  # a field of groups
-        """Degrees of freedom of each parameter's variance, (P,): those of the estimate where no others are known."""
-        known = self.evidence.dof_each
-        return np.full(len(self.names), self.dof) if known is None else known
-
-    @property
-    def parameter_scale(self) -> FloatArray:  # type: ignore[override]  # a field of groups
-        """Value of each parameter that alone would explain all torque of a joint, (P,); 0 where it is not known."""
-        known = self.evidence.parameter_scale
-        return np.zeros(len(self.names)) if known is None else known
-
-    @property
-    def reference_scale(self) -> FloatArray:  # type: ignore[override]  # a field of groups
-        """The parameter scale in a calm exercise at the same angles, (P,); infinite where it is not known."""
-        known = self.evidence.reference_scale
-        return np.full(len(self.names), np.inf) if known is None else known
-
-    @property
-    def collinearity(self) -> FloatArray:  # type: ignore[override]  # a field of groups
-        """Condition index of each parameter, (P,); 1 where it is not known."""
-        known = self.evidence.collinearity
-        return np.ones(len(self.names)) if known is None else known
-
-    @property
     def noise(self) -> tuple[JointNoise, ...]:
         """Noise of the residuals of each joint; see :class:`Evidence`."""
         return self.evidence.noise or ()
@@ -160,11 +136,6 @@ class EstimateData(ParameterTable):
     def supports(self) -> tuple[Support, ...]:
         """Sets of links that rested on the ground; empty without contacts."""
         return self.evidence.supports
-
-    @property
-    def bounded(self) -> tuple[str, ...]:
-        """Parameters that would have become negative and were kept at zero."""
-        return self.evidence.bounded
 
     @property
     def names(self) -> tuple[str, ...]:

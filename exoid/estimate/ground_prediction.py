@@ -104,7 +104,14 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         raise NotIdentifiableError(
             "no foot carries the leg alone", where=source_of(recording), remedy="record contacts of a standing leg"
         )
-    return {link: _in_order(parts) for link, parts in found.items()}
+    in_order = {}
+    for link, parts in found.items():
+        order = np.argsort(np.concatenate([part.time for part in parts]))
+        names = ("time", "force", "moment", "force_half", "moment_half")
+        in_order[link] = GroundForce(
+            *(np.concatenate([getattr(part, name) for part in parts])[order] for name in names)
+        )
+    return in_order
 
 
 def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:
@@ -158,10 +165,14 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
     size = white_noise(recording.q)
     # Times that noise is added to a motion, to see what it does to forces
     for _ in range(3):
+        q, wrenches = recording.q + size * rng.standard_normal(recording.q.shape), {}
+        for link, wrench in recording.wrenches.items():
+            force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
+            wrenches[link] = replace(wrench, force=force, moment=moment)
         shaken = replace(
             recording,
-            q=recording.q + size * rng.standard_normal(recording.q.shape),
-            wrenches={link: _noisier_wrench(wrench, rng) for link, wrench in recording.wrenches.items()},
+            q=q,
+            wrenches=wrenches,
         )
         base = recording.base
         if base is None:
@@ -171,12 +182,6 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
         else:
             columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
             yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
-
-
-def _noisier_wrench(wrench: Wrench, rng: np.random.Generator) -> Wrench:
-    """Add the noise of a measured wrench once more."""
-    force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
-    return replace(wrench, force=force, moment=moment)
 
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:
@@ -229,10 +234,3 @@ def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     jacobian = leg.frame_jacobian(q, link)
     turned = level_rotation(leg, link) @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(turned.reshape(jacobian.shape))
-
-
-def _in_order(parts: Sequence[GroundForce]) -> GroundForce:
-    """Put stretches together in order of time."""
-    order = np.argsort(np.concatenate([part.time for part in parts]))
-    names = ("time", "force", "moment", "force_half", "moment_half")
-    return GroundForce(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in names))

@@ -132,17 +132,12 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
     noise = _noise(estimate, support.row_names)
     variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * noise
     if axes is not None:
-        loop = eliminate(model.leg, links, _angles(recording, rows.time), axes).loop
+        loop = eliminate(model.leg, links, recording.q[np.searchsorted(recording.time, rows.time)], axes).loop
         assert loop is not None
         measured, predicted = (np.einsum("njr,nr->nj", loop, part) for part in (rows.tau, predicted))
         return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance))
     joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
     return Compared(rows.time, rows.tau[:, joints], predicted[:, joints], variance[:, joints])
-
-
-def _angles(recording: Recording, time: FloatArray) -> FloatArray:
-    """Angles at some samples, (N, n)."""
-    return recording.q[np.searchsorted(recording.time, time)]
 
 
 def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:

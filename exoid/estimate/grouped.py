@@ -16,6 +16,7 @@ from exoid.tools.tables import DataTable, make_table, to_html, to_text
 
 from .comparison import Comparison, Equality, wald, welch
 from .estimate import Estimate
+from .evidence import Evidence, frozen
 from .finding import Finding
 from .parameter import ParameterTable
 from .text import assumptions, condition, residual_sizes, written
@@ -38,13 +39,10 @@ class GroupedEstimate(ParameterTable):
         layout: Parameter layout: which parameters are shared.
         values: Values of all parameters in the order of :attr:`names`, (P,).
         covariance: Covariance of the values, (P, P).
-        dof_each: Degrees of freedom of each, (P,).
-        parameter_scale: Parameter scale, see :class:`EstimateData`, (P,).
-        reference_scale: Reference scale, the smallest of all groups, (P,).
-        collinearity: Condition index of each parameter, (P,).
+        evidence: Degrees of freedom and scales of all parameters, the reference scale the smallest of all groups.
+        dof: Independent samples of all groups less parameters.
         condition_number: Condition number of the regressor of all groups with columns scaled to unit length.
         prior_knowledge: Known parameters, priors and signs, by the names here.
-        bounded: Parameters at their bound, zero.
         equal: Test whether own parameters are the same in all groups.
         agreement: Test whether shared parameters are the same where each group is identified alone; None without it.
         warnings: Reasons to doubt the estimates.
@@ -55,25 +53,22 @@ class GroupedEstimate(ParameterTable):
     layout: ParameterLayout
     values: FloatArray
     covariance: FloatArray
-    dof_each: FloatArray
-    parameter_scale: FloatArray
-    reference_scale: FloatArray
-    collinearity: FloatArray
+    evidence: Evidence
+    dof: float
     condition_number: float
     prior_knowledge: PriorKnowledge
     equal: Equality
     agreement: Equality | None
-    bounded: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
-        for name in ("values", "covariance", "dof_each", "parameter_scale", "reference_scale", "collinearity"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+        count = len(self.names)
+        for name, shape in (("values", (count,)), ("covariance", (count, count))):
+            object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        self.evidence.check(count, 0, 0)
 
     def __getitem__(self, group: str) -> Estimate:
         """Look the estimate of a group up.

@@ -112,10 +112,8 @@ def export_mjcf(
     refuse_content(path, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
     refuse_unwritable(path)
     lifted = lift_estimate(estimate, pull, mass_factor)
-    places, found = (
-        places_of(estimate.model, PLACES),
-        {name: np.zeros(len(leg.joint_names)) for name in PLACES.values()},
-    )
+    places = places_of(estimate.model, PLACES)
+    found = {attribute: np.zeros(len(leg.joint_names)) for attribute in PLACES.values()}
     raised, left_out = [], []
     pairs = list(zip(estimate.names, lifted.values.tolist(), strict=True))
     for name, value in pairs[len(leg.parameter_names) :]:

@@ -116,7 +116,7 @@ class ModelError:
             array.flags.writeable = False
 
     def variance(self, rows: FloatArray) -> FloatArray:
-        """Second moment of the error of torques [N²·m²], (N, n), predicted from rows, (N, n, P + K)."""
+        """Second moment of the error of torques [N²·m²], (N, n), by rows, (N, n, P + K), filtered or not."""
         count = len(self.parameters)
         moved = rows[..., :count] @ self.parameters + np.einsum("njk,jkr->njr", rows[..., count:], self.alternatives)
         return np.asarray((moved**2).sum(axis=-1))

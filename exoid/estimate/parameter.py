@@ -13,6 +13,8 @@ from exoid.regression.diagnostics import identifiability_beside, identifiability
 from exoid.regression.intervals import intervals
 from exoid.regression.parameters import PriorKnowledge
 
+from .evidence import Evidence
+
 
 class Parameter(NamedTuple):
     """Identified parameter with its uncertainty.
@@ -44,11 +46,9 @@ class ParameterTable(ABC):
 
     values: FloatArray  # values in the order of `names`, (P,)
     covariance: FloatArray  # covariance of the values, (P, P)
-    dof_each: FloatArray  # degrees of freedom of each parameter's variance, (P,)
-    parameter_scale: FloatArray  # value of each parameter that alone would explain all torque of a joint, (P,)
-    reference_scale: FloatArray  # the parameter scale in a calm exercise at the same angles, (P,)
-    collinearity: FloatArray  # condition index of each parameter, (P,)
+    dof: float  # independent samples less parameters
     prior_knowledge: PriorKnowledge  # known parameters, priors and signs
+    evidence: Evidence  # what recordings say beside the values
 
     @property
     @abstractmethod
@@ -59,6 +59,35 @@ class ParameterTable(ABC):
     @abstractmethod
     def units(self) -> tuple[str, ...]:
         """Units of the parameters, (P,)."""
+
+    @property
+    def dof_each(self) -> FloatArray:
+        """Degrees of freedom of each parameter's variance, (P,): those of the estimate where no others are known."""
+        known = self.evidence.dof_each
+        return np.full(len(self.names), self.dof) if known is None else known
+
+    @property
+    def parameter_scale(self) -> FloatArray:
+        """Value of each parameter that alone would explain all torque of a joint, (P,); 0 where it is not known."""
+        known = self.evidence.parameter_scale
+        return np.zeros(len(self.names)) if known is None else known
+
+    @property
+    def reference_scale(self) -> FloatArray:
+        """The parameter scale in a calm exercise at the same angles, (P,); infinite where it is not known."""
+        known = self.evidence.reference_scale
+        return np.full(len(self.names), np.inf) if known is None else known
+
+    @property
+    def collinearity(self) -> FloatArray:
+        """Condition index of each parameter, (P,); 1 where it is not known."""
+        known = self.evidence.collinearity
+        return np.ones(len(self.names)) if known is None else known
+
+    @property
+    def bounded(self) -> tuple[str, ...]:
+        """Parameters that would have become negative and were kept at zero."""
+        return self.evidence.bounded
 
     @property
     def doubtful(self) -> frozenset[str]:

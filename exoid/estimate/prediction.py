@@ -63,7 +63,13 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
             f"the torque of {without} was not measured, so that the motion under it cannot be predicted",
             remedy="show the motion without prediction, or declare joints without an actuator passive",
         )
-    _refuse_ground(recording)
+    if recording.loaded_links:
+        raise NotSupportedError(
+            f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
+            where=recording.source.name if recording.source else "",
+            remedy="show the motion without prediction, or cut out a swing and take them off: "
+            "dataclasses.replace(recording.between(start, stop), wrenches={}, contacts={})",
+        )
     if not 2.0 <= horizon * recording.sample_rate < math.inf:
         raise BadArgumentError(
             f"a horizon of {horizon:g} s at {recording.sample_rate:.4g} Hz", remedy="let it span two samples or more"
@@ -99,17 +105,6 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     names = recording.joint_names
     about: dict[str, Any] = {"torso": recording.torso, "base": recording.base}
     return Recording(recording.time, predicted, joint_names=names, largest_angle=math.inf, **about)
-
-
-def _refuse_ground(recording: Recording) -> None:
-    """Refuse links on which something acts from outside, as the leg is simulated in the air."""
-    if recording.loaded_links:
-        raise NotSupportedError(
-            f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
-            where=recording.source.name if recording.source else "",
-            remedy="show the motion without prediction, or cut out a swing and take them off: "
-            "dataclasses.replace(recording.between(start, stop), wrenches={}, contacts={})",
-        )
 
 
 class Surroundings(NamedTuple):

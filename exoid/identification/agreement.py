@@ -22,24 +22,8 @@ class Agreement(NamedTuple):
     """Whether groups, each identified alone, agree on what they share."""
 
     equality: Equality | None  # the test; None where there is none
-    note: str = ""  # why there is none
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Name parameters on which they do not agree."""
-        # Probability with which groups that do share their parameters would be said not to
-        names = () if self.equality is None else self.equality.below(0.01)
-        if not names:
-            return ()
-        return (
-            f"groups do not agree on {', '.join(names)}, which they share, by more than noise explains: "
-            "make these own, or find out what else differs",
-        )
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Say why there is no test."""
-        return (self.note,) if self.note else ()
+    warnings: tuple[str, ...] = ()  # parameters on which they do not agree
+    notes: tuple[str, ...] = ()  # why there is no test
 
 
 def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool) -> Agreement:
@@ -56,7 +40,7 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
             fit = fit_by(estimator, alone)
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
-            return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
+            return Agreement(None, notes=(f"whether groups agree on what they share was not tested: {why}",))
         found = uncertainty_of(alone, fit, white=white)
         values.append(fit.solution.values)
         blocks.append(found.covariance)
@@ -69,4 +53,11 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         if name not in problem.prior_knowledge.known
     }
     covariance = scipy.linalg.block_diag(*blocks)
-    return Agreement(equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs)))
+    equality = equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs))
+    # Probability with which groups that do share their parameters would be said not to
+    below = ", ".join(equality.below(0.01))
+    warning = (
+        f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find out "
+        "what else differs"
+    )
+    return Agreement(equality, (warning,) if below else ())

@@ -18,7 +18,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
-from .drive_model import about
+from .drive_model import DriveModel
 from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .group_rows import Data
@@ -70,7 +70,8 @@ def search_constants(given: Problem, estimator: Estimator, actuators: Actuators)
     for _ in range(ROUNDS):
         free = tuple(each for each in constants if each.name not in held)
         found = with_constants(actuators, point.constants)
-        data, linear = _recomputed(group.data, found), about(model, point.values, found, free)
+        data, given_model = _recomputed(group.data, found), (model.leg, model.terms, model.rigid, model.regrouped)
+        linear = DriveModel(*given_model, model.separate, point=point.values, constants=free, actuators=found)
         problem = given.changed(data=data, model=linear, actuators=found)
         fit = _fit(estimator, problem, names)
         step = _Step.of(fit, point, free)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -62,15 +61,3 @@ class DriveModel(TorqueModel):
                 slope = drive.sensitivity(each.constant.symbol, torque[joint], motion.v[:, joint])
                 np.negative(slope, out=out[column, joint])
         return out
-
-
-def about(
-    model: TorqueModel, point: FloatArray, actuators: Actuators, constants: Sequence[DriveConstant]
-) -> DriveModel:
-    """Linearise a torque model with unknown constants of drives."""
-    return DriveModel(
-        *(model.leg, model.terms, model.rigid, model.regrouped, model.separate),
-        point=point,
-        constants=tuple(constants),
-        actuators=actuators,
-    )

@@ -21,11 +21,9 @@ Drives = Mapping[str, Drive | Coupling] | Actuators
 
 
 def drive_groups(
-    pairs: Mapping[str, tuple[Leg, Data]], drives: Drives | None
+    pairs: Mapping[str, tuple[Leg, Data]], drives: Drives
 ) -> tuple[dict[str, tuple[Leg, Data]], dict[str, Actuators]]:
     """Compute torques before anything else looks at the recordings; some constants of the actuators may be unknown."""
-    if drives is None:
-        return dict(pairs), {}
     driven, mounted = {}, {}
     for name, (leg, data) in pairs.items():
         with within(name):

@@ -9,6 +9,7 @@ from itertools import combinations, product
 
 import numpy as np
 
+from exoid.actuators import Actuators
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, within
 from exoid.leg.leg import Leg
@@ -65,8 +66,9 @@ def begin(
         pairs = {"": (leg, check_recordings(recordings))}
     else:
         pairs = pair_groups(leg, recordings, own)
-    pairs, mounted = drive_groups(pairs, actuators)
-    if mounted:
+    mounted: dict[str, Actuators] = {}
+    if actuators is not None:
+        pairs, mounted = drive_groups(pairs, actuators)
         name, drives = next(iter(mounted.items()))  # drives of all groups are alike
         computed = computed_joints(*pairs[name], drives)
         chosen = default_terms(drives, computed) if terms is None else chosen

@@ -108,6 +108,11 @@ class Group:
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
+    def stands(self) -> bool:
+        """Whether recordings have to be split by the links that rest on the ground."""
+        return bool(self.model.leg.base_rows) or any(one.stands for one in self.summaries)
+
+    @property
     def plain_model(self) -> TorqueModel:
         """Torque model of the leg, whatever rests on the ground."""
         model = self.model

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import TypedDict, Unpack, overload
 
 from exoid.actuators.constants import unknown_constants
@@ -22,10 +23,9 @@ from .estimators import Estimator
 from .estimators.by_name import find_estimator, fit_by, name_of
 from .gather import begin, gather
 from .group_rows import Measured
-from .on_ground import fit_on_ground, stands
+from .on_ground import fit_on_ground
 from .problem import Fitted, Problem
 from .result import Result
-from .row_changes import SoleCompliance
 from .variable_projection import VariableProjection
 
 
@@ -151,20 +151,16 @@ def identify(
     knowledge = PriorKnowledge(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff)
-
-    def fit(given: Problem) -> tuple[Fitted, SoleCompliance | None]:
-        if stands(problem):
-            return fit_on_ground(given, chosen, fit_model, by_noise=by_noise, check=check)
-        return fit_model(given, chosen), None
-
-    fitted, soles = fit(problem)
+    standing = any(group.stands for group in problem.groups)
+    fit = partial(fit_on_ground, fit=fit_model, by_noise=by_noise, check=check) if standing else fit_model
+    fitted = fit(problem, chosen)
     if delay is not None:
         shifted = without_delays(problem, fitted)
         if any(group.delays is not None for group in shifted.groups):
-            fitted, soles = fit(shifted)
+            fitted = fit(shifted, chosen)
     source = "passed to identify" if preparation is None else "that of the preparation passed to identify"
     source = "chosen by the noise of the angles" if by_noise else source
-    result = Result.of(fitted, chosen, source, soles, white=noise == "white")
+    result = Result.of(fitted, chosen, source, white=noise == "white")
     if problem.groups[0].name == "":
         return result.estimate(0, result.warnings, check=check)
     return result.grouped(check=check)

@@ -28,7 +28,7 @@ from .estimators.by_name import find_estimator
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import SoleCompliance, sole_compliance, tilted
+from .row_changes import sole_compliance, tilted
 
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
@@ -43,14 +43,9 @@ MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-def stands(problem: Problem) -> bool:
-    """Tell whether recordings have to be split by the links that rest on the ground."""
-    return any(group.model.leg.base_rows or any(one.stands for one in group.summaries) for group in problem.groups)
-
-
 def fit_on_ground(
-    problem: Problem, estimator: Estimator, fit: Callable[[Problem, Estimator], Fitted], *, by_noise: bool, check: bool
-) -> tuple[Fitted, SoleCompliance | None]:
+    problem: Problem, estimator: Estimator, *, fit: Callable[[Problem, Estimator], Fitted], by_noise: bool, check: bool
+) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
     # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
     # no outliers then, which are looked for once more.
@@ -63,14 +58,16 @@ def fit_on_ground(
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit(problem, estimator)
-    soles = sole_compliance(fitted)
-    if soles is None:
-        return fitted, None
-    problem = tilted(problem, dict(zip(soles.links, soles.values.tolist(), strict=True)))
+    links, soles = sole_compliance(fitted)
+    if not links:
+        return fitted
+    problem = tilted(problem, dict(zip(links, soles.values.tolist(), strict=True)))
     problem = without_outliers(fit(problem, huber))
+    halves = 2.0 * np.sqrt(np.diag(soles.covariance))
+    soft = [_soft_sole(*each) for each in zip(links, soles.values.tolist(), halves.tolist(), strict=True)]
     first, *others = problem.groups
-    first = replace(first, findings=(*first.findings, *soles.findings()))
-    return fit(replace(problem, groups=(first, *others)), estimator), soles
+    problem = replace(problem, groups=(replace(first, findings=(*first.findings, *soft)), *others))
+    return fit(problem, estimator)._replace(doubt=soles.slopes @ soles.covariance @ soles.slopes.T)
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -248,6 +245,21 @@ def without_outliers(fitted: Fitted) -> Problem:
     if findings:
         raise NotIdentifiableError("no sample of a leg on the ground fits the others", remedy="check the contacts")
     return replace(problem, groups=tuple(groups))
+
+
+def _soft_sole(link: str, value: float, half: float) -> Finding:
+    """Say how soft a sole is."""
+    return Finding(
+        "sole-compliance",
+        "",
+        value,
+        "rad/(N·m)",
+        "info",
+        f"the motion of the base follows from {link}, which tilts by {value:.2g} ± {half:.2g} rad/(N·m) "
+        "under the torque of its joint; this was taken into account, and its error is part of all intervals",
+        "record an IMU on the torso, which needs no such assumption",
+        interval=(value - half, value + half),
+    )
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:

@@ -211,6 +211,9 @@ class Fitted(NamedTuple):
     models: tuple[TorqueModel, ...]  # torque model of each group with all settings, loaded by the fitted rigid bodies
     nonlinear: NonlinearParameters  # nonlinear parameters that were found, without covariance
     warnings: tuple[str, ...]  # warnings for the reader
+    doubt: FloatArray | None = (
+        None  # covariance that errors of numbers beside the parameters add, (P, P); None for none
+    )
 
     def values(self, group: int) -> FloatArray:
         """Parameters of one group's model, (P,)."""

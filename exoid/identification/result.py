@@ -41,7 +41,6 @@ from .findings.checkup import Checkup
 from .findings.physics import never_negative
 from .group_rows import Group
 from .problem import Fitted
-from .row_changes import SoleCompliance
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +65,11 @@ class Result:
     warnings: tuple[str, ...]  # warnings of the fit as a whole
 
     @classmethod
-    def of(
-        cls, fitted: Fitted, estimator: Estimator, cutoff_source: str, soles: SoleCompliance | None, *, white: bool
-    ) -> Result:
+    def of(cls, fitted: Fitted, estimator: Estimator, cutoff_source: str, *, white: bool) -> Result:
         """Find noise and covariance of a fit, and what stands behind its values."""
         problem, fit, solution = fitted.problem, fitted.fit, fitted.fit.solution
         found = uncertainty_of(problem, fit, white=white)
-        covariance = (
-            found.covariance if soles is None else found.covariance + soles.slopes @ soles.covariance @ soles.slopes.T
-        )
+        covariance = found.covariance if fitted.doubt is None else found.covariance + fitted.doubt
         noise = describe_noise(problem, fit.point, found.noises)
         rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
@@ -116,7 +111,7 @@ class Result:
             else influence(problem, [one.name for one in inputs], fit.weights, std),
             warnings=(
                 *fitted.warnings,
-                *nonlinear.warnings,
+                *(() if nonlinear is NO_NONLINEAR_PARAMETERS else nonlinear.warnings),
                 *collinearity.warnings(problem.names),
                 *(() if white else short_runs(found.noises, problem.joint_names)),
             ),
@@ -206,15 +201,18 @@ class Result:
             layout=layout,
             values=solution.values,
             covariance=self.covariance,
-            dof_each=self.dofs,
-            parameter_scale=parameter_scale(problem.r_factors),
-            reference_scale=self.reference,
-            collinearity=self.collinearity.indices,
+            evidence=Evidence(
+                dof_each=self.dofs,
+                parameter_scale=parameter_scale(problem.r_factors),
+                reference_scale=self.reference,
+                collinearity=self.collinearity.indices,
+                bounded=tuple(problem.names[k] for k in solution.bounded),
+            ),
+            dof=float(self.left.sum()),
             condition_number=solution.condition_number,
             prior_knowledge=problem.prior_knowledge,
             equal=equality_of(own, solution.values, self.covariance, self.dofs),
             agreement=agreement.equality,
-            bounded=tuple(problem.names[k] for k in solution.bounded),
             warnings=(*common, *single),
             notes=(*notes, *agreement.notes),
         )

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
@@ -34,46 +33,19 @@ class RowChanges(NamedTuple):
     slopes: FloatArray  # change of the parameters by c, ∂β/∂c, (P, K)
 
 
-class SoleCompliance(NamedTuple):
-    """Compliance c of the soles of feet that carry the base, θ = c τ."""
-
-    links: tuple[str, ...]  # feet
-    values: FloatArray  # compliance of each [rad/(N·m)], (K,)
-    covariance: FloatArray  # its covariance, (K, K)
-    slopes: FloatArray  # change of the parameters by the compliances, ∂β/∂c, (P, K)
-
-    def findings(self) -> tuple[Finding, ...]:
-        """Say how soft the soles are."""
-        std = np.sqrt(np.diag(self.covariance))
-        return tuple(
-            Finding(
-                "sole-compliance",
-                "",
-                float(value),
-                "rad/(N·m)",
-                "info",
-                f"the motion of the base follows from {link}, which tilts by {value:.2g} ± {2.0 * error:.2g} rad/(N·m) "
-                "under the torque of its joint; this was taken into account, and its error is part of all intervals",
-                "record an IMU on the torso, which needs no such assumption",
-                interval=(float(value - 2.0 * error), float(value + 2.0 * error)),
-            )
-            for link, value, error in zip(self.links, self.values, std, strict=True)
-        )
-
-
-def sole_compliance(fitted: Fitted) -> SoleCompliance | None:
-    """Find the compliance of soles beside the parameters; None where no foot carries a base that was not measured."""
+def sole_compliance(fitted: Fitted) -> tuple[tuple[str, ...], RowChanges]:
+    """Find the compliance θ = c τ of soles [rad/(N·m)], for each foot that carries a base that was not measured."""
     problem = fitted.problem
     data = (one for group in problem.groups for one in group.data if isinstance(one, Recording))
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
     if not links:
-        return None
+        return links, RowChanges(np.zeros(0), np.zeros((0, 0)), np.zeros((len(problem.names), 0)))
     # Standard deviation of the compliance before any log is seen [rad/(N·m)]: a sole of 10 kN·m/rad is soft
     found = row_changes(fitted, [tilted(problem, {link: TILT}) for link in links], TILT, prior_std=1e-4)
     values = np.maximum(found.values, 0.0)
     # Part of itself by which a compliance varies: soles are stiffer under more load
     doubt = (0.2 * values) ** 2 + (found.values - values) ** 2
-    return SoleCompliance(links, values, found.covariance + np.diag(doubt), found.slopes)
+    return links, RowChanges(values, found.covariance + np.diag(doubt), found.slopes)
 
 
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:

@@ -196,7 +196,10 @@ def solve(
     free = prior_knowledge.free(names)
     if not free.any():
         raise BadArgumentError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
-    reduced = _without_known(r_factor, prior_knowledge.fixed_values(names), free)
+    reduced = r_factor
+    if not free.all():
+        torque = r_factor.R @ np.append(-prior_knowledge.fixed_values(names), 1.0)
+        reduced = factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
     count = len(reduced.R) - 1
     dof = r_factor.samples - count
     if dof <= 0.0:
@@ -238,14 +241,6 @@ def solve(
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
     condition = float(sigma[0] / sigma[-1])
     return Solution(all_values, variance * whole, condition, dof, whole, noise, places, sigma, Vt, np.flatnonzero(free))
-
-
-def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:
-    """Take the torque of known parameters away, and their columns."""
-    if free.all():
-        return r_factor
-    torque = r_factor.R @ np.append(-fixed, 1.0)
-    return factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
 
 
 def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:

@@ -82,14 +82,6 @@ class AutoregressiveNoise:
         """Return noise of so many times the variance."""
         return replace(self, variances=self.variances * factor)
 
-    def ring(self, longest: int) -> int:
-        """Samples until the response of 1 / φ is over, at most so many."""
-        if not self.order:
-            return 0
-        radius = float(np.abs(np.roots(self.polynomial)).max())
-        # The response of a filter counts as over when it has fallen to this part
-        return longest if radius >= 1.0 else min(longest, math.ceil(math.log(1e-5) / math.log(max(radius, 1e-3))))
-
     def quadratic_form(self, X: FloatArray) -> FloatArray:
         """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`."""
         form = QuadraticForm(self, len(X))
@@ -135,7 +127,10 @@ class QuadraticForm:
         """X Γ Xᵀ of all that was added, (P, P)."""
         noise, after = self.noise, np.zeros((len(self._sum), 1))
         if noise.order:
-            silence = np.zeros((len(self._sum), noise.ring(self._samples)))
+            # The response of 1 / φ counts as over when it has fallen to 1e-5
+            radius = min(max(float(np.abs(np.roots(noise.polynomial)).max()), 1e-3), 1.0 - 1e-12)
+            ring = min(self._samples, math.ceil(math.log(1e-5) / math.log(radius)))
+            silence = np.zeros((len(self._sum), ring))
             after, _ = scipy.signal.lfilter([1.0], noise.polynomial, silence, zi=self._state)
         return np.asarray(noise.variances[-1] * (self._sum + after @ after.T))
 

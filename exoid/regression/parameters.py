@@ -112,17 +112,6 @@ class PriorKnowledge:
             raise BadArgumentError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
         object.__setattr__(self, "known", MappingProxyType(known))
 
-    @classmethod
-    def of(
-        cls,
-        known: Mapping[str, float] | None,
-        prior: Prior | Mapping[str, tuple[float, float]] | None,
-        *,
-        nonnegative: bool,
-    ) -> PriorKnowledge:
-        """Check arguments as a user gives them; None for nothing."""
-        return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
-
     @property
     def known_names(self) -> tuple[str, ...]:
         """Names of the known parameters without their group: ``Ia_hip`` for ``Ia_hip[left]``."""
@@ -192,11 +181,6 @@ class ParameterLayout(NamedTuple):
             places |= {name: shared + k * len(own_names) + i for i, name in enumerate(own_names)}
             of_groups.append(np.array([places[name] for name in names], dtype=np.intp))
         return cls(tuple(groups), every, every_unit, shared, own_names, tuple(of_groups))
-
-    @property
-    def identity(self) -> bool:
-        """Whether the one group's parameters are all, in the model's order."""
-        return len(self.places) == 1 and np.array_equal(self.places[0], np.arange(len(self.names)))
 
     def place(self, name: str, group: int) -> int:
         """Index of one of the own parameters of a group."""

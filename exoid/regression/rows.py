@@ -80,7 +80,8 @@ def prepare(
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
         motion = model.motion(data.q, still, still, data.torso, data.payloads)
-        tau, usable = _without_payload(data.tau, motion), np.ones(data.tau.shape, dtype=np.bool_)
+        tau = data.tau if motion.payload is None else data.tau - motion.payload
+        usable = np.ones(tau.shape, dtype=np.bool_)
         return Prepared(np.arange(count, dtype=np.float64), motion, tau, usable, range(count), usable[:, 0])
     recording = data.resampled()
     if recording.tau is None:
@@ -89,7 +90,15 @@ def prepare(
     tau = recording.tau if measured.all() else np.where(measured, recording.tau, 0.0)
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
-    parallel, inside = preparation.parallel(rate), _inside(recording, valid)
+    parallel, inside = preparation.parallel(rate), np.zeros(len(recording), dtype=np.bool_)
+    inside[valid] = True if recording.mask is None else recording.mask[valid]
+    if not inside.any():
+        raise NotIdentifiableError(
+            f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
+            "the ends of the recording affect the acceleration",
+            where=source_of(recording),
+            remedy="record longer before and after them, or choose a higher cut-off",
+        )
     counted = np.flatnonzero(inside)
     rows = range(int(counted[0]), int(counted[-1]) + 1)
     stride = 1 if parallel is None or every else parallel.stride
@@ -101,6 +110,7 @@ def prepare(
         tau = model.row_torque(tau, motion, recording.wrenches)
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
+    tau = preparation.filter(tau, rate) if parallel is None else tau
     counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
     pulses = None
     if parallel is not None and slow is not None:
@@ -109,7 +119,7 @@ def prepare(
     return Prepared(
         recording.time,
         motion,
-        _without_payload(preparation.filter(tau, rate) if parallel is None else tau, motion),
+        tau if motion.payload is None else tau - motion.payload,
         model.usable(v) & counting,
         rows[(len(rows) - 1) % stride // 2 :: stride],
         inside,
@@ -117,11 +127,6 @@ def prepare(
         parallel,
         pulses,
     )
-
-
-def _without_payload(tau: FloatArray, motion: MotionSamples) -> FloatArray:
-    """Take the known torque of payloads away."""
-    return tau if motion.payload is None else tau - motion.payload
 
 
 def _without_torque(recording: Recording) -> ExoidError:
@@ -147,20 +152,6 @@ def _without_torque(recording: Recording) -> ExoidError:
     return UnreadableInputError(
         "there is no torque in the recording", where=where, remedy=f"record tau, in columns {columns}"
     )
-
-
-def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
-    """Which samples count: valid ones in the segments of the recording, (N,)."""
-    inside = np.zeros(len(recording), dtype=np.bool_)
-    inside[valid] = True if recording.mask is None else recording.mask[valid]
-    if not inside.any():
-        raise NotIdentifiableError(
-            f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
-            "the ends of the recording affect the acceleration",
-            where=source_of(recording),
-            remedy="record longer before and after them, or choose a higher cut-off",
-        )
-    return inside
 
 
 def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:

@@ -112,7 +112,7 @@ def test_friction_of_the_form_of_the_terms_leaves_the_band_as_it_is_at_twice_the
 def test_the_model_error_grows_beyond_the_training(leg, estimates):
     error, estimate = estimates["stribeck"].model_error, estimates["stribeck"]
     slow, fast = (Swing(leg, seconds=20.0, base=base).motion for base in (SLOW, 2.5 * SLOW))
-    model = error.model(estimate.model, estimate.values)
+    model = with_alternatives(estimate.model, estimate.values, error.speed)
     inside, outside = (error.variance(model.regressor(*motion)).mean(axis=0) for motion in (slow, fast))
     assert (outside > 3.0 * inside).all()
     assert (inside < 2.0 * estimate.residual_rms**2).all()

@@ -6,9 +6,11 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Offset, Recording, Stiffness, Viscous
+from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 
 PLAIN = FiniteDifference()
+HIP, KNEE, ANKLE = "left_hip", "left_knee", "left_ankle"
 
 
 @pytest.fixture(scope="module")
@@ -28,16 +30,106 @@ def moved(swing, transform):
     return swing.recording(q=q, v=v, a=a, tau=tau)
 
 
+def with_torque(swing, joint, value, share=1.0):
+    """Recording in which the torque of a joint has one value in a share of the samples."""
+    tau = swing.torque.copy()
+    tau[: int(share * len(tau)), joint] = value
+    return swing.recording(tau=tau)
+
+
+def blind_to_the_knee(name):
+    """Hip and knee move such that the shank keeps its attitude (doc. 2's validation motion): ∂τ/∂J2 = 0."""
+    urdf = exoid.catalog.urdf_folder() / f"{name}.urdf"
+    other = Swing(exoid.load_leg(name).from_urdf(urdf, (HIP, KNEE)))
+    exoid.identify(other.leg, moved(other, [[1, 0], [1 if name == "cuhk" else -1, 0]]), TERMS)
+
+
+def forwards_only(swing):
+    """The hip turns only forwards: friction and sensor zero are the same column."""
+    q = swing.motion[0].copy()
+    q[:, 0] = 0.05 * swing.time
+    recording = Recording(swing.time, q, tau=swing.torque, joint_names=swing.leg.joint_names)
+    exoid.identify(swing.leg, recording, (Coulomb(smoothing=0.0), Offset()))
+
+
+def of(recording, terms=TERMS, *arguments, **options):
+    """Identify from a recording that a function makes of the swing."""
+    return lambda swing: exoid.identify(swing.leg, recording(swing), terms, *arguments, **options)
+
+
+def whole(swing):
+    return swing.recording()
+
+
+NI, BAD, IN = NotIdentifiableError, BadArgumentError, UnreadableInputError
+REFUSALS = {
+    # what a foot that is kept level, q1 + q2 + q3 = 0, or joints in lock step cannot tell apart
+    "a level foot": (of(lambda s: moved(s, [[1, 0, 0], [0, 1, 0], [-1, -1, 0]])), NI, ("J1", "J2", "J3")),
+    "lock step": (
+        of(lambda s: moved(s, [[1, 0, 0], [1, 0, 0], [1, 0, 0]]), None),
+        NI,
+        ("J1", "J2", "J3", "Ia_knee", "Ia_ankle"),
+    ),
+    "a motion blind to the knee": (lambda s: blind_to_the_knee("bleex"), NI, ("J2",)),
+    "a motion blind to the knee of document 2": (lambda s: blind_to_the_knee("cuhk"), NI, ("J2",)),
+    "a hip that turns only forwards": (forwards_only, NI, ("c0_hip", "offset_hip")),
+    "a dozen samples": (of(lambda s: s.recording().slice(0, 10), None, preparation=PLAIN), NI, ("X1", "Y1", "J1")),
+    "ten samples": (of(lambda s: s.recording().slice(0, 10), preparation=PLAIN), NI, ("X1",)),
+    "one sample a joint": (of(lambda s: s.recording().slice(0, 150), None, cutoff=2.5), NI, ()),
+    "too short for the filter": (of(lambda s: s.recording().slice(0, 14), preparation=ZeroPhase()), ExoidError, ()),
+    "too short for its cut-off": (
+        of(lambda s: s.recording().slice(0, 50), preparation=ZeroPhase(20.0)),
+        ExoidError,
+        (),
+    ),
+    "too short for an average": (
+        of(lambda s: s.recording().slice(0, 30), preparation=MovingAverage(0.2)),
+        ExoidError,
+        (),
+    ),
+    "one joint moves": (of(lambda s: moved(s, np.diag([0.0, 1.0, 0.0]))), NI, (HIP,)),
+    "a dead band": (of(whole, (Coulomb(dead_band=50.0), Viscous())), NI, (HIP, KNEE, ANKLE)),
+    "a dead band of one joint": (of(whole, (Coulomb(dead_band=50.0, joints=("ankle",)), Viscous())), NI, (ANKLE,)),
+    "no torque": (of(lambda s: s.recording(tau=None)), IN, ()),
+    "a missing joint": (of(lambda s: s.recording().select((HIP, KNEE))), IN, (ANKLE,)),
+    "joints of the other side": (
+        of(lambda s: s.recording(joint_names=("right_hip", "right_knee", "right_ankle"))),
+        IN,
+        (HIP, KNEE, ANKLE),
+    ),
+    "a dead hip": (of(lambda s: with_torque(s, 0, -0.0)), NI, (HIP,)),
+    "a dead ankle": (of(lambda s: with_torque(s, 2, 3.25), TERMS, "ols"), NI, (ANKLE,)),
+    "all torques zero": (of(lambda s: s.recording(tau=0.0 * s.torque)), NI, (HIP, KNEE, ANKLE)),
+    "a sensor switched on late": (of(lambda s: with_torque(s, 1, 0.0, share=0.6)), NI, (KNEE,)),
+    "an unknown estimator": (of(whole, TERMS, "median"), ExoidError, ()),
+    "a term twice": (of(whole, (Viscous(), Viscous())), ExoidError, ()),
+    "two settings of one term": (of(whole, (Coulomb(), Coulomb(smoothing=0.1))), ExoidError, ()),
+    "no recordings": (of(lambda s: iter(())), BAD, ()),
+    "a path for a recording": (of(lambda s: ["log.csv"]), BAD, ()),
+    "the name of a term": (of(whole, "coulomb"), BAD, ()),
+    "the class of a term": (of(whole, (Coulomb,)), BAD, ()),
+    "a cut-off of zero": (of(whole, cutoff=0.0), BAD, ()),
+    "a cut-off beyond half the rate": (of(whole, cutoff=60.0), ExoidError, ()),
+    "no number for a cut-off": (of(whole, cutoff=float("nan")), BAD, ()),
+}
+
+
+@pytest.mark.parametrize("case", REFUSALS, ids=lambda name: name.replace(" ", "-"))
+def test_what_gives_no_trustworthy_answer_is_refused_with_its_evidence(swing, case):
+    call, kind, evidence = REFUSALS[case]
+    with pytest.raises(kind) as caught:
+        call(swing)
+    assert set(evidence) <= {*caught.value.parameters, *caught.value.joints}
+    assert caught.value.remedy
+
+
 @pytest.mark.parametrize("joint", range(3))
 def test_a_joint_that_stands_still_is_named_with_the_way_to_lock_it(swing, joint):
-    names = swing.leg.joint_names
     still = np.eye(3)
     still[joint, joint] = 0.0
-    others = ", ".join(repr(name) for name in names if name != names[joint])
-    with pytest.raises(ExoidError, match=rf"joint {names[joint]} stands still.*joints=\({others}\), locked=\{{") as e:
+    with pytest.raises(NotIdentifiableError, match="locked=") as caught:
         exoid.identify(swing.leg, moved(swing, still), TERMS)
-    assert names[joint] in e.value.what
-    assert e.value.remedy
+    assert caught.value.joints == (swing.leg.joint_names[joint],)
 
 
 def test_locking_the_still_joint_as_the_error_says_works(swing):
@@ -47,29 +139,6 @@ def test_locking_the_still_joint_as_the_error_says_works(swing):
     leg = exoid.Leg.from_urdf(urdf, joints=(hip, knee), locked={ankle: 0.0})
     estimate = exoid.identify(leg, recording, TERMS, preparation=PLAIN)
     np.testing.assert_allclose(estimate.values[:6], leg.parameters, rtol=1e-8)
-
-
-def test_a_foot_kept_level_cannot_tell_the_inertias_apart(swing):
-    """With q1 + q2 + q3 = 0 the foot never turns: its inertia, which is part of all three J, does nothing."""
-    with pytest.raises(ExoidError, match=r"J1, J2, J3 cannot be told apart.*move all joints") as e:
-        exoid.identify(swing.leg, moved(swing, [[1, 0, 0], [0, 1, 0], [-1, -1, 0]]), TERMS)
-    assert "X" not in e.value.what
-
-
-def test_joints_in_lock_step_cannot_tell_inertias_from_rotors(swing):
-    with pytest.raises(ExoidError, match=r"J1, J2, J3, Ia_knee, Ia_ankle cannot be told apart"):
-        exoid.identify(swing.leg, moved(swing, [[1, 0, 0], [1, 0, 0], [1, 0, 0]]))
-
-
-@pytest.mark.parametrize("name", ["bleex", "cuhk"])
-def test_a_validation_motion_that_is_blind_to_the_knee_is_refused(name):
-    """Hip and knee move such that the shank keeps its attitude (doc. 2's validation motion): ∂τ/∂J2 = 0."""
-    swing = Swing(
-        exoid.load_leg(name).from_urdf(exoid.catalog.urdf_folder() / f"{name}.urdf", ("left_hip", "left_knee"))
-    )
-    transform = [[1, 0], [1 if name == "cuhk" else -1, 0]]
-    with pytest.raises(ExoidError, match="J2"):
-        exoid.identify(swing.leg, moved(swing, transform), TERMS)
 
 
 def test_one_joint_after_another_is_enough_without_rotors(swing):
@@ -85,65 +154,10 @@ def test_a_hip_that_moves_while_another_recording_moves_the_rest_is_not_still(sw
     assert estimate.condition_number < 100.0
 
 
-def test_a_term_that_left_no_trace_is_named(swing):
-    """The hip turns only forwards: friction and sensor zero are the same column."""
-    q = swing.motion[0].copy()
-    q[:, 0] = 0.05 * swing.time
-    recording = Recording(swing.time, q, tau=swing.torque, joint_names=swing.leg.joint_names)
-    with pytest.raises(ExoidError, match=r"c0_hip.*offset_hip"):
-        exoid.identify(swing.leg, recording, (Coulomb(smoothing=0.0), Offset()))
-
-
-@pytest.mark.parametrize("terms", [(Coulomb(dead_band=50.0), Viscous()), (Coulomb(smoothing=0.0, dead_band=50.0),)])
-def test_a_dead_band_that_leaves_no_sample_is_named(swing, terms):
-    with pytest.raises(ExoidError, match=r"left_hip, left_knee, left_ankle is faster than the dead band"):
-        exoid.identify(swing.leg, swing.recording(), terms)
-
-
-def test_a_dead_band_that_leaves_no_sample_of_one_joint_names_that_joint(swing):
-    terms = (Coulomb(dead_band=50.0, joints=("ankle",)), Viscous())
-    with pytest.raises(ExoidError, match=r"no sample of left_ankle is faster.*smaller dead_band"):
-        exoid.identify(swing.leg, swing.recording(), terms)
-
-
-def test_a_recording_without_torque_is_refused(swing):
-    with pytest.raises(ExoidError, match=r"no torque.*tau_left_hip, tau_left_knee, tau_left_ankle"):
-        exoid.identify(swing.leg, swing.recording(tau=None))
-
-
-def test_a_missing_joint_is_named(swing):
-    with pytest.raises(ExoidError, match=r"left_ankle not in the recording, which has left_hip, left_knee.*columns="):
-        exoid.identify(swing.leg, swing.recording().select(("left_hip", "left_knee")))
-
-
-@pytest.mark.parametrize(
-    ("samples", "preparation"), [(14, ZeroPhase()), (50, ZeroPhase(cutoff=20.0)), (30, MovingAverage(0.2))]
-)
-def test_a_record_that_consists_of_ends_is_refused(swing, samples, preparation):
-    with pytest.raises(ExoidError, match=r"too few.*record longer or choose a higher cut-off"):
-        exoid.identify(swing.leg, swing.recording().slice(0, samples), TERMS, preparation=preparation)
-
-
-def test_a_dozen_samples_cannot_determine_twenty_parameters(swing):
-    with pytest.raises(ExoidError, match=r"do not determine every parameter: X1, Y1, J1, .* cannot be told apart"):
-        exoid.identify(swing.leg, swing.recording().slice(0, 10), preparation=PLAIN)
-
-
-def test_one_independent_sample_a_joint_is_too_few(swing):
-    with pytest.raises(ExoidError, match=r"too few samples: .* independent ones for 20 parameters.*record longer"):
-        exoid.identify(swing.leg, swing.recording().slice(0, 150), cutoff=2.5)
-
-
 def test_labels_without_a_side_are_accepted(swing):
     plain = swing.recording(joint_names=("hip", "knee", "ankle"))
     estimate = exoid.identify(swing.leg, plain, TERMS, preparation=PLAIN)
     np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
-def test_labels_of_the_other_side_are_not(swing):
-    other = swing.recording(joint_names=("right_hip", "right_knee", "right_ankle"))
-    with pytest.raises(ExoidError, match=r"left_hip, left_knee, left_ankle not in the recording, which has right_hip"):
-        exoid.identify(swing.leg, other, TERMS)
 
 
 def test_further_joints_of_the_recording_are_ignored(swing):
@@ -153,11 +167,6 @@ def test_further_joints_of_the_recording_are_ignored(swing):
     recording = Recording(swing.time, q, v, a, tau, joint_names=names)
     estimate = exoid.identify(swing.leg, recording, TERMS, preparation=PLAIN)
     np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
-def test_an_unknown_estimator_is_refused_with_those_there_are(swing):
-    with pytest.raises(ExoidError, match=r"no estimator 'median'.*ols, .*wls"):
-        exoid.identify(swing.leg, swing.recording(), TERMS, "median")
 
 
 def test_stiffness_and_offset_are_one_parameter_and_the_estimate_says_so(swing):
@@ -175,59 +184,11 @@ def test_a_rotor_at_the_hip_is_part_of_j1_and_the_estimate_says_so(swing):
     assert "note: Ia_hip is regrouped into J1: no motion distinguishes them" in str(estimate)
 
 
-def test_the_same_term_twice_is_refused(swing):
-    with pytest.raises(ExoidError, match="c0_ankle, c0_hip, c0_knee"):
-        exoid.identify(swing.leg, swing.recording(), (Coulomb(), Coulomb(smoothing=0.1)))
-
-
-@pytest.mark.parametrize("estimator", ["ols", "wls"])
-@pytest.mark.parametrize("value", [0.0, -0.0, 3.25])
-@pytest.mark.parametrize("joint", [0, 2])
-def test_a_torque_that_never_changes_is_a_dead_channel(swing, joint, value, estimator):
-    tau = swing.torque.copy()
-    tau[:, joint] = value
-    name = swing.leg.joint_names[joint]
-    with pytest.raises(ExoidError, match=rf"torque of joint {name} is {abs(value):g} N·m in every sample.*tau_{name}"):
-        exoid.identify(swing.leg, swing.recording(tau=tau), TERMS, estimator)
-
-
-@pytest.mark.parametrize("estimator", ["ols", "wls"])
-def test_torques_that_are_all_zero_are_refused(swing, estimator):
-    with pytest.raises(ExoidError, match="left_hip is 0 N·m in every sample"):
-        exoid.identify(swing.leg, swing.recording(tau=np.zeros_like(swing.torque)), TERMS, estimator)
-
-
 def test_a_free_swing_beside_a_driven_one_is_not_a_dead_channel(swing):
     """A joint may swing freely in one recording if another shows that its torque channel lives."""
     free = np.zeros_like(swing.torque)
-    with pytest.raises(ExoidError, match="left_hip is 0 N·m in every sample"):
-        exoid.identify(swing.leg, swing.recording(tau=free))
     estimate = exoid.identify(swing.leg, [swing.recording(), swing.recording(tau=free)], TERMS)
     assert np.isfinite(estimate.values).all()
-
-
-@pytest.mark.parametrize("recordings", [[], (), iter(())])
-def test_no_recordings_are_refused(leg, recordings):
-    with pytest.raises(ExoidError, match="no recordings"):
-        exoid.identify(leg, recordings)
-
-
-@pytest.mark.parametrize("recordings", ["log.csv", ["log.csv"]])
-def test_a_path_in_place_of_a_recording_is_refused_with_the_way_to_read_it(leg, recordings):
-    with pytest.raises(ExoidError, match=r"'log\.csv' is no recording.*from_csv"):
-        exoid.identify(leg, recordings)
-
-
-@pytest.mark.parametrize("terms", ["coulomb", ("coulomb",), (Coulomb,), [Coulomb(), None]])
-def test_names_of_terms_in_place_of_terms_are_refused(swing, terms):
-    with pytest.raises(ExoidError, match=r"is no term.*exoid\.Coulomb\(\)"):
-        exoid.identify(swing.leg, swing.recording(), terms)
-
-
-@pytest.mark.parametrize("cutoff", [0.0, -1.0, 60.0, float("nan"), float("inf")])
-def test_an_impossible_cutoff_is_refused(swing, cutoff):
-    with pytest.raises(ExoidError, match=r"cut-?off"):
-        exoid.identify(swing.leg, swing.recording(), TERMS, cutoff=cutoff)
 
 
 def test_a_poor_motion_that_still_determines_everything_prints_a_warning(leg):
@@ -238,26 +199,6 @@ def test_a_poor_motion_that_still_determines_everything_prints_a_warning(leg):
     estimate = exoid.identify(leg, recording, (Offset(),), preparation=PLAIN)
     assert estimate.condition_number > 100.0
     assert "ill-conditioned: excite more" in str(estimate)
-
-
-@pytest.mark.parametrize("joint", range(3))
-def test_a_torque_that_is_zero_in_most_rows_is_named(swing, joint):
-    """A sensor that was switched on late: its zeros would pass for torques."""
-    tau = swing.torque.copy()
-    tau[: int(0.6 * len(tau)), joint] = 0.0
-    with pytest.raises(ExoidError, match=rf"torque of joint {swing.leg.joint_names[joint]} is 0 N·m in 60% of") as e:
-        exoid.identify(swing.leg, swing.recording(tau=tau), TERMS)
-    assert "Recording.between" in e.value.remedy
-
-
-def test_a_recording_that_moves_one_joint_only_is_refused(swing):
-    """Two joints stand still; with their angles told apart by encoder noise alone they still do."""
-    recording = moved(swing, np.diag([0.0, 1.0, 0.0]))
-    with pytest.raises(ExoidError, match="stands still"):
-        exoid.identify(swing.leg, recording, TERMS)
-    noisy = recording.q + np.random.default_rng(0).normal(scale=1e-4, size=recording.q.shape)
-    with pytest.raises(ExoidError, match="stands still"):
-        exoid.identify(swing.leg, swing.recording(q=noisy, v=None, a=None, tau=recording.tau), TERMS)
 
 
 def test_friction_columns_that_are_the_same_up_to_scale_become_one_parameter_and_the_estimate_says_so(swing):
@@ -277,18 +218,6 @@ def test_friction_columns_that_are_nearly_the_same_are_not_determined(swing, smo
         assert identifiability[name] == "not"
     assert "ill-conditioned" in str(estimate)
     assert any("d_hip" in warning for warning in estimate.warnings)
-
-
-def test_two_friction_terms_of_one_shape_are_refused(swing):
-    """They would even have the same names."""
-    with pytest.raises(ExoidError, match="occur twice"):
-        exoid.identify(swing.leg, swing.recording(), (Viscous(), Viscous()))
-
-
-@pytest.mark.parametrize("preparation", [None, PLAIN], ids=["default", "plain"])
-def test_ten_samples_are_refused(swing, preparation):
-    with pytest.raises(ExoidError, match=r"10 samples|cannot be told apart"):
-        exoid.identify(swing.leg, swing.recording().slice(0, 10), TERMS, preparation=preparation)
 
 
 def test_ten_samples_of_a_single_joint_give_no_confident_number():

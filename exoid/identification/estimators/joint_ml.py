@@ -21,9 +21,9 @@ from exoid.signals.moving_base import base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
 
-from .default_start import default_preparation, default_start, refuse_other_friction
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
+from .outside_rows import default_preparation, default_start, refuse_other_friction
 
 COARSE = 0.04
 """Knot spacing [s] to begin with."""

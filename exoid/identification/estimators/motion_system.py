@@ -12,8 +12,7 @@ from exoid.leg.torso import MovingBase
 from exoid.torques import Motion, TorqueModel
 
 from .bordered import BorderedRows, ReducedSystem, eliminate
-from .linearised_rows import LinearisedRows, linearised_block
-from .sensitivity import respond, torque
+from .outside_rows import LinearisedRows, linearised_block, respond, torque
 from .trajectory import WIDTH, Trajectory
 
 HALVINGS = 10

@@ -19,8 +19,7 @@ from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
-from .default_start import default_start, refuse_other_friction
-from .linearised_rows import LinearisedRows, linearised_block
+from .outside_rows import LinearisedRows, default_start, linearised_block, refuse_other_friction
 
 ROUNDS = 12
 """Gauss–Newton steps at most."""

@@ -211,7 +211,7 @@ def test_bad_contacts_are_one_error(exo, stance, change, message):
         exoid.identify(exo, replace(log.recording, **change), terms=TERMS)
 
 
-@pytest.mark.parametrize("arguments", [{"delay": "auto"}, {"estimator": "ml"}, {"preparation": "finite-difference"}])
+@pytest.mark.parametrize("arguments", [{"estimator": "ml"}, {"preparation": "finite-difference"}])
 def test_what_does_not_go_with_contacts_is_refused(exo, stance, arguments):
     with pytest.raises(ExoidError):
         exoid.identify(exo, [log.recording for log in stance], terms=TERMS, **arguments)
