@@ -81,7 +81,7 @@ class Pattern(NamedTuple):
         of = dict(zip(self.symbols, coefficients.T, strict=True))
         low = of["c0"] + np.minimum(of["cs"], 0.0) if "cs" in of else of.get("c0", np.ones(len(coefficients)))
         rest = [c > 0.0 for symbol, c in of.items() if symbol not in ("c0", "cs", "offset")]
-        return np.all([low > 0.0, *rest], axis=0)
+        return np.asarray(np.all([low > 0.0, *rest], axis=0))
 
     def lacks(self, other: Pattern) -> bool:
         """Say whether another pattern is this one with c0, d or both."""
