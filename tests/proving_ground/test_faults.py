@@ -70,6 +70,15 @@ def test_selection_is_never_worse_than_the_default_terms():
     assert error(machine, select_terms(leg, log).estimate, test) <= 1.02 * nrmse(14, "default")
 
 
+def test_a_passive_joint_does_not_decide_for_all():
+    """Its torque is zero: an error relative to that was 1e145, of every candidate."""
+    machine, leg, log, _ = ground(23)
+    assert machine.joints[3].passive
+    selection = select_terms(leg, log)
+    assert all(one.mean < 0.3 for one in selection.candidates)
+    assert "nan" not in str(selection)
+
+
 def test_selection_of_a_floating_base_is_refused():
     _, leg, log, _ = ground(4)
     with pytest.raises(NotSupportedError):

@@ -10,11 +10,12 @@ from .population import best_for_all, population
 
 @pytest.mark.slow
 def test_small_machines_are_identified_by_their_log_and_a_wrong_cad():
-    outcomes = list(population((5, 14, 22), seconds=8.0))
+    outcomes = list(population((5, 21, 22), seconds=8.0))
     for outcome in outcomes:
         assert not outcome.refused
-        assert outcome.nrmse["joint by joint"] <= 1.1 * outcome.nrmse["default"]
-        assert not [kind for severity, kind in outcome.false if severity == "error"]
+        assert outcome.nrmse["joint by joint"] <= outcome.nrmse["default"]
+        assert outcome.named["sign of one torque"]
+        assert outcome.named["velocity 5 ms late"]
     assert np.mean(np.concatenate([outcome.inside for outcome in outcomes])) >= 0.8
     assert np.mean([outcome.nrmse["joint by joint"] / best_for_all(outcome) for outcome in outcomes]) < 1.1
 

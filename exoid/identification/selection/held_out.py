@@ -71,7 +71,7 @@ def fast_fold(speed: FloatArray, quantile: float = 0.6) -> Fold:
 class HeldOut(NamedTuple):
     """Errors on rows that were not fitted."""
 
-    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,)
+    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,); not a number for a passive one
     folds: FloatArray  # NRMSE averaged over the joints, of each fold, (K,)
     extrapolation: FloatArray  # NRMSE of the fastest seconds predicted from the others, (n,)
 
@@ -94,8 +94,11 @@ def held_out_errors(
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
     whole = _Errors(*np.sum(each, axis=0))
     fast = _errors(fast_blocks(recordings), fitted, compared, robust=robust)
-    of_folds = np.array([np.mean(errors.rms / whole.spread) for errors in each])
-    return HeldOut(whole.rms / whole.spread, of_folds, fast.rms / fast.spread)
+    # The torque of a passive joint is zero: its NRMSE has no meaning, and would decide for all joints.
+    still = whole.spread <= 1e-9 * whole.spread.max()
+    of_folds = np.array([np.mean((errors.rms / whole.spread)[~still]) for errors in each])
+    nrmse, extrapolation = (np.where(still, np.nan, sums.rms / sums.spread) for sums in (whole, fast))
+    return HeldOut(nrmse, of_folds, extrapolation)
 
 
 class _Errors(NamedTuple):
