@@ -57,7 +57,7 @@ def advance(recursion: Recursion, state: State, block: Block) -> State:
         inflation, innovations = inflations(settings, state.correlation), rows.tau - rows.W @ state.values
         root = _root(settings, state, state.information)
         detector = look(settings, detection, state.detector, rows, innovations, state.weights, inflation, root)
-        state = state._replace(detector=detector)
+        state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))
     if state.detector.crossing >= 0:
         return _begin_suspicion(settings, state)
     state = _solved(settings, state, absorb(settings, state.information, rows, state.weights))

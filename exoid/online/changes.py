@@ -13,8 +13,8 @@ Values that are known with a covariance P only predict a block with the covarian
 by S, so that a leg that is still being learned raises no mean and no alarm.
 
 Friction in one direction of motion looks like a load, and a load at rest like an offset. So once a statistic crossed
-its threshold, rows are collected, and hypotheses are compared on
-these. Those that are not clearly worse than the best are candidates.
+its threshold, rows are collected, and hypotheses are compared on these. Those
+that are not clearly worse than the best are candidates.
 """
 
 from __future__ import annotations

@@ -142,6 +142,7 @@ class State(NamedTuple):
     values: FloatArray  # parameters by the last block, (P,)
     std: FloatArray  # their standard deviations by the R factors alone, (P,); infinite before they are determined
     weights: FloatArray  # weight of the rows of each joint [1/(N·m)], (n,)
+    sharpest: FloatArray  # largest slowly followed weight so far, (n,)
     correlation: Correlation
     detector: Detector
     checkpoints: Information  # information one, two and three seconds ago, (3, ...) each
@@ -163,6 +164,7 @@ def begin(settings: Settings, hypotheses: int) -> State:
         values=np.zeros(P),
         std=np.full(P, np.inf),
         weights=np.ones(n),
+        sharpest=np.zeros(n),
         correlation=Correlation(*lags),
         detector=Detector(
             score=np.zeros(P),
