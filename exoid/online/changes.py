@@ -8,6 +8,13 @@ s = Wᵀe and energy E = WᵀW of weighted rows, the likelihood ratio of the bes
 which over its mean is F-distributed with (d, ν) degrees of freedom while nothing changes (M. Basseville,
 I. V. Nikiforov, Detection of Abrupt Changes, 1993, ch. 7). The mean is that of the last minutes, and contains the
 errors of the model that repeat in this motion. The threshold follows from the rate of false alarms.
+
+Values that are known with a covariance P only predict a block with the covariance S = 1 + W P Wᵀ. Its rows are whitened
+by S, so that a leg that is still being learned raises no mean and no alarm.
+
+Friction in one direction of motion looks like a load, and a load at rest like an offset. So once a statistic crossed
+its threshold, rows are collected, and hypotheses are compared on these. Those
+that are not clearly worse than the best are candidates.
 """
 
 from __future__ import annotations
@@ -28,12 +35,6 @@ from .state import Detector
 
 WARM_UP = 20.0
 """Duration of rows before changes are reported, over the window."""
-
-DECISION = 1.5
-"""Time over the window for which innovations are summed up, once a statistic crossed its threshold.
-
-Friction in one direction of motion looks like a load. Only when the joint moved both ways do hypotheses differ.
-"""
 
 SPANNED = 1e-6
 """Singular values below this part of the largest count as zero."""
@@ -76,6 +77,13 @@ def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
     return tuple(hypotheses)
 
 
+CLEARLY = 30.0
+"""Difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7."""
+
+TORN = 4.0
+"""Mean square of residuals over that before a change from which on collected rows are of several changes."""
+
+
 class Detection(NamedTuple):
     """What the change detection tests."""
 
@@ -108,22 +116,27 @@ class Detection(NamedTuple):
         """Likelihood ratio of each hypothesis over its dimension, (C,)."""
         found = np.zeros(len(self.hypotheses))
         for places, bases in self.bases:
-            s, E = score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)
-            size = np.sqrt(np.maximum(np.einsum("cdd->cd", E), 0.0))
-            seen = size.all(axis=1)
-            size[~seen] = 1.0
-            unit = np.eye(E.shape[1])
-            ridge = 1e-9 * unit  # a direction without energy of its own says nothing
-            scaled = np.where(seen[:, None, None], E / (size[:, :, None] * size[:, None, :]) + ridge, unit)
-            y = (s / size)[..., None]
-            found[places] = seen * (y * np.linalg.solve(scaled, y)).sum(axis=(1, 2)) / E.shape[1]
+            found[places] = _ratios(score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)) / bases.shape[2]
         return found
 
-    def most_likely(self, ratios: FloatArray, detector: Detector) -> int:
-        """Choose the hypothesis that explains most; a further parameter has to bring five times the mean statistic."""
-        mean = np.maximum(1.0, detector.level / max(detector.looks, 1.0))
-        energy = ratios * self.limits * mean * self.dimensions
-        return int(np.argmax(energy - 5.0 * self.dimensions * mean.mean()))
+
+def _with_uncertainty(s: FloatArray, E: FloatArray, L: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(1 + E P)⁻¹ s and (1 + E P)⁻¹ E with P = L Lᵀ."""
+    EL = E @ L
+    lost = np.linalg.solve(np.eye(len(L)) + L.T @ EL, EL.T).T  # E L (1 + Lᵀ E L)⁻¹
+    return s - lost @ (L.T @ s), E - lost @ EL.T
+
+
+def _ratios(s: FloatArray, E: FloatArray) -> FloatArray:
+    """Likelihood ratios sᵀ E⁻¹ s of (c, d) and (c, d, d); zero where a parameter has no energy."""
+    size = np.sqrt(np.maximum(np.einsum("cdd->cd", E), 0.0))
+    seen = size.all(axis=1)
+    size[~seen] = 1.0
+    unit = np.eye(E.shape[1])
+    ridge = 1e-9 * unit  # a direction without energy of its own says nothing
+    scaled = np.where(seen[:, None, None], E / (size[:, :, None] * size[:, None, :]) + ridge, unit)
+    y = (s / size)[..., None]
+    return np.asarray(seen * (y * np.linalg.solve(scaled, y)).sum(axis=(1, 2)))
 
 
 def look(
@@ -134,36 +147,70 @@ def look(
     innovations: FloatArray,
     weights: FloatArray,
     inflation: FloatArray,
-) -> tuple[Detector, FloatArray]:
-    """Look at the innovations of a block: detector after it, and statistics over their thresholds."""
-    suspected, window = before.crossing >= 0, settings.window
-    discount = 1.0 if suspected else math.exp(-settings.block_time / window)
-    followed = before.weights
-    if not suspected:  # weights follow within ten windows
-        part = max(settings.block_time / (10.0 * window), 1.0 / (1.0 + before.settled))
-        followed = followed + min(1.0, part) * (weights - followed)
+    root: FloatArray,
+) -> Detector:
+    """Look at the innovations of a block while nothing is suspected."""
+    window = settings.window
+    discount = math.exp(-settings.block_time / window)
+    part = max(settings.block_time / (10.0 * window), 1.0 / (1.0 + before.settled))  # weights follow within ten windows
+    followed = before.weights + min(1.0, part) * (weights - before.weights)
     precision = followed / np.sqrt(inflation)
     W = (rows.W * precision[:, None]).reshape(-1, settings.count)
-    score = discount * before.score + W.T @ (innovations * precision).ravel()
+    A = W @ root
+    whiten = np.linalg.inv(np.linalg.cholesky(np.eye(len(W)) + A @ A.T))
+    W, e = whiten @ W, whiten @ (innovations * precision).ravel()
+    score = discount * before.score + W.T @ e
     energy = discount * before.energy + W.T @ W
-    statistics = (1.0 if suspected else 1.0 + discount) * detection.statistics(score, energy)
+    statistics = (1.0 + discount) * detection.statistics(score, energy)
     duration = before.settled * settings.block_time / window
-    level, looks = before.level, before.looks
-    mean = np.maximum(1.0, level / max(looks, 1.0))
-    if duration > 5.0 and not suspected:
+    level, looks, mean = before.level, before.looks, before.mean
+    if duration > 5.0:
         # the mean is that of sixty windows; a statistic enters by three times the mean at most
         slow = math.exp(-settings.block_time / (60.0 * window))
         most = 3.0 * mean if duration > 0.5 * WARM_UP else np.full(len(mean), np.inf)
         level, looks = slow * level + np.minimum(statistics, most), slow * looks + 1.0
         mean = np.maximum(1.0, level / looks)
-    ratios = statistics / (mean * detection.limits) if duration > WARM_UP else np.zeros(len(mean))
-    above = bool((ratios > 1.0).any())
-    crossing = before.crossing + 1 if suspected else 0 if above else -1
-    if crossing * settings.block_time > DECISION * window and not above:
-        crossing = -1
-    return Detector(score, energy, level, looks, crossing, before.settled + 1, followed), ratios
+    above = duration > WARM_UP and bool((statistics > mean * detection.limits).any())
+    return before._replace(
+        score=score,
+        energy=energy,
+        level=level,
+        looks=looks,
+        crossing=0 if above else -1,
+        settled=before.settled + 1,
+        weights=followed,
+    )
 
 
-def confirmed(settings: Settings, detector: Detector) -> bool:
-    """Whether innovations were summed up for long enough, and a statistic stayed above its threshold."""
-    return detector.crossing * settings.block_time > DECISION * settings.window
+class Verdict(NamedTuple):
+    """What the rows since a suspicion say."""
+
+    ratios: FloatArray  # statistic of each hypothesis over its threshold, (C,)
+    best: int  # hypothesis that explains most, among those above their threshold; −1 for none
+    candidates: tuple[int, ...]  # hypotheses above their threshold that are not clearly worse
+    complete: bool  # whether the candidates explain the rows as well as all parameters together
+    torn: bool  # whether no parameters explain the rows, which are then of several changes
+
+
+def judge(detection: Detection, detector: Detector, inflation: FloatArray, root: FloatArray) -> Verdict:
+    """Compare the hypotheses on the rows since a suspicion."""
+    collected, precision = detector.collected, detector.weights / np.sqrt(inflation)
+    table = (collected.R[:-1] * precision[:, None, None]).reshape(-1, collected.R.shape[2])
+    W, e = table[:, :-1], table[:, -1] - table[:, :-1] @ detector.values
+    score, energy, independent = W.T @ e, W.T @ W, float((collected.rows[:-1] / inflation).sum())
+    moving = np.flatnonzero(np.diag(energy) > 0.0)
+    everything = float(_ratios(score[None, moving], energy[None][:, moving][:, :, moving])[0])
+    score, energy = _with_uncertainty(score, energy, root)
+    statistics = detection.statistics(score, energy)
+    explained = float(_ratios(score[None, moving], energy[None][:, moving][:, :, moving])[0])
+    left = max(float(e @ e) - everything, 0.0) / max(independent - len(moving), 1.0)
+    # An F statistic, times what errors of the model raise it by in this motion
+    unit = max(1.0, left) * float(detector.mean.mean())
+    ratios = statistics / (detector.mean * detection.limits)
+    # A further parameter has to bring five times the mean statistic
+    worth = np.where(ratios > 1.0, (statistics - 5.0 * unit) * detection.dimensions, -np.inf)
+    best = int(np.argmax(worth)) if (ratios > 1.0).any() else -1
+    candidates = tuple(np.flatnonzero(worth > worth[best] - CLEARLY * unit).tolist()) if best >= 0 else ()
+    lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
+    complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
+    return Verdict(ratios, best, candidates, complete, left > TORN and independent > 2.0 * len(moving))

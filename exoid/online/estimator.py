@@ -196,7 +196,28 @@ class RecursiveEstimator:
             for one in self.drifts
             for text in [f"drifted from {one.before:.4g} to {one.after:.4g} until {one.time:.0f} s"]
         ]
+        changed += [*self._ambiguous(), *self._contradicted()]
         return ordered((*changed, *findings_of(self._stream)))
+
+    def _ambiguous(self) -> list[Finding]:
+        """Changes that the rows do not yet tell apart."""
+        state = self._state.detector
+        if len(state.candidates) < 2:
+            return []
+        possible = [self._recursion.detection.hypotheses[k] for k in state.candidates]
+        names = dict.fromkeys(name for one in possible for name in one.parameters)
+        text = " or ".join(f"{one.kind} at {one.joint}" for one in possible)
+        message = f"something changed, and the motion does not yet tell {text} apart"
+        return [Finding("change-ambiguous", "", 1.0, "", "warning", message, WAIT, parameters=tuple(names))]
+
+    def _contradicted(self) -> list[Finding]:
+        """Joints whose residuals are ten times those that they were before, which intervals do not contain."""
+        state, found = self._state, []
+        for joint, now, best in zip(self.settings.model.joint_names, state.weights, state.sharpest, strict=True):
+            if best > FALLEN * now:
+                message = f"residuals of {joint} are {best / now:.3g} times what they were"
+                found.append(Finding("residuals-grew", joint, best / now, "", "warning", message, LOOK))
+        return found
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write settings and state as JSON, whole or not at all; see :meth:`resume`.
@@ -257,6 +278,13 @@ class RecursiveEstimator:
 
 GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
 WORN_IN = "seals wear in, and grease warms up; the estimate follows within the memory"
+
+
+WAIT = "move all joints, both ways; until then what was known of all of these parameters is given up"
+LOOK = "look for what no parameter explains: contact, slip of a sensor, a person who pushes; begin anew without it"
+
+FALLEN = 10.0
+"""Ratio of residuals to the smallest so far from which on they contradict the intervals."""
 
 
 def _changed(kind: str, one: Change | Drift, parameters: tuple[str, ...], text: str, remedy: str) -> Finding:

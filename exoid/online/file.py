@@ -23,7 +23,7 @@ from .settings import Settings
 from .state import Change, Drift, State, begin
 from .stream import Sample, Stream
 
-SCHEMA = "exoid-online-3"
+SCHEMA = "exoid-online-4"
 
 PLAIN = tuple(field.name for field in fields(Settings) if field.name not in ("model", "torque_limits"))
 """Settings that JSON holds as they are."""
@@ -110,12 +110,21 @@ def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
     sample = (0.0,)
     changes = (Change(0, 0.0, "", "", ("",), 0.0, (0.0,)),)
     drifts = (Drift(0, 0.0, "", "", 0.0, 0.0, 0.0, 0.0),)
-    state = begin(settings, len(hypotheses_of(settings.model)))._replace(changes=changes, drifts=drifts)
+    count = len(hypotheses_of(settings.model))
+    state = begin(settings, count)._replace(changes=changes, drifts=drifts)
+    state = state._replace(detector=state.detector._replace(candidates=(0,)))
     memory: Memory = _like(Memory(state, Stream((True,), sample, counts=(0,)), (sample,)), data)
     lengths = {len(sample) for sample in memory.pending} | {len(memory.stream.last) or 5 * settings.n}
     regular = lengths == {5 * settings.n} and len(memory.pending) < settings.block
     regular &= len(memory.stream.counts) == len(Stream().counts) and len(memory.stream.given) in (0, 2)
-    triangles = (memory.state.information.R, memory.state.checkpoints.R, memory.state.epochs.R)
+    triangles = (
+        memory.state.information.R,
+        memory.state.checkpoints.R,
+        memory.state.epochs.R,
+        memory.state.detector.collected.R,
+    )
+    detector = memory.state.detector
+    regular &= all(-1 <= k < count for k in (detector.named, *detector.candidates))
     positive = (memory.state.weights, memory.state.detector.weights)
     if not regular or any(np.tril(R, -1).any() for R in triangles) or any((x <= 0.0).any() for x in positive):
         raise ValueError("samples, R factors or weights that no stream has")

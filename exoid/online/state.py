@@ -46,6 +46,15 @@ class Detector(NamedTuple):
     crossing: int  # blocks since a statistic crossed its threshold; −1 for none
     settled: int  # blocks with rows since the beginning, or since the last change
     weights: FloatArray  # weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,)
+    values: FloatArray  # parameters before the suspicion, (P,)
+    collected: Information  # rows since the suspicion, without what was known before
+    named: int  # place of the hypothesis that was reported for these rows; −1 for none
+    candidates: tuple[int, ...]  # places of the hypotheses that may have changed
+
+    @property
+    def mean(self) -> FloatArray:
+        """Mean statistic of each hypothesis while nothing changes, at least 1, (C,)."""
+        return np.maximum(1.0, self.level / max(self.looks, 1.0))
 
 
 class Epochs(NamedTuple):
@@ -133,6 +142,7 @@ class State(NamedTuple):
     values: FloatArray  # parameters by the last block, (P,)
     std: FloatArray  # their standard deviations by the R factors alone, (P,); infinite before they are determined
     weights: FloatArray  # weight of the rows of each joint [1/(N·m)], (n,)
+    sharpest: FloatArray  # largest slowly followed weight so far, (n,)
     correlation: Correlation
     detector: Detector
     checkpoints: Information  # information one, two and three seconds ago, (3, ...) each
@@ -154,8 +164,21 @@ def begin(settings: Settings, hypotheses: int) -> State:
         values=np.zeros(P),
         std=np.full(P, np.inf),
         weights=np.ones(n),
+        sharpest=np.zeros(n),
         correlation=Correlation(*lags),
-        detector=Detector(np.zeros(P), np.zeros((P, P)), np.zeros(hypotheses), 0.0, -1, 0, np.ones(n)),
+        detector=Detector(
+            score=np.zeros(P),
+            energy=np.zeros((P, P)),
+            level=np.zeros(hypotheses),
+            looks=0.0,
+            crossing=-1,
+            settled=0,
+            weights=np.ones(n),
+            values=np.zeros(P),
+            collected=Information(R, rows),
+            named=-1,
+            candidates=(),
+        ),
         checkpoints=checkpoints_of(Information(R, rows)),
         changes=(),
         epochs=no_epochs(settings),

@@ -222,7 +222,7 @@ def test_a_damaged_file_is_refused_or_goes_on(leg, truth, tmp_path):
         except exoid.ExoidError:
             refused += 1
     assert refused > 0.6 * min(300, len(every))
-    for damaged in (text[:1000], "", "[" * 100_000, '{"schema": "exoid-online-3"}'):
+    for damaged in (text[:1000], "", "[" * 100_000, '{"schema": "exoid-online-4"}'):
         file.write_text(damaged)
         with pytest.raises(UnreadableInputError) as raised:
             RecursiveEstimator.resume(file, leg)
