@@ -11,7 +11,7 @@ from .run import Energy, Run
 from .sensors import Sensors
 from .simulate import Rates, simulate
 from .smooth_stepper import CoupledMotors, CoupledStepper, SmoothStepper
-from .stepper import PlanarStepper, Stepper
+from .stepper import PlanarStepper
 from .wearer import Wearer
 
 __all__ = [
@@ -35,7 +35,6 @@ __all__ = [
     "Run",
     "Sensors",
     "SmoothStepper",
-    "Stepper",
     "Target",
     "Wearer",
     "leg_with_payloads",

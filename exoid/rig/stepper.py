@@ -50,15 +50,7 @@ class Stepper(ABC):
     v: FloatArray  # velocities [rad/s], (n, B)
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄, with friction and end stops.
-
-        Args:
-            torque: Torque τ₀ [N·m], (n, B).
-            damping: Damping of the actuators [N·m·s/rad], (n, B).
-
-        Returns:
-            Mean velocity and impulse of friction and end stops, (n, B) each.
-        """
+        """Advance by dt under the actuator torque τ₀ − damping · v̄, (n, B) each, with friction and end stops."""
         return self.solve(self.equations(torque, damping))
 
     @abstractmethod
