@@ -97,7 +97,16 @@ class Evidence:
     bounded: tuple[str, ...] = ()
 
     def check(self, parameters: int, joints: int, priors: int) -> None:
-        """Check sizes and forbid changes."""
+        """Check sizes and forbid changes.
+
+        Args:
+            parameters: Number of parameters P.
+            joints: Number of joints n.
+            priors: Number of priors K.
+
+        Raises:
+            ExoidError: An array has another shape, or is not finite.
+        """
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys((one.name for one in fields(self)[:4]), (parameters,))
         shapes |= {"prior_gains": (parameters, priors), "torque_spread": (joints,)}
         for name, shape in shapes.items():

@@ -116,12 +116,26 @@ class ModelError:
             array.flags.writeable = False
 
     def variance(self, rows: FloatArray) -> FloatArray:
-        """Second moment of the error of torques [N²·m²], (N, n), by rows, (N, n, P + K), filtered or not."""
+        """Compute the second moment of the error of torques, ‖w A + z B‖².
+
+        Args:
+            rows: Rows w of the model and z of the alternatives, filtered or not, (N, n, P + K).
+
+        Returns:
+            Second moment [N²·m²], (N, n).
+        """
         count = len(self.parameters)
         moved = rows[..., :count] @ self.parameters + np.einsum("njk,jkr->njr", rows[..., count:], self.alternatives)
         return np.asarray((moved**2).sum(axis=-1))
 
     def noise(self, residual: FloatArray) -> FloatArray:
-        """Part of the residual variance of the training that is noise [N²·m²], (n,)."""
+        """Compute which part of the residual variance of the training is noise.
+
+        Args:
+            residual: Residual variance of each joint [N²·m²], (n,).
+
+        Returns:
+            Variance of the noise [N²·m²], (n,).
+        """
         # At least this part of the residual variance is noise, whatever the alternatives explain
         return np.maximum(residual - self.explained, 0.25 * residual)
