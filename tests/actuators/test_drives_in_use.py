@@ -14,6 +14,7 @@ from unchecked import identify
 import exoid
 from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, read_actuators, write_actuators
 from exoid.cli import app
+from exoid.signals import Recordings
 from exoid.view.report import identification_report
 
 DATA = exoid.datasets.bleex_swing()
@@ -184,3 +185,9 @@ def test_the_commands_identify_validate_and_check_logs_of_forces(tmp_path) -> No
     wrong = run.invoke(app, ["check", "bleex", str(log), "--actuators", str(drives)])
     assert isinstance(wrong.exception, exoid.ExoidError)  # the command's main turns it into exit status 2
     assert "drives.toml, [left_hip]: no torque_constant" in str(wrong.exception)
+
+
+def test_recordings_on_disk_get_their_torques_when_they_are_read(tmp_path, by_torque) -> None:
+    log_of(CYLINDERS).to_csv(tmp_path / "log.csv")
+    estimate = identify(LEG, Recordings.from_folder(tmp_path), actuators=CYLINDERS)
+    np.testing.assert_allclose(estimate.values, by_torque.values, rtol=1e-6, atol=1e-9)

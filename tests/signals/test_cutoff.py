@@ -89,3 +89,9 @@ def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
     assert choose_cutoff([log]) == pytest.approx(0.2 * rate)
     estimate = exoid.identify(leg, log)
     np.testing.assert_allclose([estimate["X1"].value, estimate["J1"].value], leg.parameters[[0, 2]], rtol=0.02)
+
+
+def test_quantisation_counts_as_noise():
+    step = np.sqrt(12.0) * 1e-3
+    rounded = dataclasses.replace(log(), q=np.rint(log().q / step) * step)
+    assert choose_cutoff([rounded]) == pytest.approx(choose_cutoff([log(1e-3)]), abs=2.0)

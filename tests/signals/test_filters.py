@@ -131,3 +131,9 @@ def test_the_moving_average_is_its_recursion_started_at_the_first_sample(alpha, 
     for k in range(1, 30):
         expected[k] = alpha * x[k] + (1.0 - alpha) * expected[k - 1]
     np.testing.assert_allclose(MovingAverage(alpha).filter(x, 1.0), expected, atol=1e-12)
+
+
+def test_the_moving_average_answers_a_step_in_closed_form():
+    alpha, k = 0.2, np.arange(1, 41)
+    step = np.concatenate([[0.0], np.ones(40)])
+    np.testing.assert_allclose(MovingAverage(alpha).filter(step, 1.0)[1:], 1.0 - (1.0 - alpha) ** k, rtol=1e-12)

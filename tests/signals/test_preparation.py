@@ -163,3 +163,13 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
     np.testing.assert_array_equal(way.filter(log.tau, 200.0), MovingAverage(0.25).filter(log.tau, 1.0))
     assert way.filter_columns(log.tau, 200.0) is log.tau
     assert 0.75**kinematics.valid.start <= 1e-3 < 0.75 ** (kinematics.valid.start - 1)
+
+
+def test_noise_is_kept_out_of_the_acceleration():
+    rng = np.random.default_rng(7)
+    log = recording(500.0)
+    noisy = dataclasses.replace(log, q=log.q + 1e-4 * rng.normal(size=log.q.shape))
+    a = truth(log.time)[2]
+    smooth, plain = ZeroPhase().kinematics(noisy), FiniteDifference().kinematics(noisy)
+    assert np.std((smooth.a - a)[smooth.valid]) < 0.3
+    assert np.std((plain.a - a)[plain.valid]) > 30.0

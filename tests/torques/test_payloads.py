@@ -160,3 +160,17 @@ def exact(recording):
     """Motion as a preparation derives it, smooth enough to be taken for true."""
     q, v, a, _ = exoid.signals.ZeroPhase().kinematics(recording)
     return q, v, a
+
+
+@pytest.mark.parametrize("preparation", ["finite-difference", "smoothed"])
+def test_every_preparation_takes_payloads_out(preparation):
+    leg = exoid.load_leg("cuhk")
+    found = identify(leg, log(leg, HEAVY), TERMS, preparation=preparation)
+    bare = identify(leg, log(leg), TERMS, preparation=preparation)
+    np.testing.assert_allclose(found.values, bare.values, rtol=2e-2, atol=2e-3)
+
+
+def test_groups_may_carry_different_payloads():
+    leg = exoid.load_leg("cuhk")
+    found = identify(leg, {"light": log(leg, seed=1), "heavy": log(leg, HEAVY, seed=2)}, TERMS, own="offset")
+    np.testing.assert_allclose(found["heavy"].values[: len(leg.parameters)], leg.parameters, rtol=1e-3)
