@@ -12,6 +12,8 @@ import exoid
 from exoid.experiments import gait_for_leg, norm_gait
 from exoid.online import RecursiveEstimator, load_change
 
+pytestmark = pytest.mark.real_data("gait_norm", "Slow")
+
 TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
 RATE = 100.0
 PLACE = np.array([0.0, 0.0, -0.2])
