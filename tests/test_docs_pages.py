@@ -19,6 +19,7 @@ TESTED_ELSEWHERE = {
     "view": "tests/view/test_view_docs.py",
 }
 """Pages that need a compiler, minutes, or a look at what they write."""
+LONG = ("amperes", "amplification", "commissioning", "wearer")  # more than ten seconds each
 
 ALL = {path.stem: Page.read(f"docs/{path.name}") for path in sorted(DOCS.glob("*.md"))}
 PAGES = [name for name, page in ALL.items() if page.python or page.commands]
@@ -26,11 +27,16 @@ PAGES = [name for name, page in ALL.items() if page.python or page.commands]
 pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=real_data(ALL[name].python + "".join(ALL[name].commands)))
+        pytest.param(
+            name,
+            marks=[
+                pytest.mark.nightly if name in LONG else pytest.mark.slow,
+                *real_data(ALL[name].python + "".join(ALL[name].commands)),
+            ],
+        )
         for name in PAGES
         if name not in TESTED_ELSEWHERE
     ],

@@ -65,6 +65,7 @@ def test_an_identification_imports_no_part_of_scipy_that_it_does_not_use():
     assert not {"scipy.optimize", "scipy.stats", "scipy.signal", "scipy.interpolate"} & set(parts)
 
 
+@pytest.mark.slow
 def test_the_leg_in_three_dimensions_needs_no_matplotlib_and_no_trimesh_before_a_scene_is_built():
     before = "import exoid, sys; leg = exoid.load_leg('bleex'); exoid.view.scene; assert 'trimesh' not in sys.modules"
     imported = top_level(f"{before}; exoid.view.scene(leg)")
@@ -72,7 +73,7 @@ def test_the_leg_in_three_dimensions_needs_no_matplotlib_and_no_trimesh_before_a
     assert "matplotlib" not in imported
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_public_name_can_be_the_first_that_is_used():
     assert run(FROM_NOTHING).split() == exoid.__all__
 

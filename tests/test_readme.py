@@ -45,6 +45,7 @@ def test_the_readme_is_short():
     assert len(README.read_text(encoding="utf-8").splitlines()) <= 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", COMMANDS)
 def test_the_commands_run(block, folder):
     printed = run_commands(exoid_commands(block), folder)

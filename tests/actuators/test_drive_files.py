@@ -97,6 +97,7 @@ KEYS = [
 TYPES = st.sampled_from(["motor", "linear", "series-elastic", "coupling"])
 
 
+@pytest.mark.slow
 @given(
     st.dictionaries(
         st.sampled_from(["hip", "left_knee", "wrist"]),

@@ -153,7 +153,7 @@ def test_actuators_reach_the_workers_of_a_cluster_by_pickle() -> None:
     np.testing.assert_allclose(again(log_of(CYLINDERS)).tau, DATA.train.tau, rtol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_report_names_the_drives(by_force, tmp_path) -> None:
     page = identification_report(by_force, [log_of(CYLINDERS)])
     page.save(tmp_path / "report.html")

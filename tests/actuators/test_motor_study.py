@@ -18,7 +18,7 @@ FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 RIGS, SECONDS = (64, 60.0) if FULL else (4, 20.0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_currents_and_one_payload_give_torque_constants_and_the_leg():
     """k_t to 1 %, η to 2 points, X to 1 %, J to 3 % (P95 of 16 rigs), and honest intervals."""
     errors, inside = study(RIGS, SECONDS)

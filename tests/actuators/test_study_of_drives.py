@@ -39,6 +39,7 @@ def log(run, drives):
     return STUDY["force_log"](run, 0, drives, 0)
 
 
+@pytest.mark.nightly
 def test_parameters_from_forces_are_as_exact_as_from_torques(run) -> None:
     """At most 1.2 times the error, with load cells that have noise of their own."""
     _, from_torque, from_force = STUDY["cylinder_errors"](run)
@@ -72,6 +73,7 @@ def test_a_common_gain_of_all_arms_is_told_by_nothing(run, drives, log) -> None:
     np.testing.assert_allclose(other.values, 1.05 * one.values, rtol=1e-6)
 
 
+@pytest.mark.nightly
 def test_a_coupled_wrist_is_identified_from_motor_torques_and_found_where_it_is_not_described() -> None:
     limits = []
     for seed in range(8 if FULL else 1):

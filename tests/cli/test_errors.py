@@ -140,7 +140,7 @@ def test_the_help_shows_every_unit(verb, exoid_, monkeypatch):
     assert "\\[" not in shown
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_sigterm_ends_the_workers_of_a_study_too(tmp_path):
     """Workers that live on keep the pipe open, and work for minutes."""

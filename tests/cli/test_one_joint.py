@@ -51,6 +51,7 @@ def test_every_verb_is_here():
 SLOW = ("study", "track")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in COMMANDS])
 def test_a_verb_works_on_one_joint(inputs, tmp_path, exoid_, name):
     shutil.copytree(inputs, tmp_path, dirs_exist_ok=True)

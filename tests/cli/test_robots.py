@@ -58,7 +58,7 @@ def test_robots_without_a_urdf_are_none():
     assert robots.urdf_of_robot("panda") == urdf_of("panda")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_robot_is_drawn_with_its_meshes(exoid_, tmp_path):
     done = exoid_("view", "panda", "--html", "panda.html")
     assert done.code == 0, done.err

@@ -26,7 +26,7 @@ def run(tmp_path_factory):
     return json.loads(result.stdout), path
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_json_is_all_there_is_on_standard_output_and_equals_the_api(run):
     data, _ = run
     log = exoid.datasets.bleex_swing()

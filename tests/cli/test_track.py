@@ -100,7 +100,7 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     assert "leave out --period" in err
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     """A motion that no six harmonics describe; the reference that the controllers get is compared with the log."""
     time = np.arange(1200) / 100.0

@@ -84,7 +84,7 @@ def executed(program, mode, rows, *parameters):
     return found[:, :3], found[:, 3].astype(int), found[:, 4]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("mode", ["chained", "topic", "node"])
 @pytest.mark.parametrize("name", NAMES)
 def test_controller_and_node_command_what_python_does(built, recorded, name, mode):
@@ -133,6 +133,7 @@ def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_co
     assert status.tolist() == expected.tolist()
 
 
+@pytest.mark.slow
 def test_a_counter_that_stands_still_makes_the_measurement_stale(built, recorded):
     rows = rows_of("pd_gravity_friction", recorded)
     rows[30:60, -3] = rows[29, -3]

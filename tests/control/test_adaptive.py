@@ -221,7 +221,7 @@ def heavy_rig():
     return plant_with_payloads(cuhk_plant(), [LOAD])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", range(3 if FULL else 1))
 def test_the_error_is_at_most_a_quarter_above_that_of_a_controller_that_knew(seed):
     """Document 2's gait of 10 s with 1.5 kg on the shank, second stride; without adaptation 2.9 and 3.4 degrees."""

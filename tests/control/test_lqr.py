@@ -100,7 +100,7 @@ def wide(leg, period):
     return Harmonics(centre[:, None], half[None, :, None], np.array(2.0 * np.pi / period), phase[None, :, None])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("leg", "motion", "ratio"),
     [

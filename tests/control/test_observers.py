@@ -219,7 +219,7 @@ def test_a_kalman_observer_has_the_bandwidth_asked_for():
 # ------------------------------------------------------------------------------------------------- against truth
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "bandwidth"), [("bleex", 36.0), ("cuhk", 45.0)])
 def test_torque_of_walking_wearers_is_read_to_a_quarter_within_25_ms(name, bandwidth):
     leg = exoid.load_leg(name)
@@ -336,7 +336,7 @@ def alarms_of(run, observer) -> np.ndarray:
     return np.array([observer.run(run.recording(k)).alarms for k in range(run.plant.count)]).sum(axis=0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 def test_joints_that_stick_raise_no_alarm(kind, sticking):
     """The servo leaves torque on resting joints; without the band of stiction it counts as a wearer."""
@@ -357,7 +357,7 @@ def test_joints_that_stick_raise_no_alarm(kind, sticking):
     assert alarms_of(sticking, without).any()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("kind", "rigs"), [(MomentumObserver, 30), (KalmanObserver, 9)])
 def test_minutes_without_wearer_raise_no_alarm(kind, rigs):
     """Ten minutes, and three."""

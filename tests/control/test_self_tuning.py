@@ -136,7 +136,7 @@ def test_terms_that_are_not_refreshed_keep_their_coefficients():
     np.testing.assert_allclose(law.step(law.begin(state), state, aim)[0], expected, atol=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_its_error_is_at_most_a_fifth_above_that_of_a_feedforward_that_knew():
     """Document 2's gait of 10 s with 1.5 kg on the shank, second stride; without adaptation 2.9 and 3.4 degrees."""
     est = exact_estimate()

@@ -83,7 +83,7 @@ def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
 # --------------------------------------------------------------------------------------------- weight
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
 def test_the_wearer_carries_the_rest_of_the_weight(share):
     """A wearer who holds still: τ_wearer = (1 − share) G(q) of the leg."""
@@ -199,7 +199,7 @@ def test_learnt_assistance_grows_with_the_error_and_fades_with_success():
     np.testing.assert_allclose(memory.torque, grown * np.exp(-1.5), rtol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
     """The limb's weight is beyond the support of the leg's own, so a passive limb needs help."""
     law = assist_as_needed(SMOOTH, 150.0, 10.0, tunnel=0.1, learning=100.0, rate=500.0)
@@ -237,7 +237,7 @@ def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
     assert errors[2] < 0.5 * errors[1]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("amplification", [1.0, 10.0])
 def test_the_weight_is_not_felt(amplification):
     still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
@@ -251,7 +251,7 @@ def test_an_amplification_of_1_is_support_of_all_weight():
     np.testing.assert_allclose(torque, gravity_support(RUBBING).torque(state, None), rtol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_friction_too_is_felt_less():
     """Under Coulomb friction of 1.4 and 0.6 N·m; all of it is in the loop, and α = 5."""
     runs = {

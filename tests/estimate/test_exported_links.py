@@ -208,7 +208,7 @@ COUNTS = {"random": 60 if FULL else 15, "ill-conditioned": 20 if FULL else 5}
 """Number of estimates of each leg: three hundred and a hundred of all five in the full study, a quarter in CI."""
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_three_hundred_random_and_a_hundred_ill_conditioned_estimates(name, kind, tmp_path):
     """Written links load in yourdfpy, MuJoCo and, if it is installed, Bullet; both simulators find the torques."""

@@ -45,7 +45,7 @@ def walk():
     return walking(EXO, 6.0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_scenario_obeys_the_equation_and_keeps_its_books(named):
     name, run = named
     assert np.abs(residual(run)).max() < 1e-6, name  # of forces of up to 1000 N
@@ -69,6 +69,7 @@ def test_forces_are_within_the_friction_cone_and_the_sole(named):
         assert (arm[:, 0] < toe + 0.005).all()
 
 
+@pytest.mark.slow
 def test_feet_stand_flat_without_slip(named):
     name, run = named
     if name == "walking":
@@ -112,6 +113,7 @@ def test_a_walking_machine_walks(walk):
     assert 0.02 < both.mean() < 0.3  # double support
 
 
+@pytest.mark.slow
 def test_the_harness_bears_its_share_of_the_weight(walk):
     force = np.einsum("nij,nj->ni", walk.rotation, walk.wrenches["torso"].force)
     assert 0.1 * WEIGHT < force[:, 2].mean() < 0.35 * WEIGHT
@@ -167,7 +169,7 @@ def test_torques_of_the_plan_let_the_machine_follow_closely():
 NORM = pytest.mark.real_data("gait_norm")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("speed", "period"),
     [

@@ -151,6 +151,7 @@ def test_limits_hold_on_a_finer_grid(plan):
         assert demand.at(states).margins.min() >= 0.0
 
 
+@pytest.mark.slow
 def test_margins_hold_for_parameters_within_the_doubt(plan):
     """Each parameter off by one standard deviation of the doubt, in random directions."""
     rng = np.random.default_rng(4)
@@ -196,7 +197,7 @@ def test_the_predicted_precision_is_the_scatter_of_identifications(plan):
     assert_scatter_is_predicted(scatter(plan.recordings, plan.model), plan.precision)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     """Staggered feet and other motions than planned ones, friction beside the rigid bodies."""
     model = TorqueModel(EXO, (Coulomb(smoothing=0.05), Viscous()))
@@ -209,7 +210,7 @@ def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     assert_scatter_is_predicted(scatter(logs, model), precision)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_planned_motions_beat_the_scenarios_of_the_rig():
     """Squats and shifts on both feet, and each leg swinging beside a hand rail, as long."""
     pytest.importorskip("mujoco")

@@ -143,6 +143,7 @@ def test_without_the_package_one_line_says_what_is_missing(folder):
     assert "exoid.torques.register_term('end-stop', ...)" in done.stderr
 
 
+@pytest.mark.nightly
 def test_a_broken_package_is_named_where_it_is_needed_and_nowhere_else(folder, tmp_path):
     offers = {
         f"exoid.{group}": {name: "broken_springs:THING"}

@@ -101,7 +101,7 @@ def estimate_of(*terms, **changes):
     return Estimate(**{**given, **changes})
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_script_that_calls_register_needs_no_installation(tmp_path, recording):
     write_lab(tmp_path / "log.lab", recording)
     run("-c", REGISTER + IDENTIFY, path=[PROJECT], cwd=tmp_path)

@@ -45,6 +45,7 @@ def outcomes(name, setting, replicates, quantised=False):
     return np.array([run.errors for run in runs]), np.array([run.inside for run in runs])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
 @pytest.mark.parametrize("name", ["wls", "ml"])
 def test_the_worst_parameter_is_within_its_figure(name, index):
@@ -65,6 +66,7 @@ def test_rounded_angles_cost_no_more_than_twice_the_figures(index):
     assert worst <= 2.0 * SLACK * LIMITS["wls"][index]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("index", [1, 3] if not FULL else range(4))
 def test_output_error_is_at_least_as_near(index):
     setting = list(study.SETTINGS)[index]

@@ -94,7 +94,7 @@ def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concern
     assert any(name.split(" ")[0] in str(caught.value) for name in arm.leg.parameter_names)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("time_constant", [0.0, 0.05], ids=["white", "AR(1)"])
 def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant):
     """Nominal 95 %: 93 to 97 % of all intervals contain the truth, give or take the error of so few replicates."""

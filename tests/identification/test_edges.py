@@ -21,7 +21,7 @@ def start_mid_motion(swing):
     return min(np.abs(v[[0, -1]]).max(), np.abs(a[[0, -1]]).max()) > 0.1
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("estimator", ["ols", "wls"])
 @pytest.mark.parametrize(("rate", "seconds"), RECORDS)
 @pytest.mark.parametrize(("side", "inertias"), LEGS)

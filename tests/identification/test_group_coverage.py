@@ -46,6 +46,7 @@ def noisy(recording, rng, noise):
     return exoid.Recording(**arrays, tau=tau, joint_names=recording.joint_names)
 
 
+@pytest.mark.nightly
 def test_intervals_contain_the_truth_as_often_as_they_say(sides, replicates):
     truth = truth_of(replicates[0], sides)
     inside = np.array([(low <= truth) & (truth <= high) for low, high in (t.interval().T for t in replicates)])

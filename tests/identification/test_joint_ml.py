@@ -239,7 +239,7 @@ def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score
     np.testing.assert_allclose(score, gradient, rtol=1e-4, atol=1e-6 * np.abs(gradient).max())
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_hold_under_torque_noise_with_a_memory(swing):
     """AR(1) of 0.2 s; by the textbook's formula for white noise they hold far less often."""
     inside = {"correlated": [], "white": []}

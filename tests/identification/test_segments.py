@@ -186,7 +186,7 @@ def test_the_autocorrelation_of_a_noise_model_is_that_of_its_autocovariances():
     assert AutoregressiveNoise.none().autocorrelation(3) == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("time_constant", [0.0, 0.05])
 @pytest.mark.parametrize("form", [segmented, apart])
 def test_intervals_from_thirty_swings_contain_the_truth_as_often_as_they_say(form, time_constant):

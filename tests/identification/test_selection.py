@@ -72,6 +72,7 @@ def test_each_joint_gets_the_friction_that_it_has(selection):
     assert knee.presliding == knee.stribeck_velocity == 0.0
 
 
+@pytest.mark.slow
 def test_the_fit_that_confirmed_the_choice_finds_the_coefficients(selection):
     estimate = selection[0].estimate
     truth = {"c0_hip": 2.0, "mu_hip": 0.15, "d_hip": 0.6, "c0_knee": 0.7, "d_knee": 0.4}
@@ -95,6 +96,7 @@ def test_the_choice_predicts_another_motion_as_well_as_the_true_terms(leg, selec
     assert (found <= 1.15 * exoid.validate(truth, test).nrmse).all()
 
 
+@pytest.mark.slow
 def test_progress_rises_to_one(selection):
     shares = selection[1]
     assert shares == sorted(shares)
@@ -291,7 +293,7 @@ def dfki():
     return exoid.datasets.dfki_double_pendulum()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.real_data("dfki_double_pendulum")
 def test_the_command_chooses_inside_the_training_part(dfki, tmp_path):
     """The documented choice and its figures."""

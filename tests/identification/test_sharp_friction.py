@@ -53,7 +53,7 @@ def test_smooth_friction_alone_misses_it(recordings):
         assert cover < 0.7
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_hold_where_sharp_friction_meets_noise():
     """Of torque noise of 0.3 N·m: 0.94 on 20 motions, as without friction; 0.53 of smooth friction alone."""
     case = CASE._replace(seconds=60.0, torque_noise=0.3)

@@ -72,7 +72,7 @@ def changes_of(online):
     [
         (1003, 10.0, 1.4),
         (1000, 10.0, 2.0),
-        *(pytest.param(1000 + k, 10.0, 1.0 + 0.5 * (k % 5), marks=pytest.mark.slow) for k in range(4, 16)),
+        *(pytest.param(1000 + k, 10.0, 1.0 + 0.5 * (k % 5), marks=pytest.mark.nightly) for k in range(4, 16)),
     ],
 )
 def test_a_load_is_found_within_a_slow_stride(tmp_path, seed, period, mass):

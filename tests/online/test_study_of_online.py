@@ -15,12 +15,14 @@ FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.nightly
 def test_a_payload_on_the_shank_is_found_to_100_g_in_5_s():
     found = STUDY["payload"](16 if FULL else 2)
     assert np.quantile(np.abs([one.error for one in found]), 0.95) <= 0.1
     assert {one.detected for one in found} == {"load at left_knee"}
 
 
+@pytest.mark.nightly
 def test_friction_that_doubles_is_named_within_3_s():
     for joint, found in STUDY["friction"](16 if FULL else 1, ("hip", "knee", "ankle")).items():
         for one in found:
@@ -28,10 +30,12 @@ def test_friction_that_doubles_is_named_within_3_s():
             assert one.after <= 3.0
 
 
+@pytest.mark.nightly
 def test_nobody_moves_and_nothing_changes():
     assert STUDY["standing"](10.0 if FULL else 0.5).max() <= 1.0
 
 
+@pytest.mark.nightly
 def test_walking_on_raises_no_alarm():
     found = STUDY["quiet"](60.0) if FULL else STUDY["quiet"](4.5, rigs=6)
     assert not found.changes

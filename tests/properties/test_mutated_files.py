@@ -14,7 +14,7 @@ SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
 FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="measures memory in /proc")
 @pytest.mark.parametrize(
     "kinds", ["csv,npz,mat,struct.mat,parquet", "mcap,db3,bag", "urdf,estimate,sidecar,stl,ply", "mot,forces.sto"]

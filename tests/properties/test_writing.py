@@ -96,7 +96,7 @@ def test_a_writer_that_is_killed_leaves_nothing_half_written(folder, estimate, w
     assert all(path.name.startswith(".") for path in leftovers)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_writers_in_one_folder_do_not_harm_each_other(folder, estimate):
     processes = [writer(folder, "save", "csv", "export") for _ in range(2)]
     begun = time.monotonic()

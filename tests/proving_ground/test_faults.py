@@ -18,7 +18,7 @@ from .machine import draw
 from .population import MISTAKES, TEST, error, forms, late_velocity
 from .simulate import simulate
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 
 @cache

@@ -8,7 +8,7 @@ import pytest
 from .population import best_for_all, population
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_small_machines_are_identified_by_their_log_and_a_wrong_cad():
     outcomes = list(population((5, 21, 22), seconds=8.0))
     for outcome in outcomes:
@@ -20,6 +20,7 @@ def test_small_machines_are_identified_by_their_log_and_a_wrong_cad():
     assert np.mean([outcome.nrmse["joint by joint"] / best_for_all(outcome) for outcome in outcomes]) < 1.1
 
 
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_figures():
     one, same = (next(iter(population((5,), seconds=4.0, features=("fit",)))) for _ in range(2))
     assert one.nrmse == same.nrmse

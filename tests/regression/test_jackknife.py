@@ -147,7 +147,7 @@ def disturbance(kind, swing, rng):
     return std * noise
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["white", "speed2", "common"])
 def test_intervals_hold_where_noise_is_not_stationary_or_common(kind):
     """Nominal 95 %, of stationary noise 60 (d_ankle); scripts/study_intervals.py has more kinds."""
@@ -163,7 +163,7 @@ def test_intervals_hold_where_noise_is_not_stationary_or_common(kind):
     assert worst > 0.78
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("estimator", ["wls", "gls"])
 def test_variances_of_replicates_scatter_as_they_say(swing, estimator):
     """2 mean² / var of the variances of 60 replicates, and at most the number of blocks."""

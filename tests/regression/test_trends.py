@@ -25,7 +25,7 @@ def coloured(swing, seed, std=0.5):
     return std * lfilter([0.6], [1.0, -0.8], noise, axis=0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("preparation", [PLAIN, ZeroPhase()], ids=lambda p: p.name)
 @pytest.mark.parametrize("estimator", ["wls", "gls"])
 @pytest.mark.parametrize("terms", [TERMS, (*TERMS, Offset())], ids=["", "offset"])

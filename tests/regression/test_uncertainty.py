@@ -134,7 +134,7 @@ def replicates(swing, count, std, **options):
     return [identify(swing.leg, swing.with_noise(rng, std), TERMS, **options) for _ in range(count)]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("preparation", "estimator", "noise"),
     [

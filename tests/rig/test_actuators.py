@@ -116,7 +116,7 @@ def test_proportional_control_with_the_printed_sign_runs_away():
 
 
 @pytest.mark.parametrize(
-    "actuator", ["motor", *(pytest.param(each, marks=pytest.mark.slow) for each in ("ideal", "servo"))]
+    "actuator", ["motor", *(pytest.param(each, marks=pytest.mark.nightly) for each in ("ideal", "servo"))]
 )
 def test_energy_balances_over_a_minute(actuator):
     """Work in = gain of mechanical energy + dissipated, to 1e-4 of the turnover."""

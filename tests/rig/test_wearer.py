@@ -110,7 +110,7 @@ WEARERS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @STEPPERS
 @pytest.mark.parametrize("kind", WEARERS)
 def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
@@ -128,7 +128,7 @@ def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
     np.testing.assert_allclose(run.interaction[..., 0], torque, atol=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @STEPPERS
 def test_half_the_step_quarters_the_error(stepper):
     wearer, errors = WEARERS["active"], []
@@ -214,7 +214,7 @@ def test_a_limb_that_hangs_in_a_leg_at_rest_pulls_with_its_weight():
 # ------------------------------------------------------------------------------------------------ balances
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", WEARERS)
 @pytest.mark.parametrize("actuator", [IdealTorque(), HydraulicServo(5000.0, 0.01, 10.0)])
 def test_no_energy_comes_from_nowhere(kind, actuator):
@@ -266,7 +266,7 @@ def test_what_the_leg_gets_the_limb_loses(stepper):
 # -------------------------------------------------------------------------------------------- many rigs
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_rigs_of_a_batch_are_worn_as_each_alone():
     """Each with its tilt, friction and cuff."""
     plants = [Plant.build(CUHK, {"c0_hip": c}, pitch=p) for c, p in ((0.5, 0.0), (1.5, 0.1), (0.0, -0.2))]

@@ -221,7 +221,7 @@ def test_a_term_may_act_on_fewer_joints_than_it_sees():
     assert found.std[-1] < 0.1
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
     found = select_terms(LEG, swing_with_spring(), folds=3, tune=False, beside=(SPRING,))
     estimate = found.identify(swing_with_spring())

@@ -34,7 +34,7 @@ def estimate(exo, logs):
     return exoid.identify(exo, [log.recording for log in logs], terms=(Viscous(),))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_report_has_a_section_of_ground_forces(estimate, logs):
     html = identification_report(estimate, [log.recording for log in logs]).html()
     assert "Ground force" in html

@@ -53,6 +53,7 @@ def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_val
     assert rows["c0_hip"][-1] == "–"
 
 
+@pytest.mark.slow
 def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, swing):
     data, estimate = swing
     nrmse = exoid.validate(estimate, data.test).nrmse

@@ -20,7 +20,7 @@ def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_python_runs(tmp_path):
     PAGE.run_python(tmp_path)
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6

@@ -11,7 +11,7 @@ from exoid.rig import Wearer
 SEEDS = [0]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
 def test_the_torque_of_active_and_passive_wearers_is_found(name):
     one = machine(name)

@@ -138,6 +138,7 @@ def test_every_figure_is_as_wide_as_a_column(bleex):
             assert np.asarray(image.convert("L")).std() > 5.0
 
 
+@pytest.mark.nightly
 def test_the_joint_estimate_alone_is_that_of_the_replay(bleex):
     """``exoid wear`` identifies the left leg without the rest of the replay."""
     alone = identify_bleex()

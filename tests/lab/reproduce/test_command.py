@@ -19,7 +19,7 @@ def command(exoid_, monkeypatch):
     return partial(exoid_, "reproduce")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     code, out, err = command("bleex", "--json", "--seed", 3, "--figures", "new/folder")
     assert code == 0
@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     assert json.dumps(again, indent=1) + "\n" == out
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_tables_are_printed_and_a_report_is_written_beside_them(command, tmp_path):
     code, out, _ = command("cuhk", "--seed", 1, "--report", "cuhk.html")
     assert code == 0

@@ -16,6 +16,7 @@ def relative(replay, way, name):
     return replay[way]["values"][name] / replay["truth"][name] - 1.0
 
 
+@pytest.mark.nightly
 def test_the_keys_are_those_of_the_readme(replay):
     assert {"truth", "table_ii", "multisine", "nrmse", "blindness", "seed"} <= set(replay)
     assert {"values", "std"} == set(replay["table_ii"])

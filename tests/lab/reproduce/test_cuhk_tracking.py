@@ -68,6 +68,7 @@ def assert_robust(wrong):
         assert_within(wrong[f"{name} +1.5kg"], 1.0, 1.0)
 
 
+@pytest.mark.nightly
 def test_pd_reproduces_the_documents_peak_errors(laws):
     assert_pd_is_the_documents(laws)
 
@@ -128,6 +129,7 @@ def test_the_figures_are_as_promised(tracking):
     json.dumps(data, allow_nan=False)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("rotor", ROTORS if FULL else ROTORS[:1])
 @pytest.mark.parametrize("seed", MORE_SEEDS)
 def test_other_seeds_show_the_same(seed, rotor):

@@ -28,7 +28,7 @@ def replay():
     return reproduce.reproduce_stance(0, extent=SHORT)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_stance_tells_the_torso_and_swing_does_not(replay):
     swing, plates, none = (replay.estimates[way] for way in ("swing", "plates", "no plates"))
     assert not {"M", "X0", "Y0", "J0"} & set(swing.names)
@@ -101,7 +101,7 @@ def test_the_largest_relative_error_is_of_the_legs():
     assert [relative_error(names, errors, truth, symbol) for symbol in "MXJ"] == pytest.approx([0.02, 0.05, 0.05])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_mask_of_a_swinging_leg_is_off_the_ground(runs):
     log = runs.log("walking")
     leg = load_leg("bleex", side="right")

@@ -22,7 +22,7 @@ def bleex():
     return reproduce.wear("bleex")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_identified_model_is_felt_like_the_truth_and_far_less_than_cad(bleex):
     felt = reproduce.wear_report(bleex).data["felt_rms"]
     assert felt["identified"] <= 0.2 * felt["cad"]
@@ -57,7 +57,7 @@ def test_table_figure_and_page_show_the_same(bleex):
     assert "felt" in report.page().html()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
     data = exoid.datasets.bleex_swing()
     exoid.identify(data.leg, data.train).save(tmp_path / "est.json")

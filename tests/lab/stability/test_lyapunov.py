@@ -149,6 +149,7 @@ def test_compensated_too_much_the_leg_never_stops(regulations, share, swing):
     assert not run.lyapunov.never_increases(1e-6)
 
 
+@pytest.mark.slow
 def test_without_friction_v_falls_and_the_leg_nears_the_target(regulations):
     """At 100 Hz V trembles by millionths, as the torque is held; see the cube of the period above."""
     run = regulations["no friction"]

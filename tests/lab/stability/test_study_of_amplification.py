@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import study_amplification as study
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("leg", "delay"), [("bleex", 0), ("cuhk", 2)])
 def test_worn_legs_settle_inside_the_predicted_boundary_and_grow_outside(leg, delay):
     for found in study.boundaries(leg, 0.15, 2, delay, 8.0, coulomb=False):

@@ -234,7 +234,7 @@ def test_an_experiment_adds_its_information():
     np.testing.assert_allclose(np.sqrt(np.diag(later)), both.std, rtol=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_more_experiments_raise_the_amplification(wearer):
     est = wrong_estimate()
     found = better_experiments(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100, duration=20.0, noise=0.3)

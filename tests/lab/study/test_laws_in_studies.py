@@ -146,7 +146,7 @@ def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path, mon
         run_study(study(course=course("pd")), tmp_path / "kept")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
 

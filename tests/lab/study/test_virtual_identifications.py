@@ -155,7 +155,7 @@ def nearly_efficient(distance):
     return mean and abs(spread - 1.0) < 4.0 / np.sqrt(2.0 * len(distance))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_together():
     """Under white noise, joints alike or not; not so without weights, or with half of the data."""
     assert nearly_efficient(distances(("wls",), STD)[0])
@@ -240,7 +240,7 @@ def kill_a_child_once(folder, after, killed):
         time.sleep(0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killed = []
     killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 1, killed), daemon=True)
@@ -258,7 +258,7 @@ class DeadlyNoise(Noise):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
     monkeypatch.setattr("exoid.lab.study.workers.ATTEMPTS", 2)
     with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
@@ -266,7 +266,7 @@ def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on
     assert same(run_study(study(), tmp_path / "kept", 2), result)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_scripts_need_no_main_guard_for_processes(tmp_path):
     """Workers do not run the script anew, as multiprocessing's own do."""
     script = tmp_path / "script.py"
@@ -281,7 +281,7 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
     assert ran.stdout == json.dumps(run_study(study()).to_json()) + "\n"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     command = [
         sys.executable,
@@ -302,7 +302,7 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     assert printed[0] == printed[1] == printed[2] != ""
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_dask_cluster_gives_the_same_bits(result):
     """Two workers of a local cluster, as joblib's backend."""
     distributed = pytest.importorskip("distributed")

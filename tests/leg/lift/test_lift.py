@@ -238,7 +238,7 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
     assert abs(lifted.moved["X1"]) < 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("part", range(10))
 def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     rng = np.random.default_rng(100 + part)
@@ -255,7 +255,7 @@ def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     assert 20 < feasible < 80
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
 def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
     rng = np.random.default_rng(5)

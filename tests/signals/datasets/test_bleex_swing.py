@@ -54,7 +54,7 @@ def test_the_files_begin_as_the_script_makes_them(data, script, part, seed, monk
     assert (np.abs(error.mean(axis=0)) < 4.0 * np.array([0.3, 0.2, 0.1]) / np.sqrt(len(again))).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("part", "seed", "duration"), [("train", 1, 30.0), ("test", 2, 15.0)])
 def test_the_files_are_what_the_script_makes(data, script, part, seed, duration):
     recording = getattr(data, part)

@@ -161,7 +161,7 @@ def test_a_bias_that_no_sensor_has_is_a_warning(exo, stance):
     assert {"M", "X1_left"} <= found.doubtful
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_identify_says_what_is_wrong_with_channels(exo, stance):
     log = stance[0].recording
     tau = np.array(log.tau)

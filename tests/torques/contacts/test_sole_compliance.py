@@ -89,7 +89,7 @@ def estimates(exo):
     return {soft: exoid.identify(exo, soft_logs(exo, soft, 1), TERMS) for soft in (0.0, SOFT)}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_compliance_of_the_soles_is_found(estimates):
     for soft, estimate in estimates.items():
         for finding in compliances(estimate):
@@ -119,7 +119,7 @@ def test_a_level_foot_is_that_at_zero_joint_angles(exo):
     assert np.allclose(level_rotation(exo, "left_foot"), np.eye(3))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_hold_the_truth_on_the_soft_soles_of_the_rig():
     """MuJoCo's soles tilt by 0.3 to 0.45 mrad: without the compliance 60 to 70 % of the intervals held the truth."""
     pytest.importorskip("mujoco")
