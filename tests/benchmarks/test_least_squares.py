@@ -53,11 +53,8 @@ def recording(samples: int = SAMPLES) -> Recording:
 
 def ours(samples: int = SAMPLES) -> Solution:
     """Least squares on q, v, a as they are; only the first and the last sample are dropped."""
-    return ols(
-        Problem(
-            (Group("", MODEL, [recording(samples)], FiniteDifference())),
-        )
-    ).solution
+    group = Group("", MODEL, [recording(samples)], FiniteDifference())
+    return ols(Problem((group,))).solution
 
 
 def whole() -> exoid.Estimate:
