@@ -14,7 +14,7 @@ from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, within
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Preparation, ZeroPhase
+from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.preparation_names import preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
@@ -24,6 +24,7 @@ from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
+from .findings.timing import late_velocities
 from .group_rows import Group, Measured, check_recordings, map_recordings
 from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
 from .problem import Problem
@@ -92,8 +93,11 @@ def gather(
     own: str | Sequence[str] | None,
     preparation: Preparation | str | None,
     cutoff: float | None,
+    check: bool,
 ) -> Problem:
     """Summarize the recordings, which say what terms and parameters there are, and prepare them for the fit."""
+    if check:
+        problem = replace(problem, groups=tuple(without_late_velocities(group) for group in problem.groups))
     problem = _summarize(problem, for_cutoff=preparation is None and cutoff is None)
     every = [one for group in problem.groups for one in group.summaries]
     if any(one.torques is not None and not one.torques.measured.all() for one in every):
@@ -125,6 +129,20 @@ def gather(
         if group.actuators is not None and unknown_constants(group.actuators):
             refuse_unknown_scale(group.actuators, group.summaries, problem.given)
     return replace(problem, groups=tuple(groups))
+
+
+def without_late_velocities(group: Group) -> Group:
+    """Leave out logged velocities that are late, and say so: the derivative of the angles is not."""
+    if isinstance(group.data, Recordings):  # on disk, they are read once only
+        return group
+    findings, data = list(group.findings), list(group.data)
+    for k, one in enumerate(data):
+        if isinstance(one, Recording) and one.v is not None:
+            found = [each for each in late_velocities(one) if each.kind == "velocity-delay"]
+            data[k] = replace(one, v=None, a=None) if found else one
+            name = one.source.name if one.source and len(data) > 1 else ""
+            findings += [replace(each, recording=name) for each in found]
+    return replace(group, data=tuple(data), findings=tuple(findings))
 
 
 def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:

@@ -150,7 +150,7 @@ def identify(
         )
     knowledge = PriorKnowledge(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
-    problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff)
+    problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
     standing = any(group.stands for group in problem.groups)
     fit = partial(fit_on_ground, fit=fit_model, by_noise=by_noise, check=check) if standing else fit_model
     fitted = fit(problem, chosen)

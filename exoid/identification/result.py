@@ -39,6 +39,7 @@ from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
 from .findings.physics import never_negative
+from .ground_check import torque_findings
 from .group_rows import Group
 from .problem import Fitted
 
@@ -139,6 +140,7 @@ class Result:
         )
         checked = check and not standing
         checkup = check_group(self.fitted, first, covariance) if checked else Checkup()
+        on_ground = torque_findings(self.fitted, parts) if check and standing else ()
         assert rows.preparation is not None
         return Estimate(
             model=model,
@@ -155,7 +157,7 @@ class Result:
             warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends or ())),
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            findings=ordered((*rows.findings, *checkup.findings)),
+            findings=ordered((*rows.findings, *on_ground, *checkup.findings)),
             model_error=model_error(self.fitted, first, checkup, residual_rms, noise or ()) if checked else None,
             torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,

@@ -15,7 +15,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (6640, 5000),
     "estimate": (3690, 2900),
     "experiments": (4450, 3200),
-    "identification": (8300, 7200),
+    "identification": (8450, 7200),
     "lab": (6250, 5000),
     "leg": (4950, 4200),
     "online": (2110, 1500),

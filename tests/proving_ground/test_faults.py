@@ -95,22 +95,20 @@ def test_the_default_estimator_is_not_far_from_the_robust_one():
     assert nrmse(22, "default") <= 1.2 * nrmse(22, "default, huber")
 
 
-@shown("NRMSE 0.0775 with the late velocity that the doctor names, 0.073 without")
 def test_a_late_velocity_that_is_named_does_no_harm():
     machine, leg, log, test = ground(8)
-    estimate = exoid.identify(leg, late_velocity(log, 0), check=False)
+    estimate = exoid.identify(leg, late_velocity(log, 0))
+    assert {f.joint for f in estimate.findings if f.kind == "velocity-delay"} == {*log.joint_names}
     assert error(machine, estimate, test) <= 1.02 * nrmse(8, "default")
 
 
 # The doctor
 
 
-@shown("silent: six joints of very different sizes")
 def test_a_wrong_sign_of_one_torque_is_named():
     assert {("torque-sign", "j4")} <= {(f.kind, f.joint) for f in findings(3, "sign of one torque", 3)}
 
 
-@shown("silent: joints 1 and 6 of six")
 def test_joints_that_are_swapped_and_no_neighbours_are_named():
     assert "joint-order" in {f.kind for f in findings(3, "two far joints swapped")}
 
@@ -120,7 +118,6 @@ def test_one_late_torque_is_named():
     assert "torque-delay" in {f.kind for f in findings(22, "one torque 40 ms late")}
 
 
-@shown("no finding of any kind")
 def test_a_wrong_sign_on_a_floating_base_is_named():
     assert "torque-sign" in {f.kind for f in findings(4, "sign of one torque")}
 
@@ -128,7 +125,7 @@ def test_a_wrong_sign_on_a_floating_base_is_named():
 @pytest.mark.parametrize(
     ("seed", "kind"),
     [
-        pytest.param(5, "torque-scale", marks=shown("error: only the inertias of the CAD are wrong")),
+        (5, "torque-scale"),
         pytest.param(22, "unmodelled-force", marks=shown("error: nothing pulls at the machine")),
         pytest.param(19, "cross-talk", marks=shown("error: each sensor sees its own torque")),
     ],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from .population import best_for_all, population
+from .population import MISTAKES, best_for_all, population
 
 
 @pytest.mark.nightly
@@ -25,3 +25,17 @@ def test_the_same_seed_gives_the_same_figures():
     one, same = (next(iter(population((5,), seconds=4.0, features=("fit",)))) for _ in range(2))
     assert one.nrmse == same.nrmse
     assert one.nrmse["default"] < 0.5
+
+
+@pytest.mark.parametrize("seed", [6, 9, 25])
+def test_faults_of_torques_are_named_on_a_floating_base(seed):
+    """Rows of the base are beside those of the joints: the doctor looks at both."""
+    (outcome,) = population((seed,), features=("doctor",))
+    assert outcome.named == dict.fromkeys(MISTAKES, True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "mistake"), [(3, "sign of one torque"), (3, "two far joints swapped")])
+def test_faults_of_one_torque_of_six_are_named(seed, mistake):
+    (outcome,) = population((seed,), features=("doctor",))
+    assert outcome.named[mistake]

@@ -30,7 +30,7 @@ from .physics import (
     torque_scale,
     turned_segment,
 )
-from .readings import gross_findings
+from .readings import POOR, gross_findings
 from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State
@@ -111,8 +111,7 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     found: list[Finding] = []
     explained = False  # impossible parameters
     if not broken:
-        # other readings of the log are worth trying where the model leaves a fifth of a torque
-        if (checked.nrmse > 0.2).any() or checked.below.any():
+        if (checked.nrmse > POOR).any() or checked.below.any():
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))
         if not found and all(finding.joint for finding in scales):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.finding import SEVERITIES, Finding
+from exoid.estimate.finding import SEVERITIES, Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check as can_exist
 from exoid.leg.lift import lift
@@ -95,7 +95,9 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
             "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
             "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
         )
-        yield Finding("torque-scale", joint, size, "1", "error", message, remedy, parameters=model.names)
+        # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit.
+        severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
+        yield Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=model.names)
 
 
 def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:

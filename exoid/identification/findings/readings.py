@@ -24,8 +24,12 @@ from exoid.torques import CoupledTerm, TorqueModel
 from .factors import driven_joints, fit_torques, torque_factors
 from .sample import FittedLeg
 
-CLEARLY = 1.1
-"""A reading that is more far-fetched than another has to fit so many times better."""
+POOR = 0.2
+"""Other readings of the log are worth trying where the model leaves so large a part of a torque."""
+
+FITS_BETTER, CLEARLY = 1.6, 1.1
+"""Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
+joints there are; and in one that is more far-fetched than another."""
 
 GUESSES = (
     ((1.0, 1.0), (1.0, -1.0)),
@@ -76,11 +80,14 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
             yield turned._replace(message=f"the angle of {joint} has the wrong sign, or its axis in the URDF has")
             text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
             yield turned._replace(message=text, torques=only(j, -1.0))
-    for i, k in _pairs_of(n):
+    near = {*_pairs_of(n)}
+    for i, k in combinations(range(n), 2):
         swapped = tuple(k if j == i else i if j == k else j for j in range(n))
         both, remedy = f"{names[i]} and {names[k]}", "map the columns by name (columns=, --column NAME=HEADER)"
         swap = plain._replace(kind="joint-order", joint=f"{names[i]}, {names[k]}", remedy=remedy)
         yield swap._replace(message=f"the torques of {both} are swapped", torque_order=swapped)
+        if (i, k) not in near:  # other angles need all rows anew
+            continue
         yield swap._replace(message=f"the angles of {both} are swapped", angle_order=swapped)
         yield swap._replace(message=f"{both} are swapped", angle_order=swapped, torque_order=swapped)
     unit, remedy = float(np.pi / 180.0), 'read the log with angle_unit="deg" (--degrees), or convert the column'
@@ -111,7 +118,7 @@ def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
         return (_coupling_finding(model, coupled, reference),)
     if best is None:
         return ()
-    ratio = float(np.exp(reference - least) / CLEARLY)
+    ratio = float(np.exp(reference - least) / CLEARLY ** _share_of_two(as_logged))
     message, value = f"{best.message}: residuals are then {ratio:.3g} times smaller", best.value or ratio
     return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=model.names),)
 
@@ -119,8 +126,8 @@ def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
 def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: float) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
     plain, *others = readings(fitted.model.joint_names)
-    driven = driven_joints(as_logged)
-    best, least = None, reference - np.log(1.6)  # residuals over torques 1.6 times smaller (geometric mean)
+    driven, share = driven_joints(as_logged), _share_of_two(as_logged)
+    best, least = None, reference - share * np.log(FITS_BETTER)
     for reading in others:
         moved = [(j, k) for j, k in enumerate(reading.torque_order) if j != k]
         if not all(driven[j] and driven[k] for j, k in moved):
@@ -130,8 +137,13 @@ def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: flo
             factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
         misfit, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
         if misfit < least:
-            best, least = reading, misfit - np.log(CLEARLY)
+            best, least = reading, misfit - share * np.log(CLEARLY)
     return best, float(least)
+
+
+def _share_of_two(factors: Sequence[FloatArray]) -> float:
+    """Part that two joints have in a mean over all driven ones."""
+    return min(1.0, 2.0 / max(sum(driven_joints(factors)), 1))
 
 
 def _angles_of(reading: Reading, one: Recording | Poses) -> Recording | Poses:

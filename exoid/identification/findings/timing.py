@@ -116,7 +116,7 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
                 f"the logged velocity comes {1e3 * delay:.3g} ms {'after' if delay > 0.0 else 'before'} the derivative "
                 "of the angle"
             )
-            remedy = "leave the velocity out of the log: exoid derives it from the angle without delay"
+            remedy = "leave the velocity out of the log, as identify did: it is derived from the angle without delay"
             interval = delay - 2.0 * error, delay + 2.0 * error
             yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)
         if abs(gain - 1.0) > 0.05:

@@ -19,8 +19,8 @@ from exoid.torques import Armature, Term
 
 from .design import base_model
 from .held_out import held_out_errors
-from .patterns import ALWAYS, PLAIN, Columns, absent, numbers_of, terms_of, zeros_of
-from .per_joint import Choice, Found, Search, search_joint_by_joint
+from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, numbers_of, terms_of, zeros_of
+from .per_joint import Choice, Found, Search, same_at_all_joints, search_joint_by_joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +110,13 @@ def select_by_joint(
         ends.append(search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report)))
     found = ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
-    candidates = [_scored(search, "coulomb", plain), _scored(search, "by joint", found.choice)]
+    choices = [plain, found.choice, *same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)]
+    names = ["coulomb", "by joint", *(f"all: {JointFriction.of('', each.columns[0]).text}" for each in choices[2:])]
+    candidates = [_scored(search, *pair) for pair in zip(names, choices, strict=True)]
+    # As at each joint, stretches of time and faster motion count alike.
+    chosen = min(range(1, len(candidates)), key=lambda k: candidates[k].mean + np.nan_to_num(candidates[k].fast))
+    found = found._replace(choice=choices[chosen])
     progress(0.65)
-    chosen = 1
     for which in (0, 1) if tune else ():
         tried = [_score(search, one, found.choice) for one in candidates[chosen].others(search.cutoff)[which]]
         choice = best_of([candidates[chosen], *tried])

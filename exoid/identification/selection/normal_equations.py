@@ -53,6 +53,12 @@ class NormalEquations(NamedTuple):
         ends = np.cumsum([count, *(len(k) for k in active)])
         return solution[:count], [solution[a:b] for a, b in itertools.pairwise(ends)]
 
+    def error(self, tested: NormalEquations, active: Active) -> float:
+        """Weighted sum of squared residuals that their solution leaves on other rows, less that of the torques."""
+        solution = np.concatenate([(parts := self.solve(active))[0], *parts[1]])
+        A, right = tested._table(active)
+        return float(solution @ A @ solution - 2.0 * right @ solution)
+
     def project(self, joint: int, active: Active) -> JointEquations:
         """Eliminate the base parameters and the friction of all other joints."""
         L, scale, right = self._factored([k if j != joint else k[:0] for j, k in enumerate(active)])
@@ -69,6 +75,13 @@ class NormalEquations(NamedTuple):
 
     def _factored(self, active: Active) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cholesky factor of the matrix of base and active friction columns, its scale, and the right-hand side."""
+        table, right = self._table(active)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
+        L = np.linalg.cholesky(table * scale * scale[:, None] + RIDGE * np.eye(len(table)))
+        return np.asarray(L), scale, right
+
+    def _table(self, active: Active) -> tuple[FloatArray, FloatArray]:
+        """Matrix of base and active friction columns, and the right-hand side."""
         count = len(self.base)
         ends = np.cumsum([count, *(len(k) for k in active)])
         table, right = np.zeros((ends[-1], ends[-1])), np.zeros(ends[-1])
@@ -79,8 +92,7 @@ class NormalEquations(NamedTuple):
             table[rows, :count] = table[:count, rows].T
             table[rows, rows] = self.friction[joint][np.ix_(columns, columns)]
             right[rows] = self.friction_torque[joint][columns]
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
-        return np.linalg.cholesky(table * scale * scale[:, None] + RIDGE * np.eye(len(table))), scale, right
+        return table, right
 
 
 class JointEquations(NamedTuple):

@@ -178,6 +178,24 @@ def choose(
     return _fewest([one for one in candidates if not any(one[0].lacks(other[0]) for other in candidates)])
 
 
+def same_at_all_joints(found: Found, most: int) -> list[Choice]:
+    """Best friction models that are the same at all joints, one a pattern, by the rows that joints are judged on."""
+    tables, n = found.tables, len(found.choice.columns)
+    tested = [_normal(tables.design, fold.tested, found.choice.sigma) for fold in tables.folds]
+    rows = [float(fold.tested.sum()) for fold in tables.folds]
+    weights = [*np.full(len(rows) - n, 1.0 / sum(rows[:-n])), *(1.0 / (n * count) for count in rows[-n:])]
+    best: list[tuple[float, Columns]] = []
+    for pattern in (each for each in patterns() if {*ALWAYS, "offset"} <= {*each.symbols}):
+        errors: list[tuple[float, Columns]] = []
+        for columns in Grid().settings(pattern):
+            active = _active(tables.design, (columns,) * n)
+            of_folds = zip(weights, tables.equations, tested, strict=True)
+            errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), columns))
+        best.append(min(errors, key=lambda one: one[0]))
+    ranked = sorted(best, key=lambda one: one[0])[:most]
+    return [Choice.of(tables.design, (columns,) * n, found.choice.sigma) for _, columns in ranked]
+
+
 def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Columns:
     """Columns with the fewest numbers within one standard error of the best, by the share of each row in the error."""
     errors = [float(loss.sum()) for _, _, loss in candidates]
