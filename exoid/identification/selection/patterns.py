@@ -20,6 +20,9 @@ DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""
 
+REVERSAL = 0.03
+"""Speed below which the last fit leaves rows of sharp friction out, as the default terms do [rad/s]."""
+
 SMOOTHING = 0.015
 """Smoothing of friction without presliding [rad/s], that of the default terms."""
 
@@ -50,8 +53,7 @@ class Column(NamedTuple):
         }
         if self.length:
             return replace(kinds[self.symbol], presliding=self.length)
-        # The last fit leaves out reversals of sharp friction, as the default terms do.
-        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=0.03)
+        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=REVERSAL)
 
 
 Columns = tuple[Column, ...]
@@ -125,7 +127,8 @@ class Grid(NamedTuple):
         return [
             pattern.columns(length, velocity, smoothing)
             for length, velocity, smoothing in itertools.product(lengths, velocities, smoothings)
-            if length or not velocity or velocity >= 2.0 * smoothing  # the smoothing hides slower Stribeck friction
+            # the smoothing, and reversals that are left out, hide slower Stribeck friction
+            if length or not velocity or velocity >= max(2.0 * smoothing, 1.3 * REVERSAL)
         ]
 
     def about(self, columns: Columns, sweep: int) -> Grid:
