@@ -27,8 +27,8 @@ SMOOTHING = 0.015
 """Smoothing of friction without presliding [rad/s], that of the default terms."""
 
 VELOCITIES = (0.02, 0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
-"""Stribeck velocities that are tried [rad/s]. A model whose best velocity is the first describes the smoothing at
-reversals and loses; the last is an upper bound. Beyond, it is no matter of slow motion."""
+"""Stribeck velocities that are tried [rad/s]. A model whose best velocity describes reversals loses; the last is an
+upper bound. Beyond, it is no matter of slow motion."""
 
 
 class Column(NamedTuple):
@@ -38,6 +38,11 @@ class Column(NamedTuple):
     length: float = 0.0  # presliding length [rad]; 0 for none
     velocity: float = 0.0  # Stribeck velocity [rad/s]; 0 for other friction
     smoothing: float = SMOOTHING  # velocity over which dry friction without presliding changes sign [rad/s]
+
+    @property
+    def describes_reversals(self) -> bool:
+        """Whether Stribeck friction is so slow that it describes smoothing, or reversals that the fit leaves out."""
+        return 0.0 < self.velocity <= (VELOCITIES[0] if self.length else 1.3 * REVERSAL)
 
     @property
     def term(self) -> Term:
@@ -127,8 +132,7 @@ class Grid(NamedTuple):
         return [
             pattern.columns(length, velocity, smoothing)
             for length, velocity, smoothing in itertools.product(lengths, velocities, smoothings)
-            # the smoothing, and reversals that are left out, hide slower Stribeck friction
-            if length or not velocity or velocity >= max(2.0 * smoothing, 1.3 * REVERSAL)
+            if length or not velocity or velocity >= 2.0 * smoothing  # the smoothing hides slower Stribeck friction
         ]
 
     def about(self, columns: Columns, sweep: int) -> Grid:

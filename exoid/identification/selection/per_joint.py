@@ -18,7 +18,7 @@ from exoid.torques import Term
 from .design import Design, base_model, form_design
 from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import ALWAYS, PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
+from .patterns import ALWAYS, PLAIN, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def choose(
         sure = (variance <= (0.3 * c) ** 2 * design.independent_fraction) | always
         good = pattern.dissipative(c) & sure.all(axis=1)
         best = int(np.argmax(np.where(good, explained, -np.inf)))
-        if not good.any() or any(column.velocity == VELOCITIES[0] for column in settings[best]):
+        if not good.any() or any(column.describes_reversals for column in settings[best]):
             continue
         gain = float(explained[best])
         if any(other >= gain for simpler, other in gains.items() if simpler.within(pattern)):
@@ -191,7 +191,8 @@ def same_at_all_joints(found: Found, most: int) -> list[Choice]:
             active = _active(tables.design, (columns,) * n)
             of_folds = zip(weights, tables.equations, tested, strict=True)
             errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), columns))
-        best.append(min(errors, key=lambda one: one[0]))
+        least = min(errors, key=lambda one: one[0])
+        best += [] if any(column.describes_reversals for column in least[1]) else [least]
     ranked = sorted(best, key=lambda one: one[0])[:most]
     return [Choice.of(tables.design, (columns,) * n, found.choice.sigma) for _, columns in ranked]
 
