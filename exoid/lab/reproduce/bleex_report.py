@@ -19,7 +19,7 @@ from exoid.view.statics import plot_approaches, plot_stiffness
 from .bleex import BleexReplay, SideReplay
 from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
 from .sequential.bleex import ANKLE, KNEE, MIN_SPEED, document_model
-from .sequential.rows import rows_in_motion
+from .sequential.estimate import rows_in_motion
 from .torque_error import by_name, joint_errors, predicted_torque, validation_rows
 
 JOINTS = ("hip", "knee", "ankle")
