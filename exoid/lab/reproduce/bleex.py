@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -89,8 +88,9 @@ def reproduce_bleex(
     rng = np.random.default_rng(seed)
     measured = {}
     for k, side in enumerate(SIDES):
-        report_side = partial(_report_part, report, 0.48 * k, 0.48)
-        measured[side] = measure_bleex(side, rng, replicates, extent, report_side)
+        measured[side] = measure_bleex(
+            side, rng, replicates, extent, lambda share, done=0.48 * k: report(done + 0.48 * share)
+        )
     replays = []
     for k in range(replicates):
         left, right = (_identify_side(side, measured[side][k]) for side in SIDES)
@@ -113,10 +113,6 @@ def _joint_estimate(leg: Leg, data: Measurements) -> Estimate:
     recordings = [recording for swings in data.swings for recording in swings]
     rows: list[Recording | Poses] = [data.upright.averaged, *data.tilted, *recordings]
     return identify(leg, rows, JOINT_TERMS, preparation=JOINT_PREPARATION)
-
-
-def _report_part(report: Callable[[float], None], done: float, part: float, share: float) -> None:
-    report(done + part * share)
 
 
 def _identify_side(side: str, data: Measurements) -> SideReplay:

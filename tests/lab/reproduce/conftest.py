@@ -7,7 +7,7 @@ import pytest
 
 from exoid import reproduce
 from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
-from exoid.view.figure_files import write_figures
+from exoid.view.style import write_figures
 
 
 @pytest.fixture(scope="session")
