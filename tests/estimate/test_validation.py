@@ -210,5 +210,6 @@ def test_a_measured_force_belongs_to_the_prediction(swing, estimate):
     np.testing.assert_allclose(found.residual, plain.residual, atol=2e-3)  # the angles are filtered, too
     np.testing.assert_allclose(found.half_width, plain.half_width, rtol=1e-3)
     rows = np.searchsorted(test.time, found.time - 1e-6)
-    assert np.abs(found.measured - plain.measured + push[rows]).max() < 0.02 * np.abs(push).max()
-    assert np.ptp(push, axis=0).min() > 10.0
+    apart = (found.measured - plain.measured + push[rows])[50:-50]  # at the ends, a filter is one-sided
+    assert np.abs(apart).max() < 0.02 * np.abs(push).max()
+    assert np.ptp(push[:, :2], axis=0).min() > 10.0
