@@ -87,10 +87,13 @@ def reproduce_bleex(
     report, extent = progress or (lambda _: None), extent or Extent()
     rng = np.random.default_rng(seed)
     measured = {}
-    for k, side in enumerate(SIDES):
-        measured[side] = measure_bleex(
-            side, rng, replicates, extent, lambda share, done=0.48 * k: report(done + 0.48 * share)
-        )
+    for side, done in zip(SIDES, (0.0, 0.48), strict=True):
+
+        def report_side(share: float, done: float = done) -> None:
+            """Each leg is about half of the work."""
+            report(done + 0.48 * share)
+
+        measured[side] = measure_bleex(side, rng, replicates, extent, report_side)
     replays = []
     for k in range(replicates):
         left, right = (_identify_side(side, measured[side][k]) for side in SIDES)

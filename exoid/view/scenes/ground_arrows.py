@@ -49,7 +49,7 @@ def draw_ground_forces(source: Leg | Estimate, geometry: LegGeometry, replay: Re
             shown["predicted ground force", PREDICTED] = _in_laboratory(predicted, leg, replay, standing)
     sizes = [float(np.linalg.norm(each.force, axis=1).max()) for by_link in shown.values() for each in by_link.values()]
     largest, longest = max(sizes, default=0.0) or 1.0, LENGTH * geometry.skeleton.reach
-    text = f"arrow of {longest:.2g} m = {largest:.3g} N"
+    text = f"arrow of {longest:.2g} m = {largest:.4g} N"
     for (label, colour), by_link in shown.items():
         paths = []
         for link, (force, start) in by_link.items():
