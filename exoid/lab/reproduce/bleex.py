@@ -21,7 +21,7 @@ from exoid.torques import Coulomb, Stiffness, TorqueModel
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
 from .sequential import bleex as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import by_name, nrmse_text, torque_nrmse
+from .torque_error import by_name, torque_nrmse
 
 SIDES = ("left", "right")
 
@@ -47,10 +47,6 @@ class SideReplay:
     cad: Mapping[str, float]  # parameters of Table V, without friction and stiffness
     # torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each
     nrmse: Mapping[str, FloatArray]
-
-    def __repr__(self) -> str:
-        """Name the leg; write the torque errors."""
-        return f"SideReplay({', '.join(self.leg.joint_names)}: NRMSE {nrmse_text(self.nrmse)})"
 
 
 @dataclass(frozen=True, eq=False)

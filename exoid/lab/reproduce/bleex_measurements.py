@@ -72,11 +72,6 @@ class Measurements:
     validation: Recording  # recording with all joints in motion
     coarse: tuple[tuple[Recording, ...], ...]  # swings as logged by an encoder of 2^12 counts
 
-    def __repr__(self) -> str:
-        """Count poses and recordings."""
-        tilted, swings = sum(map(len, self.tilted)), sum(map(len, self.swings))
-        return f"Measurements({len(self.upright.below)} poses upright, {tilted} tilted, {swings} swings)"
-
 
 def truth_values(side: str) -> dict[str, float]:
     """Return the true parameters by name: Tables I to IV of one side in exoid's signs, and the assumed hip."""

@@ -89,10 +89,6 @@ class StanceReplay:
     slipping: Disturbed  # stance with slipping feet
     seed: int  # seed of phases, bias and noise
 
-    def __repr__(self) -> str:
-        """Write what was identified."""
-        return f"StanceReplay(seed {self.seed}: {', '.join(self.estimates)})"
-
     def true_value(self, way: str, name: str) -> float:
         """Look up the truth of a parameter of an estimate."""
         rotor = self.truth[f"Ia_{name[3:]}_hip"] if way == "swing" and name.startswith("J1_") else 0.0

@@ -23,7 +23,6 @@ from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
 from exoid.regression.least_squares import RANK
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
-from exoid.tools.tables import DataTable, to_text, with_error
 from exoid.torques import Term, TorqueModel
 
 
@@ -63,17 +62,6 @@ class SequentialEstimate:
     names: tuple[str, ...] = ()  # names in the order of identification
     values: FloatArray = field(default_factory=lambda: np.zeros(0))  # values, (p,)
     covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # covariance, (p, p)
-
-    def __repr__(self) -> str:
-        """Count the parameters."""
-        return f"SequentialEstimate({len(self.names)} parameters: {', '.join(self.names) or 'none'})"
-
-    def __str__(self) -> str:
-        """Print as a table, one line a parameter."""
-        rows = [(name, *with_error(*each)) for name, *each in zip(self.names, self.values, self.std, strict=True)]
-        return to_text(
-            DataTable(f"Sequential estimate of {len(rows)} parameters", ("parameter", "value", "± std"), rows)
-        )
 
     @property
     def std(self) -> FloatArray:

@@ -128,12 +128,10 @@ def better_experiments(
 def covariance_after(estimate: Estimate, experiment: Experiment, noise: TorqueNoise) -> FloatArray:
     """Predict the covariance of an estimate after one more experiment."""
     model = estimate.model.loaded_by(estimate.values)
-    data: Sequence[Recording | StaticRows]
-    if isinstance(experiment, Plan):
-        data = [*experiment.recordings, *map(StaticRows, experiment.poses)]
-    else:
-        data = experiment
-    R, scores, _ = information_of(model, data, noise, estimate.preparation)
+    planned = (
+        [*experiment.recordings, *map(StaticRows, experiment.poses)] if isinstance(experiment, Plan) else experiment
+    )
+    R, scores, _ = information_of(model, planned, noise, estimate.preparation)
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, 1.0 / np.where(scale > 0.0, scale, 1.0), 1.0)
     normal = (R * scale).T @ (R * scale)
