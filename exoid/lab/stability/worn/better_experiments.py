@@ -128,10 +128,15 @@ def better_experiments(
 def covariance_after(estimate: Estimate, experiment: Experiment, noise: TorqueNoise) -> FloatArray:
     """Predict the covariance of an estimate after one more experiment."""
     model = estimate.model.loaded_by(estimate.values)
-    planned = (
-        [*experiment.recordings, *map(StaticRows, experiment.poses)] if isinstance(experiment, Plan) else experiment
+    data: Sequence[Recording | StaticRows] = (
+        experiment
+        if not isinstance(experiment, Plan)
+        else (
+            *experiment.recordings,
+            *map(StaticRows, experiment.poses),
+        )
     )
-    R, scores, _ = information_of(model, planned, noise, estimate.preparation)
+    R, scores, _ = information_of(model, data, noise, estimate.preparation)
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, 1.0 / np.where(scale > 0.0, scale, 1.0), 1.0)
     normal = (R * scale).T @ (R * scale)
