@@ -48,7 +48,7 @@ def print_result(result: Any, *, as_json: bool, data: object = None) -> None:  #
 
 def save_figures(folder: str | None, figures: Mapping[str, Figure], file_format: str = "png") -> None:
     """Write figures into a folder."""
-    from exoid.view.figure_files import write_figures  # noqa: PLC0415 - matplotlib would slow down the help
+    from exoid.view.style import write_figures  # noqa: PLC0415 - matplotlib would slow down the help
 
     if folder is not None:
         for path in write_figures(folder, figures, file_format):

@@ -43,6 +43,7 @@ class Input:
     segments: tuple[tuple[float, float], ...] = ()
     payloads: tuple[str, ...] = ()  # payloads on the leg, as text; empty for none
     moving_base: bool = False  # whether the base moved
+    wrenches: tuple[str, ...] = ()  # links on which wrenches were measured
 
     @property
     def label(self) -> str:

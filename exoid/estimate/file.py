@@ -47,7 +47,7 @@ MOVED = {
 RANGES = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed", "acceleration": "acceleration"}
 """Ranges of the motion by their key in the first schema."""
 
-OPTIONAL = ("segments", "payloads", "moving_base")
+OPTIONAL = ("segments", "payloads", "moving_base", "wrenches")
 """Keys of a recording that are left out of a file where there is nothing to say."""
 
 E = TypeVar("E", bound=EstimateData)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,10 +10,12 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
+from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
+from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
 from exoid.torques.contacts.stretches import Stretch
@@ -124,20 +127,51 @@ def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorqu
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
     """Predict the torques while the same links rest."""
     model, links, recording = estimate.model, stretch.links, stretch.recording
-    q = recording.q[recording.mask]
-    axes = reference_axes(model.leg, links, q) if links else None
+    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
     support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
     rows = make_rows(support, recording, preparation)
-    predicted = rows.W @ estimate.values
-    noise = _noise(estimate, support.row_names)
-    variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * noise
+    known = 0.0 if rows.known is None else rows.known
+    measured, predicted = rows.tau + known, rows.W @ estimate.values + known
+    q = recording.q[np.searchsorted(recording.time, rows.time)]
+    variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
+    variance = variance + wrench_variance(estimate, recording, preparation, q, links, axes)
     if axes is not None:
-        loop = eliminate(model.leg, links, recording.q[np.searchsorted(recording.time, rows.time)], axes).loop
+        loop = eliminate(model.leg, links, q, axes).loop
         assert loop is not None
-        measured, predicted = (np.einsum("njr,nr->nj", loop, part) for part in (rows.tau, predicted))
+        measured, predicted = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted))
         return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance))
     joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
-    return Compared(rows.time, rows.tau[:, joints], predicted[:, joints], variance[:, joints])
+    return Compared(rows.time, measured[:, joints], predicted[:, joints], variance[:, joints])
+
+
+def wrench_torques(leg: Leg, recording: Recording) -> FloatArray:
+    """Rows of the torques that hold measured wrenches, Σ Jᵀ w [N·m], (N, b + n)."""
+    rows = np.zeros((len(recording), leg.base_rows + len(leg.joint_names)))
+    for link, wrench in recording.wrenches.items():
+        jacobian = leg.frame_jacobian(recording.q, link, wrench.point)
+        rows += np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
+    return rows
+
+
+def wrench_variance(
+    estimate: EstimateData,
+    recording: Recording,
+    preparation: Preparation,
+    q: FloatArray,
+    links: Sequence[str] = (),
+    axes: FloatArray | None = None,
+) -> FloatArray:
+    """Variance of rows by white noise of measured wrenches, Σ (Jᵀ)² σ² behind the filter, (N, R)."""
+    # The residuals of the training have this noise where wrenches on the same links were measured there.
+    leg, trained = estimate.model.leg, {link for each in estimate.inputs for link in each.wrenches}
+    variance = np.zeros((1, 1) if links else (len(q), leg.base_rows + len(leg.joint_names)))
+    for link, wrench in recording.wrenches.items():
+        if link not in trained:
+            columns = leg.frame_jacobian(q, link, wrench.point).transpose(1, 2, 0)
+            columns = eliminate(leg, links, q, axes).of(columns) if links else columns
+            std = white_noise(np.hstack([wrench.force, wrench.moment]))
+            variance = variance + np.einsum("crn,c->nr", columns**2, std**2)
+    return np.asarray(preparation.independent_fraction(recording.sample_rate) * variance)
 
 
 def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:

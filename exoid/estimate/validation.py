@@ -14,14 +14,14 @@ from exoid.errors import BadArgumentError
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
-from exoid.signals import Preparation, Recording
+from exoid.signals import Preparation, Recording, wrenches_on_links
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import Compared, compare_on_ground, stands
+from .ground_validation import Compared, compare_on_ground, stands, wrench_torques, wrench_variance
 from .torque_filter import TorqueFilter
 from .validation_checks import (
     as_trained,
@@ -48,12 +48,12 @@ class Validation(Report):
         joint_names: Joints, (n,).
         time: [s], (N,).
         measured: Filtered measured torque [N·m], (N, n); not a number where the torque of a joint was not measured.
-        predicted: Filtered predicted torque [N·m], (N, n).
+        predicted: Filtered predicted torque [N·m], (N, n), W β − Σ Jᵀ w with the wrenches w that were measured.
         source: Name of the recording, or of all.
         parts: Validation of each recording where there are several; samples of all follow each other above.
         findings: Motion beyond that of the training, and torque that is late or not predicted.
         half_width: Half the width of the 95 % band of the filtered measured torque [N·m], (N, n): errors of parameters
-            and of the form of friction, and noise.
+            and of the form of friction, and noise of torques and of force plates.
         filter: Filter of both torques.
     """
 
@@ -260,17 +260,22 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     found = list(shifted_torques(estimate, name))
     found += [] if ranges is None else extrapolations(estimate, ranges, name)
+    on_links = replace(chosen_joints, wrenches=wrenches_on_links(estimate.model.leg, chosen_joints))
+    joints = slice(estimate.model.leg.base_rows, None)
+    # Joints whose residual errors of the force plates may explain, and what the plates' white noise does to it.
+    loaded = np.sqrt(np.mean(wrench_torques(estimate.model.leg, on_links)[:, joints] ** 2, axis=0)) > alone.rmse
+    by_plates = wrench_variance(estimate, on_links, preparation, on_links.q).mean(axis=0)[joints]
     growth = np.ones_like(alone.rmse)
     if chosen.comparable:
-        of_training = np.sqrt(bandwidth) * estimate.residual_rms
+        of_training = np.sqrt(bandwidth * estimate.residual_rms**2 + by_plates)
         growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
         independent = len(time) * preparation.independent_fraction(rate)
         coverage = np.where(estimate.trained, alone.coverage, np.nan)
-        found += narrow_bands(estimate, coverage, independent, name)
-        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, name)
+        found += narrow_bands(estimate, coverage, independent, loaded, name)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, loaded, name)
     found += unmeasured_torques(estimate, chosen_joints.measured, name)
     passive = chosen_joints.measured & ~chosen_joints.driven
-    found += poor_predictions(estimate, alone.nrmse, growth, passive, name)
+    found += poor_predictions(estimate, alone.nrmse, growth, passive, loaded, name)
     return replace(alone, findings=ordered(found))
 
 
@@ -279,12 +284,13 @@ def _compare(
 ) -> tuple[Compared, MotionRanges]:
     """Predict the torques of a recording block by block, and measure its motion."""
     model, count = estimate.band_model, len(estimate.values)
-    prepared = prepare(model, recording, preparation, every=True)
+    prepared, data = prepare(model, recording, preparation, every=True), for_leg(model, recording)
     parts = []
     for rows in each_row(model, prepared):
-        payload = 0.0 if rows.payload is None else rows.payload
+        known = 0.0 if rows.known is None else rows.known
         variance = estimate.measured_variance(rows.W, bandwidth)
-        parts.append((rows.time, rows.tau + payload, rows.W[..., :count] @ estimate.values + payload, variance))
+        variance = variance + wrench_variance(estimate, data, preparation, rows.q)
+        parts.append((rows.time, rows.tau + known, rows.W[..., :count] @ estimate.values + known, variance))
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
     return Compared(*(np.concatenate(part) for part in zip(*parts, strict=True))), ranges

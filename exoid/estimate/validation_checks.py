@@ -36,6 +36,9 @@ NARROW = 0.85
 SIGNIFICANT = 1e-3
 """where chance would give so small a share with less than this probability."""
 
+PLATES = "check the force plates: their clock, their axes and the centre of pressure; then signs and units"
+"""Remedy where wrenches that were measured have a larger part in the torque than the residual."""
+
 LATE = 0.5
 """A torque is late where so large a correlation with its time derivative is left in the residual."""
 
@@ -96,10 +99,16 @@ def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str 
 
 
 def poor_predictions(
-    estimate: EstimateData, nrmse: FloatArray, growth: FloatArray, passive: BoolArray, source: str = ""
+    estimate: EstimateData,
+    nrmse: FloatArray,
+    growth: FloatArray,
+    passive: BoolArray,
+    loaded: BoolArray,
+    source: str = "",
 ) -> Iterator[Finding]:
     """Find joints whose torque is predicted badly: by itself, or in comparison with the training."""
-    for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, passive, strict=True):
+    each = zip(estimate.joint_names, nrmse, growth, passive, loaded, strict=True)
+    for joint, error, grown, is_passive, is_loaded in each:
         value: float = float(grown)
         severity: Severity = "warning"
         if not np.isfinite(error) and grown > GROWN and is_passive:
@@ -122,20 +131,24 @@ def poor_predictions(
             remedy = "identify from motions like this one, or compare terms of friction (exoid select)"
         else:
             continue
+        remedy = PLATES if is_loaded else remedy
         yield Finding("large-residual", joint, value, "1", severity, message, remedy, recording=source)
 
 
-def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, source: str = "") -> Iterator[Finding]:
+def narrow_bands(
+    estimate: EstimateData, coverage: FloatArray, samples: float, loaded: BoolArray, source: str = ""
+) -> Iterator[Finding]:
     """Find joints whose torque leaves its 95 % band too often."""
     # The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
     # times the share of effective samples in the training.
-    remedy = "identify from motions like this one, or check whether the leg has changed"
     for k, (joint, share) in enumerate(zip(estimate.joint_names, coverage.tolist(), strict=True)):
         count = max(1, round(samples * effective_share(estimate, k)))
         if share < NARROW and scipy.stats.binom.cdf(np.ceil(share * count), count, 0.95) < SIGNIFICANT:
             message = (
                 f"only {share:.0%} of the torque is inside the 95 % band: the model errs by more than in the training"
             )
+            remedy = "identify from motions like this one, or check whether the leg has changed"
+            remedy = PLATES if loaded[k] else remedy
             yield Finding("narrow-band", joint, share, "1", "warning", message, remedy, recording=source)
 
 
@@ -153,14 +166,16 @@ def late_torques(
     predicted: FloatArray,
     residual: FloatArray,
     coverage: FloatArray,
+    loaded: BoolArray,
     source: str = "",
 ) -> Iterator[Finding]:
     """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt."""
     # Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
     if len(time) < 3:
         return
-    rate, remedy = np.gradient(predicted, time, axis=0), "correct the time stamps of this recording (exoid check)"
-    for joint, torque, slope, error, share in zip(joints, predicted.T, rate.T, residual.T, coverage, strict=True):
+    rate = np.gradient(predicted, time, axis=0)
+    each = zip(joints, predicted.T, rate.T, residual.T, coverage, loaded, strict=True)
+    for joint, torque, slope, error, share, is_loaded in each:
         product, power = float(slope @ error), float(slope @ slope)
         size = np.sqrt(power * float(error @ error))
         matters = float(error.std()) > NEGLIGIBLE * float((error + torque).std())
@@ -168,4 +183,6 @@ def late_torques(
             delay = -product / power
             when = "after" if delay > 0.0 else "before"
             message = f"the torque comes {1e3 * abs(delay):.3g} ms {when} the predicted one"
+            remedy = "correct the time stamps of this recording (exoid check)"
+            remedy = "put torques and force plates on one clock" if is_loaded else remedy
             yield Finding("torque-delay", joint, delay, "s", "warning", message, remedy, recording=source)

@@ -183,8 +183,9 @@ def evidence(data: Recording | Poses) -> Input:
     rate, segments = (data.sample_rate, data.segment_times) if isinstance(data, Recording) else (0.0, ())
     payloads = tuple(map(str, data.payloads))
     base = data.base if isinstance(data, Recording) else None
+    about = (len(data), rate, segments, payloads, base is not None, tuple(getattr(data, "wrenches", ())))
     if data.source is not None:
-        return Input(data.source.name, data.source.sha256, len(data), rate, segments, payloads, base is not None)
+        return Input(data.source.name, data.source.sha256, *about)
     digest = hashlib.sha256()
     for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature"):
         array = getattr(data, name, None)
@@ -193,7 +194,7 @@ def evidence(data: Recording | Poses) -> Input:
     if base is not None:
         digest.update(np.ascontiguousarray(base.columns).data)
         digest.update(np.ascontiguousarray(base.position).data)
-    return Input("array", digest.hexdigest(), len(data), rate, segments, payloads, base is not None)
+    return Input("array", digest.hexdigest(), *about)
 
 
 def _sources(summaries: Sequence[RecordingSummary]) -> str:

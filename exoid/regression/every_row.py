@@ -29,9 +29,9 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
             gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
-            payload = None if rows.payload is None else rows.payload / gain[:, None]
-            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
+            known = None if rows.known is None else rows.known / gain[:, None]
+            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], known=known)
         if not counted.all():
-            names = OF_SAMPLES if rows.payload is None else (*OF_SAMPLES, "payload")
+            names = OF_SAMPLES if rows.known is None else (*OF_SAMPLES, "known")
             rows = rows._replace(**{name: getattr(rows, name)[counted] for name in names})
         yield rows

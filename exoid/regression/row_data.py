@@ -37,7 +37,8 @@ class Rows(NamedTuple):
         independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: Number of rows that each of these stands for; 1 unless decimated.
         reversals: What was taken out at the reversals of each joint; empty for nothing.
-        payload: Torque of payloads, filtered alike [N·m], (N, n); None without payloads.
+        known: Torque of payloads less that of measured wrenches, filtered alike [N·m], (N, n); None without both. Added
+            to both sides, it gives the torque that was measured.
     """
 
     time: FloatArray
@@ -50,7 +51,7 @@ class Rows(NamedTuple):
     independent_fraction: float
     stands_for: float = 1.0
     reversals: tuple[TakenOut, ...] = ()
-    payload: FloatArray | None = None
+    known: FloatArray | None = None
 
 
 class NoiseKind(NamedTuple):

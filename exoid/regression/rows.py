@@ -55,6 +55,9 @@ class Prepared(NamedTuple):
     # samples of pulses of unknown friction at the reversals of each joint, see
     # `exoid.signals.filters.reversal_pulses`; None to take reversals as they are
     reversals: tuple[NDArray[np.intp], ...] | None = None
+    # known torque that was taken from the measured one: that of payloads and, where every sample becomes a row, less
+    # that of measured wrenches [N·m], (N, R); None for none
+    known: FloatArray | None = None
 
     @property
     def reach(self) -> int:
@@ -82,7 +85,8 @@ def prepare(
         motion = model.motion(data.q, still, still, data.torso, data.payloads)
         tau = data.tau if motion.payload is None else data.tau - motion.payload
         usable = np.ones(tau.shape, dtype=np.bool_)
-        return Prepared(np.arange(count, dtype=np.float64), motion, tau, usable, range(count), usable[:, 0])
+        time = np.arange(count, dtype=np.float64)
+        return Prepared(time, motion, tau, usable, range(count), usable[:, 0], known=motion.payload)
     recording = data.resampled()
     if recording.tau is None:
         raise _without_torque(recording)
@@ -107,6 +111,11 @@ def prepare(
     base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:
         motion = model.motion(q, v, a, base, recording.payloads, computed, recording.temperature)
+        known = motion.payload
+        if every and recording.wrenches:
+            share = model.row_torque(np.zeros_like(tau), motion, recording.wrenches)
+            share = preparation.filter(share, rate) if parallel is None else share
+            known = -share if known is None else known - share
         tau = model.row_torque(tau, motion, recording.wrenches)
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
@@ -126,6 +135,7 @@ def prepare(
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
         pulses,
+        known,
     )
 
 
@@ -163,7 +173,8 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     motion = prepared.motion.rows(around)
     columns, joints = model.columns(motion), prepared.tau.shape[1]
-    tau = prepared.tau[around].T if motion.payload is None else np.vstack([prepared.tau[around].T, motion.payload.T])
+    tau = prepared.tau[around].T
+    tau = tau if prepared.known is None else np.vstack([tau, prepared.known[around].T])
     inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
     taken: list[tuple[FloatArray, float]] = []
     if prepared.parallel is None:
@@ -172,7 +183,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
         taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
-    tau, payload = tau[:joints], tau[joints:].T if len(tau) > joints else None
+    tau, known = tau[:joints], tau[joints:].T if len(tau) > joints else None
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -187,7 +198,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     reversals = tuple(
         TakenOut(np.column_stack([part[:count].T, part[-1] - part[count:-1].sum(axis=0)]), left) for part, left in taken
     )
-    return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals, payload=payload)
+    return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals, known=known)
 
 
 def _filtered(
@@ -258,7 +269,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     kept = slice((first - before) % step, None, step)
     fraction, stands_for = min(1.0, rows.independent_fraction * step), count / len(range(first, count, step))
     arrays: dict[str, Any] = {name: getattr(rows, name)[kept].copy(order="K") for name in OF_SAMPLES}
-    return rows._replace(**arrays, independent_fraction=fraction, stands_for=stands_for, payload=None)
+    return rows._replace(**arrays, independent_fraction=fraction, stands_for=stands_for, known=None)
 
 
 def decimated(prepared: Prepared) -> Prepared:
@@ -291,8 +302,8 @@ def chain(stretches: Sequence[Rows]) -> Rows:
         )
         for parts in zip(*(rows.reversals for rows in stretches), strict=True)
     )
-    payloads = [rows.payload for rows in stretches if rows.payload is not None]
-    return stretches[0]._replace(**arrays, reversals=reversals, payload=np.concatenate(payloads) if payloads else None)
+    known = [rows.known for rows in stretches if rows.known is not None]
+    return stretches[0]._replace(**arrays, reversals=reversals, known=np.concatenate(known) if known else None)
 
 
 Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)

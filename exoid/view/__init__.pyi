@@ -1,8 +1,8 @@
 # Table of contents of exoid.view: to add a name, import it here and list it. It is imported when it is first used.
 
-from .interaction import plot_interaction
+from .fit import plot_prediction, plot_residual_trend
+from .forces import plot_interaction
 from .parameters import plot_correlation, plot_parameters
-from .residuals import plot_prediction, plot_residual_trend
 from .scenes import Scene, scene
 from .style import paper
 from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors

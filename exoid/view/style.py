@@ -1,15 +1,19 @@
-"""Style of all figures: sizes for a two-column paper."""
+"""Style of all figures, sizes for a two-column paper, and their files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
+from exoid.tools.files import make_folder, write_bytes
 
 from .colours import GUIDE, PREDICTED
 
@@ -85,3 +89,16 @@ def draw_samples(
     """Draw samples as dots, not more than a figure can show."""
     shown = decimation(len(x), 4000)
     ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True, label=label)
+
+
+def write_figures(folder: str | Path, figures: Mapping[str, Figure], file_format: str = "png") -> list[Path]:
+    """Write figures; all are rendered before the first is written."""
+    path, images = make_folder(folder), {}
+    for name, figure in figures.items():
+        image = io.BytesIO()
+        with paper():
+            figure.savefig(image, format=file_format)
+        images[path / f"{name}.{file_format}"] = image.getvalue()
+    for file, content in images.items():
+        write_bytes(file, [content])
+    return list(images)

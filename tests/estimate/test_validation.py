@@ -198,3 +198,18 @@ def test_an_estimate_of_which_the_spread_of_the_torque_is_not_known_has_no_nrmse
     assert np.isnan(old.nrmse).all()
     assert "NRMSE" not in str(old)
     assert "residual RMS" in str(old)
+
+
+def test_a_measured_force_belongs_to_the_prediction(swing, estimate):
+    """The measured torque stays that of the log, whatever pushes on the foot; the residual is that without the push."""
+    test = swing.test
+    force = np.outer(np.sin(test.time), [40.0, 0.0, 90.0])
+    push = np.einsum("ncj,nc->nj", swing.leg.frame_jacobian(test.q, "left_foot"), np.hstack([force, 0.0 * force]))
+    pushed = replace(test, tau=test.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)})
+    plain, found = exoid.validate(estimate, test), exoid.validate(estimate, pushed)
+    np.testing.assert_allclose(found.residual, plain.residual, atol=2e-3)  # the angles are filtered, too
+    np.testing.assert_allclose(found.half_width, plain.half_width, rtol=1e-3)
+    rows = np.searchsorted(test.time, found.time - 1e-6)
+    apart = (found.measured - plain.measured + push[rows])[50:-50]  # at the ends, a filter is one-sided
+    assert np.abs(apart).max() < 0.02 * np.abs(push).max()
+    assert np.ptp(push[:, :2], axis=0).min() > 10.0

@@ -24,9 +24,15 @@ from exoid.view import (
     plot_tracking_errors,
 )
 from exoid.view.colours import MEASURED, joint_colour
-from exoid.view.coverage import plot_coverage, plot_excitation
-from exoid.view.dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
-from exoid.view.statics import plot_approaches, plot_stiffness
+from exoid.view.experiments import (
+    plot_approaches,
+    plot_friction,
+    plot_inertial_torque,
+    plot_reference,
+    plot_stiffness,
+    plot_torques,
+)
+from exoid.view.fit import plot_coverage, plot_excitation
 from exoid.view.style import COLUMN
 from exoid.view.tracking import plot_law_replay
 

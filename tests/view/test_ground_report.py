@@ -11,7 +11,7 @@ import exoid
 from exoid import Viscous
 from exoid.estimate.ground_prediction import GroundForce
 from exoid.tools.tables import DataTable
-from exoid.view.ground import plot_ground_force
+from exoid.view.forces import plot_ground_force
 from exoid.view.report import identification_report
 from exoid.view.report.ground import _centre_half, ground_blocks
 from exoid.view.report.page import Picture

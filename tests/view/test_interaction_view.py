@@ -11,7 +11,7 @@ import exoid
 from exoid import ExoidError
 from exoid.control.wearer.gait import profile
 from exoid.view import plot_interaction, scene
-from exoid.view.interaction import plot_gait_profile
+from exoid.view.forces import plot_gait_profile
 from exoid.view.report import interaction_report
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -54,9 +55,35 @@ def test_resting_feet_stay_on_the_ground_while_the_torso_moves(exo, log):
         assert np.abs(found - found[0]).max() < 1e-3
 
 
+def lengths(drawn, label):
+    """Length [m] of an arrow of a layer, and the force that it stands for [N], as the legend says."""
+    (scale,) = [layer.scale for layer in drawn.layers if layer.label == label]
+    length, force = re.fullmatch(r"arrow of ([0-9.]+) m = ([0-9.e+]+) N", scale).groups()
+    return float(length), float(force)
+
+
+def test_forces_far_above_the_weight_have_no_longer_arrows_and_leave_the_camera_on_the_leg(exo, log):
+    """Plates on which a wearer stands, too, hold several times the weight of the machine."""
+    heavy = {link: Wrench(5.0 * wrench.force, 5.0 * wrench.moment) for link, wrench in log.wrenches.items()}
+    bare, usual, loaded = (scene(exo, recording=replace(log, wrenches=each)) for each in ({}, log.wrenches, heavy))
+    assert bare.camera == usual.camera == loaded.camera
+    assert lengths(loaded, "measured ground force")[1] == pytest.approx(
+        5.0 * lengths(usual, "measured ground force")[1], rel=5e-3
+    )
+    for drawn in (usual, loaded):
+        tips = [
+            np.linalg.norm(places(drawn, k / 30.0)[f"/exoid/measured ground force {link}/arrow"][:3, 2])
+            for k in range(0, 119, 3)
+            for link in FEET
+        ]
+        assert max(tips) < drawn.camera.half_height
+
+
 def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
     drawn = scene(exo, recording=log)
-    weight = sum(inertia.mass for inertia in exo.model.inertias) * 9.81
+    longest, largest = lengths(drawn, "measured ground force")
+    sizes = [np.linalg.norm(log.wrenches[link].force, axis=1).max() for link in FEET]
+    assert largest == pytest.approx(max(sizes), rel=5e-3)
     floor = places(drawn)["/exoid/ground"][2, 3]
     for t in (0.0, 1.0, 3.0):
         k = round(t * 250)
@@ -65,7 +92,7 @@ def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
             arrow, start = places(drawn, t)[f"{path}/arrow"], places(drawn, t)[path][:3, 3]
             rotation, origin = foot(exo, drawn, log, link, t)
             force = rotation @ log.wrenches[link].force[k]
-            np.testing.assert_allclose(arrow[:3, 2], force / weight, atol=2e-4)
+            np.testing.assert_allclose(arrow[:3, 2], longest * force / largest, atol=2e-3)
             moment = rotation @ log.wrenches[link].moment[k] - np.cross(start - origin, force)
             np.testing.assert_allclose(moment[:2], 0.0, atol=0.01)  # a force at the centre of pressure
             assert start[2] == pytest.approx(floor, abs=1e-3)
@@ -106,11 +133,11 @@ def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     log = standing(exo, "left", seconds=4.0, seed=5)
     drawn = scene(estimate, recording=log.recording)
     assert "predicted ground force" in [layer.label for layer in drawn.layers]
-    weight = sum(inertia.mass for inertia in exo.model.inertias) * 9.81
+    longest, largest = lengths(drawn, "predicted ground force")
     for t in (1.0, 2.0, 3.0):
         arrow = places(drawn, t)["/exoid/predicted ground force left_foot/arrow"]
         rotation, _ = foot(exo, drawn, log.recording, "left_foot", t)
-        exact = rotation @ log.wrenches["left_foot"].force[round(250 * t)] / weight
+        exact = rotation @ log.wrenches["left_foot"].force[round(250 * t)] * longest / largest
         np.testing.assert_allclose(arrow[:3, 2], exact, atol=0.01)
     assert not [path for path in places(drawn) if "predicted ground force right_foot" in path]
 

@@ -10,9 +10,9 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.estimate import EstimateData
 from exoid.estimate.evidence import MotionRanges
-from exoid.estimate.ground_validation import compare_on_ground, stands
+from exoid.estimate.ground_validation import compare_on_ground, stands, wrench_variance
 from exoid.regression.every_row import each_row
-from exoid.regression.rows import Prepared, prepare, source_of
+from exoid.regression.rows import Prepared, for_leg, prepare, source_of
 from exoid.signals import Preparation, Recording
 
 SETTLED = 0.05
@@ -42,7 +42,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0))
     model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
     rubbing = estimate.model.friction
-    prepared = prepare(model, recording, preparation, every=True)
+    prepared, data = prepare(model, recording, preparation, every=True), for_leg(model, recording)
     noise = estimate.measured_variance(np.zeros((1, len(estimate.joint_names), len(model.names))), bandwidth)[0]
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
     unknown, bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
@@ -52,10 +52,10 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         torque = W[..., :count] @ estimate.values - tau
         table = np.concatenate([W[..., :leg], torque[..., None]], axis=2) * precision[:, None]
         bodies += np.tensordot(table, table, axes=([0, 1], [0, 1]))
-        payload = 0.0 if rows.payload is None else rows.payload[keep]
+        known = 0.0 if rows.known is None else rows.known[keep]
         friction = W[..., :count][..., rubbing] @ estimate.values[rubbing]
-        variance = estimate.measured_variance(W, bandwidth)
-        parts.append((rows.time[keep], torque, torque + tau + payload, variance, friction, share))
+        variance = estimate.measured_variance(W, bandwidth) + wrench_variance(estimate, data, preparation, rows.q[keep])
+        parts.append((rows.time[keep], torque, torque + tau + known, variance, friction, share))
     time, torque, predicted, variance, friction, share = (np.concatenate(part) for part in zip(*parts, strict=True))
     if not len(time):
         raise NotIdentifiableError(

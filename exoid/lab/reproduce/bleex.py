@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from exoid.torques import Coulomb, Stiffness, TorqueModel
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
 from .sequential import bleex as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import by_name, nrmse_text, torque_nrmse
+from .torque_error import by_name, torque_nrmse
 
 SIDES = ("left", "right")
 
@@ -48,10 +47,6 @@ class SideReplay:
     cad: Mapping[str, float]  # parameters of Table V, without friction and stiffness
     # torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each
     nrmse: Mapping[str, FloatArray]
-
-    def __repr__(self) -> str:
-        """Name the leg; write the torque errors."""
-        return f"SideReplay({', '.join(self.leg.joint_names)}: NRMSE {nrmse_text(self.nrmse)})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +83,12 @@ def reproduce_bleex(
     report, extent = progress or (lambda _: None), extent or Extent()
     rng = np.random.default_rng(seed)
     measured = {}
-    for k, side in enumerate(SIDES):
-        report_side = partial(_report_part, report, 0.48 * k, 0.48)
+    for side, done in zip(SIDES, (0.0, 0.48), strict=True):
+
+        def report_side(share: float, done: float = done) -> None:
+            """Each leg is about half of the work."""
+            report(done + 0.48 * share)
+
         measured[side] = measure_bleex(side, rng, replicates, extent, report_side)
     replays = []
     for k in range(replicates):
@@ -113,10 +112,6 @@ def _joint_estimate(leg: Leg, data: Measurements) -> Estimate:
     recordings = [recording for swings in data.swings for recording in swings]
     rows: list[Recording | Poses] = [data.upright.averaged, *data.tilted, *recordings]
     return identify(leg, rows, JOINT_TERMS, preparation=JOINT_PREPARATION)
-
-
-def _report_part(report: Callable[[float], None], done: float, part: float, share: float) -> None:
-    report(done + part * share)
 
 
 def _identify_side(side: str, data: Measurements) -> SideReplay:

@@ -72,11 +72,6 @@ class Measurements:
     validation: Recording  # recording with all joints in motion
     coarse: tuple[tuple[Recording, ...], ...]  # swings as logged by an encoder of 2^12 counts
 
-    def __repr__(self) -> str:
-        """Count poses and recordings."""
-        tilted, swings = sum(map(len, self.tilted)), sum(map(len, self.swings))
-        return f"Measurements({len(self.upright.below)} poses upright, {tilted} tilted, {swings} swings)"
-
 
 def truth_values(side: str) -> dict[str, float]:
     """Return the true parameters by name: Tables I to IV of one side in exoid's signs, and the assumed hip."""
@@ -107,7 +102,8 @@ def measure_bleex(
         rng,
         progress=lambda share: report(0.4 + 0.6 * share),
     )
-    coarse = _with_coarse_encoders(run, rng)
+    sensors = Sensors(encoder_counts=(2.0**12))  # counts of an encoder for which raw second differences fail
+    coarse = replace(run, q_measured=np.array([read_angle(sensors, sample, rng) for sample in run.q]))
     return [
         Measurements(
             sets,
@@ -128,9 +124,3 @@ def _log(run: Run, rig: int) -> Recording:
 def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
     frequencies = range(len(bleex.FREQUENCIES))
     return tuple(tuple(_log(run, first + bleex.swing_index(joint, k)) for k in frequencies) for joint in range(3))
-
-
-def _with_coarse_encoders(run: Run, rng: np.random.Generator) -> Run:
-    """Replace the angle readings by those of coarse encoders."""
-    sensors = Sensors(encoder_counts=(2.0**12))  # counts of an encoder for which raw second differences fail
-    return replace(run, q_measured=np.array([read_angle(sensors, sample, rng) for sample in run.q]))

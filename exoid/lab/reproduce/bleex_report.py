@@ -13,13 +13,12 @@ from exoid.signals import Approaches, FiniteDifference
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
 from exoid.view.colours import CAD, IDENTIFIED
-from exoid.view.dynamics import plot_friction, plot_inertial_torque, plot_torques
-from exoid.view.statics import plot_approaches, plot_stiffness
+from exoid.view.experiments import plot_approaches, plot_friction, plot_inertial_torque, plot_stiffness, plot_torques
 
 from .bleex import BleexReplay, SideReplay
 from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
 from .sequential.bleex import ANKLE, KNEE, MIN_SPEED, document_model
-from .sequential.rows import rows_in_motion
+from .sequential.estimate import rows_in_motion
 from .torque_error import by_name, joint_errors, predicted_torque, validation_rows
 
 JOINTS = ("hip", "knee", "ankle")
@@ -90,11 +89,12 @@ def _findings(title: str, side: SideReplay) -> list[str]:
 
 def _tables(title: str, side: SideReplay) -> tuple[DataTable, DataTable]:
     """Torque errors on the validation motion; parameters of Tables I to V, whose hip resistances are taken as zero."""
+    known = side.sequential.names
     rows = [
         (
             name,
             f"{true:.4g}",
-            *(estimate_cells(side.sequential, name, true) if name in side.sequential.names else _as_zero(true)),
+            *(estimate_cells(side.sequential, name, true) if name in known else ("0", "–", f"{-true:+.3g}")),
             *estimate_cells(side.joint, name, true),
             f"{side.cad[name]:.4g}" if name in side.cad else "–",
         )
@@ -104,10 +104,6 @@ def _tables(title: str, side: SideReplay) -> tuple[DataTable, DataTable]:
     caption = f"{title} leg, Tables I to V: truth of the rig, the document's sequential estimate, one joint estimate"
     motion = f"the validation motion (Fig. 7), {title.lower()} leg"
     return errors_table(motion, side.nrmse, JOINTS), DataTable(caption, headers, rows)
-
-
-def _as_zero(true: float) -> tuple[str, str, str]:
-    return "0", "–", f"{-true:+.3g}"
 
 
 def _side_json(side: SideReplay) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
 from .sequential import cuhk as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import by_name, nrmse_text, predicted_torque, torque_nrmse, torque_rmse, validation_rows
+from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
 """Assumed flat motor of 90 W with gear ratio 50, 0.8 kg·m² at the joint; the document names neither."""
@@ -88,10 +88,6 @@ class CuhkReplay:
     predicted: FloatArray  # torque of the multisine estimate on `validation` [N·m], filtered like `measured`, (N, 2)
     measured: FloatArray  # measured torque on `validation` [N·m], (N, 2)
     seed: int  # seed of motions and noise
-
-    def __repr__(self) -> str:
-        """Write the torque errors."""
-        return f"CuhkReplay(seed {self.seed}: NRMSE {nrmse_text(self.nrmse)})"
 
 
 def truth_values() -> dict[str, float]:

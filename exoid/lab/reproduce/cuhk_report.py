@@ -9,7 +9,7 @@ from exoid.experiments import healthy_gait
 from exoid.tools.json_values import attributes, json_value
 from exoid.tools.tables import DataTable
 from exoid.view.colours import IDENTIFIED
-from exoid.view.dynamics import plot_reference, plot_torques
+from exoid.view.experiments import plot_reference, plot_torques
 
 from .cuhk import J2_FACTOR, CuhkReplay
 from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json

@@ -68,11 +68,6 @@ class TrackingReplay:
     rotor: float  # reflected inertia of each rotor [kg·m²]
     seed: int  # seed of motion and noise
 
-    def __repr__(self) -> str:
-        """Write the peak error of each law."""
-        peaks = (f"{name} {'/'.join(f'{peak:.2f}' for peak in run.peak_deg)}°" for name, run in self.laws.items())
-        return f"TrackingReplay(seed {self.seed}, rotors of {self.rotor:g} kg·m²: peak errors {', '.join(peaks)})"
-
 
 def reproduce_cuhk_tracking(
     seed: int = 0,

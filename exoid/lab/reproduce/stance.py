@@ -10,7 +10,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.finding import Finding
 from exoid.estimate.ground_prediction import level_wrench
@@ -89,10 +89,6 @@ class StanceReplay:
     slipping: Disturbed  # stance with slipping feet
     seed: int  # seed of phases, bias and noise
 
-    def __repr__(self) -> str:
-        """Write what was identified."""
-        return f"StanceReplay(seed {self.seed}: {', '.join(self.estimates)})"
-
     def true_value(self, way: str, name: str) -> float:
         """Look up the truth of a parameter of an estimate."""
         rotor = self.truth[f"Ia_{name[3:]}_hip"] if way == "swing" and name.startswith("J1_") else 0.0
@@ -152,7 +148,11 @@ def reproduce_stance(
         "no plates": identify(machine, [*runs.stance(), swing], TERMS),
     }
     report(SHARES[1])
-    truth = true_values(runs.plant)
+    truth, refused = true_values(runs.plant), ""
+    try:
+        identify(machine, swing, TERMS)
+    except NotIdentifiableError as error:
+        refused = error.what
     found = estimates["no plates"]
     wrong = [*runs.stance(wrong=WRONG), swing]
     slipping = [runs.log("slipping squats"), *runs.stance()[1:], swing]
@@ -160,7 +160,7 @@ def reproduce_stance(
         leg=runs.plant.leg,
         truth=MappingProxyType(truth),
         estimates=MappingProxyType(estimates),
-        refused=_refused(machine, swing),
+        refused=refused,
         forces=_forces(found, runs),
         walk=_walk(machine, found, walk, _rms((imu.force_bias if imu is not None else 0.0) - runs.bias[3:])),
         wrong=_disturbed(found, identify(machine, wrong, TERMS), ("wrong-contact", "contact-changes")),
@@ -188,25 +188,17 @@ def _corrected(recording: Recording, imu: ImuErrors | None) -> Recording:
     return replace(recording, base=imu.corrected(recording.base))
 
 
-def _refused(machine: Leg, swing: Recording) -> str:
-    """Say why swing does not tell the torso."""
-    try:
-        identify(machine, swing, TERMS)
-    except ExoidError as error:
-        return error.what
-    raise AssertionError("swing determined the torso")
-
-
 def _forces(estimate: Estimate, runs: StanceRuns) -> tuple[ForceError, ...]:
     """Predict ground forces on motions that were not used, without the force plates."""
-    found = []
+    found, leg = [], runs.plant.leg
+    weight = GRAVITY * float(sum(body.mass for body in leg.model.inertias))  # of all bodies [N]
     for motion in ("unseen squats", "unseen left"):
         run, plates = runs.runs[motion], runs.log(motion, plates=True)
         for link, force in ground_forces(estimate, runs.log(motion)).items():
             rows = np.searchsorted(run.time, force.time)
             height = float(runs.plant.soles[link].points[:, 2].mean())
-            true = level_wrench(runs.plant.leg, link, run.wrench(link), rows)
-            measured = level_wrench(runs.plant.leg, link, plates.wrenches[link], rows)
+            true = level_wrench(leg, link, run.wrench(link), rows)
+            measured = level_wrench(leg, link, plates.wrenches[link], rows)
             error = force.force[:, 2] - true.force[:, 2]
             aside = (force.center_of_pressure(height) - true.center_of_pressure(height))[:, 0]
             found.append(
@@ -218,17 +210,12 @@ def _forces(estimate: Estimate, runs: StanceRuns) -> tuple[ForceError, ...]:
                     predicted=force.force[:, 2],
                     half=force.force_half[:, 2],
                     force=_rms(error),
-                    relative=_rms(error) / weight(runs.plant.leg),
+                    relative=_rms(error) / weight,
                     pressure=_rms(aside),
                     inside=float(np.mean(np.abs(error) <= force.force_half[:, 2])),
                 )
             )
     return tuple(found)
-
-
-def weight(leg: Leg) -> float:
-    """Weight of all bodies [N]."""
-    return GRAVITY * float(sum(body.mass for body in leg.model.inertias))
 
 
 def _rms(values: FloatArray) -> float:
@@ -245,7 +232,7 @@ def _walk(machine: Leg, known: Estimate, walk: Recording, bias_error: float) -> 
     }
     return WalkReplay(
         estimates=MappingProxyType(estimates),
-        seconds={side: _swing_time(log) for side, log in logs.items()},
+        seconds={side: np.count_nonzero(np.asarray(log.mask)) / log.sample_rate for side, log in logs.items()},
         alone=identify(machine, walk, TERMS, preparation=WALKING),
         fixed=tuple(check(legs["left"], replace(logs["left"], base=None))),
         bias_error=bias_error,
@@ -275,12 +262,6 @@ def _resistances(estimate: Estimate, side: str, leg: Leg) -> dict[str, float]:
         for symbol in ("c0", "d", "Ia")
         for label in leg.joint_labels
     }
-
-
-def _swing_time(log: Recording) -> float:
-    """Time that a mask selects [s]."""
-    assert log.mask is not None
-    return float(np.count_nonzero(log.mask) / log.sample_rate)
 
 
 def _disturbed(before: Estimate, after: Estimate, kinds: Sequence[str]) -> Disturbed:

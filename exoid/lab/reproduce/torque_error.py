@@ -43,8 +43,3 @@ def torque_nrmse(model: TorqueModel, values: Mapping[str, float], recording: Rec
 def joint_errors(errors: FloatArray) -> str:
     """Write the NRMSE of the joints, one behind the other."""
     return " / ".join(f"{error:.3f}" for error in errors)
-
-
-def nrmse_text(nrmse: Mapping[str, FloatArray]) -> str:
-    """Write the NRMSE of each model at the joints."""
-    return ", ".join(f"{model} {joint_errors(errors)}" for model, errors in nrmse.items())

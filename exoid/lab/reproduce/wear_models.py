@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import NamedTuple
 
 from exoid.control import ControlModel
@@ -37,26 +37,17 @@ def worn_models(source: str | Estimate | WornModels, seed: int, progress: Callab
     if isinstance(source, WornModels):
         return source
     if isinstance(source, Estimate):
-        return WornModels(source.model.leg, source, _drawn(source, seed))
+        drawn = draw_truths(source.model.loaded_by(source.values), source.values, source.covariance, 1, seed)
+        truth = ControlModel.of_parameters(source.model, drawn.parameters[0]).plant(end_stops=False)
+        return WornModels(source.model.leg, source, truth)
     if source == "bleex":
         estimate = identify_bleex(seed, progress)
         cad = load_leg("bleex", side="left", inertias="cad")
-        return WornModels(cad, estimate, _plant(estimate.model.leg, truth_values("left")))
+        # The leg walks between its end stops.
+        return WornModels(cad, estimate, Plant.build(estimate.model.leg, truth_values("left"), end_stops=False))
     if source == "cuhk":
         estimate, design = identify_cuhk(seed, progress), cuhk_cad_parameters()
         leg = load_leg("cuhk")
         cad = leg.with_parameters([design[name] for name in leg.parameter_names])
-        return WornModels(cad, estimate, _plant(estimate.model.leg, truth_with_rotor()))
+        return WornModels(cad, estimate, Plant.build(estimate.model.leg, truth_with_rotor(), end_stops=False))
     raise BadArgumentError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
-
-
-def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:
-    """Build the true leg, which walks between its end stops."""
-    return Plant.build(leg, truth, end_stops=False)
-
-
-def _drawn(estimate: Estimate, seed: int) -> Plant:
-    """Draw a true leg from the distribution of an estimate."""
-    model = estimate.model.loaded_by(estimate.values)
-    drawn = draw_truths(model, estimate.values, estimate.covariance, 1, seed)
-    return ControlModel.of_parameters(estimate.model, drawn.parameters[0]).plant(end_stops=False)

@@ -88,11 +88,6 @@ class WearStudy:
         """Parameter whose error limits the amplification with the identified model most; None if none does."""
         return self.largest["identified"].limited_by
 
-    def __repr__(self) -> str:
-        """Write what is felt with each model."""
-        felt = ", ".join(f"{name} {each.rms_of_all:.3g}" for name, each in self.felt.items())
-        return f"WearStudy({self.name}: felt {felt} N·m)"
-
 
 def wear(
     source: str | Estimate | WornModels,

@@ -1,12 +1,11 @@
 """Stability of a leg under a controller: document 2's proof and its limits; a worn leg with a wrong model."""
 
-from .equilibrium import find_equilibrium
 from .figure import plot_gain_margins, plot_lyapunov, plot_regulation_errors
 from .gain_margin import gain_margins
-from .limit_cycle import find_limit_cycle
 from .lyapunov import lyapunov
 from .properties import check_properties
 from .regulation import regulate
+from .rest import find_equilibrium, find_limit_cycle
 from .worn.amplification import Amplification, largest_amplification
 from .worn.better_experiments import better_experiments
 from .worn.probability import stability_probability

@@ -122,47 +122,30 @@ def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.ra
     model, rng = ControlModel.of(source), np.random.default_rng(seed)
     q = rng.uniform(-np.pi, np.pi, (poses, model.n))
     v = rng.uniform(-1.0, 1.0, (poses, model.n))
-    M, C = _mass_matrix(model, q), model.leg.coriolis(q, v)
+
+    def mass_matrix(q: FloatArray) -> FloatArray:
+        """Mass matrices with rotors, (N, n, n)."""
+        return np.asarray(model.leg.mass_matrix(q) + model.rotors(q))
+
+    M, C = mass_matrix(q), model.leg.coriolis(q, v)
     eigenvalues = np.linalg.eigvalsh(0.5 * (M + np.swapaxes(M, 1, 2)))[:, 0]
-    M_rate = _mass_rate(model, q, v)
+    at = [mass_matrix(q + k * STEP * v) for k in (-2, -1, 1, 2)]
+    M_rate = (at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / (12.0 * STEP)  # Ṁ along the motion
     P = 0.5 * M_rate - C
+    change, inertia = np.abs(M_rate).max(), np.abs(M).max()
     size = np.linalg.norm(C, ord=2, axis=(1, 2)) / np.linalg.norm(v, axis=1)
     return ModelProperties(
         poses=poses,
-        asymmetry=float(np.abs(M - np.swapaxes(M, 1, 2)).max() / np.abs(M).max()),
+        asymmetry=float(np.abs(M - np.swapaxes(M, 1, 2)).max() / inertia),
         smallest_inertia=float(eigenvalues.min()),
         worst_pose=q[int(eigenvalues.argmin())],
-        skewness=_relative(np.abs(P + np.swapaxes(P, 1, 2)).max(), np.abs(M_rate).max(), np.abs(M).max()),
+        # A change of M that is only rounding is none.
+        skewness=float(np.abs(P + np.swapaxes(P, 1, 2)).max() / change) if change > EXACT * inertia else 0.0,
         speeds=SPEEDS,
-        coriolis=np.array([_coriolis_at(model, q, v, speed) for speed in SPEEDS]) if size.max() > 0.0 else 0.0 * SPEEDS,
+        coriolis=size.max() * SPEEDS,  # C is linear in θ̇
         gravity=float(np.abs(model.leg.gravity(q)).max()),
-        friction=np.array([_friction_at(model, q, speed) for speed in SPEEDS]),
+        friction=np.array([np.abs(model.friction(q.T, np.full_like(q.T, x), 0.0)).max() for x in SPEEDS]),
     )
-
-
-def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:
-    return np.asarray(model.leg.mass_matrix(q) + model.rotors(q))
-
-
-def _mass_rate(model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Ṁ by central differences over four neighbours along the motion, (N, n, n)."""
-    at = [_mass_matrix(model, q + k * STEP * v) for k in (-2, -1, 1, 2)]
-    return np.asarray((at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / (12.0 * STEP))
-
-
-def _relative(error: float, size: float, floor: float) -> float:
-    """Divide an error by a size; 0 for a size that is only rounding."""
-    return float(error / size) if size > EXACT * floor else 0.0
-
-
-def _coriolis_at(model: ControlModel, q: FloatArray, v: FloatArray, speed: float) -> float:
-    directions = v / np.linalg.norm(v, axis=1, keepdims=True)
-    C = model.leg.coriolis(q, speed * directions)
-    return float(np.linalg.norm(C, ord=2, axis=(1, 2)).max())
-
-
-def _friction_at(model: ControlModel, q: FloatArray, speed: float) -> float:
-    return float(np.abs(model.friction(q.T, np.full_like(q.T, speed), 0.0)).max())
 
 
 def _yes_or_no(holds: bool) -> str:

@@ -22,9 +22,8 @@ from exoid.rig import Plant
 from exoid.tools.json_values import attributes, json_value
 from exoid.tools.tables import make_table, to_text
 
-from .equilibrium import Equilibrium, find_equilibrium
-from .limit_cycle import LimitCycle, find_limit_cycle
 from .lyapunov import TOLERANCE, Lyapunov, lyapunov
+from .rest import Equilibrium, LimitCycle, find_equilibrium, find_limit_cycle
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,7 +175,23 @@ def regulate(
         for share in shares
     ]
     log = rate * ceil(100.0 / rate) if log_rate is None else log_rate
-    runs = _simulate(plants, laws, aim, start, duration, log, names, progress)
+    reference = Hold(aim[:, None])
+    if plant.leg.chain is not None:  # planar legs in one run, others one by one
+        runs = simulate_many(
+            Plant.concatenate(plants),
+            SideBySide(tuple(laws)),
+            reference,
+            duration,
+            start=start[:, None],
+            log_rate=log,
+            names=names,
+            progress=progress,
+        )
+    else:
+        runs = tuple(
+            simulate(each, law, reference, duration, start=start, log_rate=log, name=name)
+            for each, law, name in zip(plants, laws, names, strict=True)
+        )
     return Regulations(
         tuple(
             Regulation(
@@ -191,34 +206,4 @@ def regulate(
         stiffness,
         damping,
         rate,
-    )
-
-
-def _simulate(
-    plants: Sequence[Plant],
-    laws: Sequence[Law],
-    target: FloatArray,
-    start: FloatArray,
-    duration: float,
-    log_rate: float,
-    names: Sequence[str],
-    progress: Callable[[float], None] | None,
-) -> tuple[Tracking, ...]:
-    """Simulate planar legs in one run, others one by one."""
-    reference = Hold(target[:, None])
-    if plants[0].leg.chain is not None:
-        together, side_by_side = Plant.concatenate(plants), SideBySide(tuple(laws))
-        return simulate_many(
-            together,
-            side_by_side,
-            reference,
-            duration,
-            start=start[:, None],
-            log_rate=log_rate,
-            names=tuple(names),
-            progress=progress,
-        )
-    return tuple(
-        simulate(plant, law, reference, duration, start=start, log_rate=log_rate, name=name)
-        for plant, law, name in zip(plants, laws, names, strict=True)
     )

@@ -17,7 +17,6 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
-from exoid.leg.torso import TorsoMotion
 from exoid.tools.json_values import attributes, json_value, named
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
@@ -189,31 +188,6 @@ class Study:
         sources = {law: ("nothing",) if law == WITHOUT_MODEL else (TRUTH, *self.estimators) for law in laws}
         return tuple(TrackingCase(law, source) for law in laws for source in sources[law])
 
-    def generator(self, chunk: Chunk, replicate: int) -> np.random.Generator:
-        """Make the random generator of one replicate, the same in any process.
-
-        Args:
-            chunk: A chunk of the replicate's protocol and noise.
-            replicate: Number of the replicate.
-
-        Returns:
-            The generator.
-        """
-        return np.random.default_rng([self.seed, chunk.protocol, chunk.noise, replicate])
-
-    def torso(self, protocol: Protocol, motion: int) -> TorsoMotion | None:
-        """Find the tilt of the torso during a motion.
-
-        Args:
-            protocol: The protocol.
-            motion: Index of the motion.
-
-        Returns:
-            The tilt; None for an upright torso.
-        """
-        pitch = protocol.pitches[motion]
-        return TorsoMotion(pitch=pitch) if pitch else None
-
     def information(self, protocol: int, noise: int) -> FloatArray:
         """Compute the Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions.
 
@@ -225,9 +199,7 @@ class Study:
             Information matrix in inverse squared units of the parameters, (P, P).
         """
         model, motions = self.model, self.protocols[protocol]
-        rows = (
-            model.regressor(*motions.states(k, self.rate), self.torso(motions, k)) for k in range(len(motions.motions))
-        )
+        rows = (model.regressor(*motions.states(k, self.rate), motions.torso(k)) for k in range(len(motions.motions)))
         return np.asarray(sum(self.noises[noise].information(W, self.rate) for W in rows))
 
     def bound(self, protocol: int, noise: int) -> FloatArray:
@@ -294,8 +266,4 @@ def plausible_truth(
     for name in model.names[len(known) :]:
         symbol, _, joint = name.partition("_")
         known[name] = share.get(symbol, 0.0) * joints.get(joint, 0.0)  # a coupling has no joint of its own
-    return (
-        tuple(known[name] for name in model.names)
-        if not values
-        else tuple(float(values.get(name, known[name])) for name in model.names)
-    )
+    return tuple(float((values or {}).get(name, known[name])) for name in model.names)

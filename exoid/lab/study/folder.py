@@ -15,9 +15,6 @@ from .design import Study
 from .replicates import Outcomes
 from .tracking_runs import MEASURES
 
-TRACKING = "driven"
-"""Key of the tracking metrics in the file of a chunk."""
-
 
 class Folder:
     """A folder with ``study.json`` and a file for each finished chunk; each is written whole or not at all."""
@@ -34,7 +31,17 @@ class Folder:
             ) from None
         about = path / "study.json"
         if about.exists():  # checked after the chunks, because it is written before them
-            self._refuse_another(about)
+            try:
+                known = json.loads(about.read_text(encoding="utf-8"))["sha256"]
+            except (OSError, ValueError, KeyError, TypeError):
+                known = ""
+            if known != study.sha256:
+                raise BadArgumentError(
+                    "holds the results of another study",
+                    where=str(path),
+                    remedy="ask for the same leg, protocols, noise, estimators, replicates and seed, or name a new "
+                    "folder",
+                )
         elif found:
             raise BadArgumentError("holds other files", where=str(path), remedy="name a new folder for the results")
         else:
@@ -48,7 +55,7 @@ class Folder:
         tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
         try:
             with np.load(self._name(number), allow_pickle=False) as file:
-                outcomes = Outcomes(file["values"], file["std"], file["inside"], file[TRACKING])
+                outcomes = Outcomes(**file)
             fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
             numbers = all(array.dtype.kind == kind for array, kind in zip(outcomes, "ffbf", strict=True))
             return outcomes if fits and numbers and np.isfinite(outcomes.values).all() else None
@@ -58,21 +65,8 @@ class Folder:
     def write(self, number: int, outcomes: Outcomes) -> None:
         """Write a chunk."""
         content = io.BytesIO()
-        arrays = outcomes._asdict()
-        np.savez(content, **{TRACKING: arrays.pop("tracking"), **arrays})
+        np.savez(content, **outcomes._asdict())
         write_bytes(self._name(number), [content.getvalue()])
 
     def _name(self, number: int) -> Path:
         return self.path / f"piece-{number:05d}.npz"
-
-    def _refuse_another(self, about: Path) -> None:
-        try:
-            known = json.loads(about.read_text(encoding="utf-8"))["sha256"]
-        except (OSError, ValueError, KeyError, TypeError):
-            known = ""
-        if known != self._study.sha256:
-            raise BadArgumentError(
-                "holds the results of another study",
-                where=str(self.path),
-                remedy="ask for the same leg, protocols, noise, estimators, replicates and seed, or name a new folder",
-            )

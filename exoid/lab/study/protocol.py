@@ -12,6 +12,7 @@ from exoid.experiments import Harmonics, bleex, cuhk
 from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.fourier import States
 from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
 from exoid.tools.json_values import attributes
 
 
@@ -52,6 +53,11 @@ class Protocol:
             (size * omega * c).sum(axis=1),
             -(size * omega**2 * s).sum(axis=1),
         )
+
+    def torso(self, motion: int) -> TorsoMotion | None:
+        """Tilt of the torso during a motion; None for an upright one."""
+        pitch = self.pitches[motion]
+        return TorsoMotion(pitch=pitch) if pitch else None
 
     def to_json(self) -> dict[str, Any]:
         """Describe the protocol completely.
@@ -106,7 +112,10 @@ def document(leg: Leg, duration: float) -> Protocol:
     """
     if leg.joint_labels == ("hip", "knee", "ankle"):
         every = bleex.dynamic_motions()
-        motions = tuple(_rig(every, rig) for rig in range(bleex.VALIDATION))
+        motions = tuple(
+            Harmonics(*(part[..., [rig]] for part in (every.centre, every.amplitude, every.frequency, every.phase)))
+            for rig in range(bleex.VALIDATION)
+        )
     elif leg.joint_labels == ("hip", "knee"):
         motions = (cuhk.multisine(leg, np.random.default_rng(0)),)
     else:
@@ -114,12 +123,3 @@ def document(leg: Leg, duration: float) -> Protocol:
             f"no document moved {', '.join(leg.joint_names)}", remedy="study the protocol 'planned', or a built-in leg"
         )
     return Protocol("document", motions, duration / len(motions), (0.0,) * len(motions))
-
-
-def _rig(motions: Harmonics, rig: int) -> Harmonics:
-    return Harmonics(
-        motions.centre[:, rig : rig + 1],
-        motions.amplitude[..., rig : rig + 1],
-        motions.frequency[..., rig : rig + 1],
-        motions.phase[..., rig : rig + 1],
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -62,22 +63,12 @@ def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
     noise = study.noises[chunk.noise]
     clean = _by_rig(study, chunk) if study.followed == "by a rig" else _exactly(study, chunk)
     for replicate in range(chunk.replicates):
-        rng, noisy = study.generator(chunk, chunk.first + replicate), []
+        rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first + replicate])
+        noisy = []
         for of_motion in clean:
             recording = of_motion[replicate % len(of_motion)]
             assert recording.tau is not None
-            tau = recording.tau + noise.draw(rng, len(recording), study.rate)
-            noisy.append(
-                Recording(
-                    recording.time,
-                    recording.q,
-                    recording.v,
-                    recording.a,
-                    tau,
-                    joint_names=recording.joint_names,
-                    torso=recording.torso,
-                )
-            )
+            noisy.append(replace(recording, tau=recording.tau + noise.draw(rng, len(recording), study.rate)))
         yield noisy
 
 
@@ -85,7 +76,7 @@ def _exactly(study: Study, chunk: Chunk) -> list[list[Recording]]:
     """One recording without noise of each motion, for all replicates."""
     protocol, model, clean = study.protocols[chunk.protocol], study.model, []
     for k in range(len(protocol.motions)):
-        states, torso = protocol.states(k, study.rate), study.torso(protocol, k)
+        states, torso = protocol.states(k, study.rate), protocol.torso(k)
         tau = model.regressor(*states, torso) @ np.array(study.truth)
         time = np.arange(len(states.q)) / study.rate
         clean.append([Recording(time, *states, tau, joint_names=model.leg.joint_names, torso=torso)])

@@ -1,21 +1,27 @@
-"""Run of a study to its end, from its finished chunks."""
+"""Run of a study to its end, from its finished chunks, by joblib: here, in several processes, or by Dask."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import numpy as np
+from joblib import Parallel, delayed, parallel_config
+from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotSupportedError
 
 from .design import TRUTH, Study, TrackingCase
 from .folder import Folder
-from .replicates import Outcomes
+from .replicates import Outcomes, run_chunk
 from .result import Combination, StudyResult
 from .tracking_statistics import TrackingStatistics
-from .workers import run_chunks
+
+ATTEMPTS = 5
+"""Number of times in a row that all workers may die before a chunk is finished."""
 
 
 def run_study(
@@ -61,46 +67,67 @@ def run_study(
         return StudyResult(study, tuple(_combinations(study, chunks)), tuple(_laws(study, chunks)))
 
 
-def _combinations(study: Study, chunks: dict[int, Outcomes]) -> list[Combination]:
-    combinations = []
-    for p, protocol in enumerate(study.protocols):
-        for n, noise in enumerate(study.noises):
-            values, std, inside, _ = _combined(study, chunks, p, n)
-            bound, truth = study.bound(p, n), np.array(study.truth)
-            for e, name in enumerate(study.estimators):
-                errors = values[e] - truth
-                combinations.append(
-                    Combination(
-                        protocol=protocol.name,
-                        noise=noise.name,
-                        estimator=name,
-                        names=study.model.names,
-                        units=study.model.units,
-                        bias=errors.mean(axis=0),
-                        std=errors.std(axis=0, ddof=1),
-                        stated=np.sqrt((std[e] ** 2).mean(axis=0)),
-                        coverage=inside[e].mean(axis=0),
-                        bound=bound,
-                        replicates=len(errors),
-                    )
-                )
-    return combinations
+def run_chunks(study: Study, numbers: Sequence[int], workers: int | None = None) -> Iterator[tuple[int, Outcomes]]:
+    """Run chunks by their numbers, in any order; a process that is killed is replaced, and its chunk repeated."""
+    left, failures = set(numbers), 0
+    backend = {} if workers is None else {"n_jobs": min(workers, len(left)), "backend": "loky"}
+    while left:
+        parallel = Parallel(return_as="generator_unordered", batch_size=1, **backend)
+        try:
+            for number, outcomes in parallel(delayed(_run)(study, number) for number in sorted(left)):
+                left.remove(number)
+                failures = 0
+                yield number, outcomes
+        except BrokenProcessPool:
+            failures += 1
+            if failures >= ATTEMPTS:
+                raise NotSupportedError(
+                    f"workers died {failures} times without finishing a chunk",
+                    remedy="give the study more memory, or fewer workers",
+                ) from None
+        except BaseException:  # Ctrl-C, SIGTERM, or a caller that wants no more chunks
+            if workers is not None:
+                get_reusable_executor().shutdown(wait=False, kill_workers=True)
+            raise
 
 
-def _laws(study: Study, chunks: dict[int, Outcomes]) -> list[TrackingStatistics]:
-    laws = []
-    for p, protocol in enumerate(study.protocols):
-        for n, noise in enumerate(study.noises):
-            tracking, cases = _combined(study, chunks, p, n).tracking, study.tracking_cases
-            for case, runs in zip(cases, tracking, strict=True):
-                exact = TrackingCase(case.law, TRUTH)
-                best = tracking[cases.index(exact)] if exact in cases else None
-                about = (protocol.name, noise.name, *case, study.model.leg.joint_labels)
-                laws.append(TrackingStatistics(*about, runs, best))
-    return laws
+def _run(study: Study, number: int) -> tuple[int, Outcomes]:
+    with parallel_config("sequential"):  # a chunk is not distributed again
+        return number, run_chunk(study, number)
 
 
-def _combined(study: Study, chunks: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
-    """Combine the chunks of one protocol and noise."""
-    numbers = [k for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == (protocol, noise)]
-    return Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*(chunks[k] for k in numbers), strict=True)))
+def _combinations(study: Study, chunks: dict[int, Outcomes]) -> Iterator[Combination]:
+    for p, n, (values, std, inside, _) in _combined(study, chunks):
+        bound, truth = study.bound(p, n), np.array(study.truth)
+        for e, name in enumerate(study.estimators):
+            errors = values[e] - truth
+            yield Combination(
+                protocol=study.protocols[p].name,
+                noise=study.noises[n].name,
+                estimator=name,
+                names=study.model.names,
+                units=study.model.units,
+                bias=errors.mean(axis=0),
+                std=errors.std(axis=0, ddof=1),
+                stated=np.sqrt((std[e] ** 2).mean(axis=0)),
+                coverage=inside[e].mean(axis=0),
+                bound=bound,
+                replicates=len(errors),
+            )
+
+
+def _laws(study: Study, chunks: dict[int, Outcomes]) -> Iterator[TrackingStatistics]:
+    cases = study.tracking_cases
+    for p, n, outcomes in _combined(study, chunks):
+        for case, runs in zip(cases, outcomes.tracking, strict=True):
+            exact = TrackingCase(case.law, TRUTH)
+            best = outcomes.tracking[cases.index(exact)] if exact in cases else None
+            about = (study.protocols[p].name, study.noises[n].name, *case, study.model.leg.joint_labels)
+            yield TrackingStatistics(*about, runs, best)
+
+
+def _combined(study: Study, chunks: dict[int, Outcomes]) -> Iterator[tuple[int, int, Outcomes]]:
+    """Indices and outcomes of each protocol and noise, all chunks combined."""
+    for pair in itertools.product(range(len(study.protocols)), range(len(study.noises))):
+        own = [chunks[k] for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == pair]
+        yield *pair, Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*own, strict=True)))

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, SideBySide, Tracking, simulate_many
+from exoid.control import ControlModel, SideBySide, simulate_many
 from exoid.control.law import AnyLaw
 from exoid.control.model import ModelSource
 from exoid.control.standard_laws import SENSORS
@@ -59,7 +59,8 @@ def _runs(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[
     # Cases that run separately have the same noise; replicates that run one by one have different noise.
     if plant.leg.chain is not None and all(law is not None for each in laws for law in each):
         try:
-            return _side_by_side(plant, course, laws, seed)
+            runs = _simulate(plant, course, tuple(law for each in laws for law in each), len(laws), seed)
+            return list(runs.reshape(len(laws), -1, *runs.shape[1:]))
         except ExoidError:  # diverged: all other errors are raised when the study is made
             pass
     if len(laws) > 1:
@@ -67,38 +68,28 @@ def _runs(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[
     return [np.array([_alone(plant, course, law, (*seed, k)) for k, law in enumerate(laws[0])])]
 
 
-def _side_by_side(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
-    every = tuple(law for each in laws for law in each if law is not None)
-    runs = _simulate(plant, course, every, len(laws), seed)
-    figures = np.array([_figures(run) for run in runs])
-    return list(figures.reshape(len(laws), -1, *figures.shape[1:]))
-
-
 def _alone(plant: Plant, course: TrackingTask, law: AnyLaw | None, seed: tuple[int, ...]) -> FloatArray:
+    """Metrics of one replicate; NaN if it diverges, or if it has no controller."""
+    lost = np.full((len(MEASURES), plant.n), np.nan)
     try:
-        return _figures(_simulate(plant, course, (law,), 1, seed)[0]) if law is not None else _lost(plant)
+        return lost if law is None else _simulate(plant, course, (law,), 1, seed)[0]
     except ExoidError:
-        return _lost(plant)
+        return lost
 
 
 def _simulate(
-    plant: Plant, course: TrackingTask, laws: tuple[AnyLaw, ...], alike: int, seed: tuple[int, ...]
-) -> tuple[Tracking, ...]:
+    plant: Plant, course: TrackingTask, laws: tuple[AnyLaw | None, ...], alike: int, seed: tuple[int, ...]
+) -> FloatArray:
+    """Metrics of each controller, (L, 3, n)."""
+    made = tuple(law for law in laws if law is not None)
     noise = Sensors(SENSORS.encoder_counts, SENSORS.angle_noise, SENSORS.velocity_noise, noise_blocks=alike)
-    return simulate_many(
-        plant.repeat(len(laws)),
-        SideBySide(laws),
+    runs = simulate_many(
+        plant.repeat(len(made)),
+        SideBySide(made),
         course.motion,
         course.seconds,
         sensors=noise,
         settle=course.period,
         seed=np.random.default_rng(seed),
     )
-
-
-def _figures(run: Tracking) -> FloatArray:
-    return np.array([getattr(run, name) for name in MEASURES])
-
-
-def _lost(plant: Plant) -> FloatArray:
-    return np.full((len(MEASURES), plant.n), np.nan)
+    return np.array([[getattr(run, name) for name in MEASURES] for run in runs])

@@ -17,6 +17,9 @@ from exoid.tools.tables import DataTable
 from .design import TRUTH
 from .tracking_runs import MEASURES
 
+HEADERS = ("controller, parameters", *("rms [°]", "std", "worst", "excess", "peak [°]", "std", "worst", "[N·m]", "std"))
+"""Columns of :func:`statistics_table`."""
+
 
 class Spread(NamedTuple):
     """Spread of a metric over replicates, by joint, (n,) each; NaN if there are too few."""
@@ -83,24 +86,12 @@ def statistics_table(caption: str, figures: Iterable[TrackingStatistics]) -> Dat
     rows: list[tuple[str, ...]] = []
     for law, each in itertools.groupby(figures, lambda one: one.law):
         rows.append((law, *("",) * 9))
-        rows += [(f"  {one.knows}, {label}", *_cells(one, joint)) for one in each for joint, label in _joints(one)]
-    headers = (
-        "controller, parameters",
-        "rms [°]",
-        "std",
-        "worst",
-        "excess",
-        "peak [°]",
-        "std",
-        "worst",
-        "[N·m]",
-        "std",
-    )
-    return DataTable(caption, headers, rows)
-
-
-def _joints(figures: TrackingStatistics) -> Iterable[tuple[int, str]]:
-    return enumerate(figures.joint_labels)
+        rows += [
+            (f"  {one.knows}, {label}", *_cells(one, joint))
+            for one in each
+            for joint, label in enumerate(one.joint_labels)
+        ]
+    return DataTable(caption, HEADERS, rows)
 
 
 def _cells(figures: TrackingStatistics, joint: int) -> tuple[str, ...]:

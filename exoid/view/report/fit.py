@@ -16,8 +16,14 @@ from exoid.regression.trends import trend_warnings
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
-from exoid.view.coverage import plot_coverage, plot_excitation
-from exoid.view.residuals import plot_friction_fit, plot_prediction, plot_residual_band, plot_residual_trend
+from exoid.view.fit import (
+    plot_coverage,
+    plot_excitation,
+    plot_friction_fit,
+    plot_prediction,
+    plot_residual_band,
+    plot_residual_trend,
+)
 from exoid.view.style import decimation
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, sentence, shown_part

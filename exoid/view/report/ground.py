@@ -17,7 +17,7 @@ from exoid.estimate.ground_prediction import GroundForce, level_wrench
 from exoid.signals import Recording
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.tools.tables import DataTable
-from exoid.view.ground import plot_ground_force
+from exoid.view.forces import plot_ground_force
 from exoid.view.scenes.leg_geometry import LegGeometry
 from exoid.view.scenes.standing import level_points
 from exoid.view.style import decimation

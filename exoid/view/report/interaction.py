@@ -14,7 +14,7 @@ from exoid.estimate import Estimate
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
-from exoid.view.interaction import plot_gait_profile, plot_interaction
+from exoid.view.forces import plot_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part

@@ -85,7 +85,7 @@ def scene(
         for leg, geometry, q in zip(legs, geometries, poses, strict=True)
     ]
     floors = [view.floor for view in views if view.floor is not None]
-    points = np.vstack([view.drawing.points for view in views])
+    points = np.vstack([view.points for view in views])
     _check_size(points, geometries)
     direction = view_direction(geometries)
     commands = [

@@ -43,7 +43,6 @@ class Drawing:
     layers: Sequence[Layer] = ()
     tracks: Mapping[str, Mapping[str, FloatArray]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()  # one sentence for each thing that could not be drawn
-    points: FloatArray = field(default_factory=lambda: np.empty((0, 3)))  # that the camera must see [m], (k, 3)
 
     def __add__(self, other: Drawing) -> Drawing:
         """Draw both."""
@@ -52,7 +51,6 @@ class Drawing:
             [*self.layers, *other.layers],
             {**self.tracks, **other.tracks},
             self.notes + other.notes,
-            np.vstack([self.points, other.points]),
         )
 
 

@@ -107,7 +107,8 @@ class LegGeometry:
         """Commands that draw the centres of mass from all sources as balls."""
         for inertias in self.inertias:
             for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
-                ball = mass_ball(inertia, inertias.colour)
+                radius = (3.0 * inertia.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0)
+                ball = ellipsoid(radius, Material(inertias.colour)).placed(homogeneous(inertia.lever))
                 yield set_object(f"{path}/body/mass {inertias.label}", [ball], shadows=False)
 
     def draw_inertias(self, inertias: Inertias) -> Iterator[Command]:
@@ -168,12 +169,6 @@ def _name(leg: Leg) -> str:
         if all(name.startswith(side) for name in leg.joint_names):
             return f"{side.removesuffix('_')} leg"
     return Path(leg.description.name).stem
-
-
-def mass_ball(inertia: pin.Inertia, colour: str) -> Visual:
-    """Make a steel ball of the body's mass at its centre of mass."""
-    radius = (3.0 * inertia.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0)
-    return ellipsoid(radius, Material(colour)).placed(homogeneous(inertia.lever))
 
 
 def _surface_points(drawn: Visual) -> FloatArray:

@@ -31,7 +31,8 @@ GHOST = Material(PREDICTED, 0.35, behind=True)
 class LegView(NamedTuple):
     """One leg in a scene."""
 
-    drawing: Drawing  # the points of which contain the leg
+    drawing: Drawing  # the leg, its forces and their motion
+    points: FloatArray  # points whose convex hull contains the leg [m], (k, 3)
     posable: PosableLeg  # the leg, for poses that are set later
     visible: FloatArray  # points whose convex hull contains the leg and its ellipsoids [m], (k, 3)
     floor: float | None  # height of the ground [m] where the base moves, else None
@@ -68,13 +69,13 @@ def view_leg(
     if len(trajectory.q) > 1:
         drawing += Drawing(tracks=_joint_tracks(geometry, geometry.root, trajectory.q))
     if replay is not None and base is not None:
-        drawing += draw_ground_forces(source, geometry.leg, replay, base)
+        drawing += draw_ground_forces(source, geometry, replay, base)
     if replay is not None and interaction is not None:
         drawing += draw_wearer(geometry, trajectory, replay, interaction)
+    # The camera stays on the leg: arrows of forces, which may be long, do not count.
     seen = np.vstack([points, geometry.ellipsoid_points(trajectory.q)])
-    points, seen = (np.vstack([_placed(each, torso, base), drawing.points]) for each in (points, seen))
-    drawn = Drawing(drawing.commands, drawing.layers, drawing.tracks, drawing.notes, points)
-    return LegView(drawn, posable, seen, None if base is None else base.floor)
+    points, seen = (_placed(each, torso, base) for each in (points, seen))
+    return LegView(drawing, points, posable, seen, None if base is None else base.floor)
 
 
 def _placed(points: FloatArray, torso: FloatArray, base: Standing | None) -> FloatArray:

@@ -79,7 +79,10 @@ def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:
 
     by_colour: dict[str | None, list[Trimesh]] = {}
     for mesh in _by_trimesh(file) or [_by_assimp(file)]:
-        _check(mesh)
+        if not np.isfinite(mesh.vertices).all():
+            raise ValueError("vertices that are not finite numbers")
+        if not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
+            raise ValueError(f"triangles of vertices that do not exist: {mesh.faces.max()} of {len(mesh.vertices)}")
         bare = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
         by_colour.setdefault(_colour(mesh), []).append(bare.apply_scale(scale))
     parts = {colour: trimesh.util.concatenate(meshes) for colour, meshes in by_colour.items()}
@@ -109,14 +112,6 @@ def _by_assimp(file: str) -> Trimesh:
     if not triangles:
         raise ValueError("no triangles")
     return trimesh.Trimesh(np.array(read.vertices()), np.array(triangles), process=False)
-
-
-def _check(mesh: Trimesh) -> None:
-    """Raise an error if vertices are not finite, or triangles refer to vertices that do not exist."""
-    if not np.isfinite(mesh.vertices).all():
-        raise ValueError("vertices that are not finite numbers")
-    if not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
-        raise ValueError(f"triangles of vertices that do not exist: {mesh.faces.max()} of {len(mesh.vertices)}")
 
 
 def _colour(mesh: Trimesh) -> str | None:

@@ -40,8 +40,11 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         return [*visuals, _bar(end, axis, size), cap]
     for end in ends:
         visuals.append(_bar(end, axis, size))
-        if skeleton.leg.limbs:
-            visuals.append(_brace(end, axis, size))
+        if skeleton.leg.limbs:  # half a ring behind the bar, where a strap would hold the limb
+            axes = align_z(end, axis)
+            if axes[0, 0] < 0.0:
+                axes = np.column_stack([-axes[:, 1], axes[:, 0], axes[:, 2]])
+            visuals.append(torus(0.17 * size, 0.022 * size, np.pi, RUBBER).placed(homogeneous(0.45 * end, axes)))
     return visuals
 
 
@@ -72,14 +75,6 @@ def _bar(end: FloatArray, axis: FloatArray, size: float) -> Visual:
     """Make a bar from the joint to a point of the body."""
     length = float(np.linalg.norm(end))
     return box((0.09 * size, 0.055 * size, length), BAR).placed(homogeneous(0.5 * end, align_z(end, axis)))
-
-
-def _brace(end: FloatArray, axis: FloatArray, size: float) -> Visual:
-    """Make half a ring behind the bar, where a strap would hold the limb."""
-    axes = align_z(end, axis)
-    if axes[0, 0] < 0.0:
-        axes = np.column_stack([-axes[:, 1], axes[:, 0], axes[:, 2]])
-    return torus(0.17 * size, 0.022 * size, np.pi, RUBBER).placed(homogeneous(0.45 * end, axes))
 
 
 def _foot(skeleton: Skeleton, body: int, size: float) -> list[Visual]:

@@ -7,7 +7,7 @@ import pytest
 
 from exoid import reproduce
 from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
-from exoid.view.figure_files import write_figures
+from exoid.view.style import write_figures
 
 
 @pytest.fixture(scope="session")
@@ -18,7 +18,6 @@ def bleex(tmp_path_factory):
     return {
         "json": report.data,
         "text": str(report),
-        "repr": [repr(thing) for thing in (replay, replay.left, replay.right, replay.left.data)],
         "page": report.page().html(),
         "figures": write_figures(tmp_path_factory.mktemp("bleex"), report.figures()),
         "band": {side: getattr(replay, side).data.upright.band.mean(axis=0) for side in ("left", "right")},
@@ -33,7 +32,6 @@ def cuhk(tmp_path_factory):
     return {
         "json": report.data,
         "text": str(report),
-        "repr": [repr(replay)],
         "page": report.page().html(),
         "figures": write_figures(tmp_path_factory.mktemp("cuhk"), report.figures()),
         "range": np.ptp(replay.measured, axis=0),
@@ -48,5 +46,4 @@ def tracking(request):
     return {
         "json": report.data,
         "text": str(report),
-        "repr": [repr(replay)],
     }

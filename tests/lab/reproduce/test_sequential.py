@@ -22,8 +22,7 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.lab.reproduce.sequential import bleex as steps
 from exoid.lab.reproduce.sequential import cuhk as cuhk_steps
-from exoid.lab.reproduce.sequential.estimate import SequentialEstimate
-from exoid.lab.reproduce.sequential.rows import rows_in_motion
+from exoid.lab.reproduce.sequential.estimate import SequentialEstimate, rows_in_motion
 from exoid.signals import FiniteDifference, MovingAverage
 
 

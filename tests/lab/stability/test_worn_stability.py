@@ -20,8 +20,7 @@ from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan
 from exoid.lab.stability import better_experiments, largest_amplification, stability_probability
 from exoid.lab.stability.gain_margin import spectral_radius
 from exoid.lab.stability.worn.better_experiments import covariance_after
-from exoid.lab.stability.worn.draws import draw_truths
-from exoid.lab.stability.worn.limiting import variance_shares
+from exoid.lab.stability.worn.draws import draw_truths, variance_shares
 from exoid.lab.stability.worn.linear_law import linear_law, loop_matrices
 from exoid.lab.stability.worn.worn_leg import hold, linear_leg, linear_legs, linear_wearer
 from exoid.lab.stability.worn.worn_loop import WornLoop, poses_of

@@ -26,8 +26,8 @@ from exoid.lab.study import (
 )
 from exoid.lab.study.design import TrackingCase
 from exoid.lab.study.replicates import run_chunk
+from exoid.lab.study.run import run_chunks
 from exoid.lab.study.tracking_runs import track_cases
-from exoid.lab.study.workers import run_chunks
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.catalog import term_by_name
 

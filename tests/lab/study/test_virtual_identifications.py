@@ -32,7 +32,7 @@ from exoid.lab.study import (
 )
 from exoid.lab.study.folder import Folder
 from exoid.lab.study.replicates import run_chunk
-from exoid.lab.study.workers import run_chunks
+from exoid.lab.study.run import run_chunks
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
@@ -260,7 +260,7 @@ class DeadlyNoise(Noise):
 
 @pytest.mark.nightly
 def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
-    monkeypatch.setattr("exoid.lab.study.workers.ATTEMPTS", 2)
+    monkeypatch.setattr("exoid.lab.study.run.ATTEMPTS", 2)
     with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
         run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", 2)
     assert same(run_study(study(), tmp_path / "kept", 2), result)
@@ -381,7 +381,7 @@ def test_any_damaged_chunk_is_run_again(result, tmp_path):
         assert found is None or found.values.shape == good.values.shape
     assert unread > 100
     for wrong in (np.full(good.values.shape, "x"), good.values.astype(complex), good.values.astype(object)):
-        np.savez(file, values=wrong, std=good.std, inside=good.inside, driven=good.tracking, allow_pickle=True)
+        np.savez(file, values=wrong, std=good.std, inside=good.inside, tracking=good.tracking, allow_pickle=True)
         assert folder.read(0) is None
     (tmp_path / "kept" / f".{file.name}.{os.getpid()}.part").write_bytes(b"left over")
     assert same(run_study(study(), tmp_path / "kept"), result)

@@ -243,6 +243,45 @@ def test_validation_of_another_motion(exo, estimate, feet):
     assert found.verdict == "predicts"
 
 
+def with_plates(log, rng, late=0):
+    """Record the wrenches, too, with the noise of plates, and so many samples late."""
+    noisy = {
+        link: Wrench(
+            *(
+                np.roll(part + size * rng.standard_normal(part.shape), late, axis=0)
+                for part, size in ((wrench.force, 3.0), (wrench.moment, 0.3))
+            )
+        )
+        for link, wrench in log.wrenches.items()
+    }
+    return replace(log.recording, wrenches=noisy)
+
+
+@pytest.mark.slow
+def test_force_plates_belong_to_the_prediction_and_their_noise_to_the_band(exo, estimate):
+    log = standing(exo, "both", seconds=20.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
+    recording = with_plates(log, np.random.default_rng(0))
+    found = exoid.validate(estimate, recording)
+    logged = recording.tau[np.searchsorted(recording.time, found.time)]
+    assert (
+        np.sqrt(np.mean((found.measured - logged) ** 2, axis=0)) < 1.5 * NOISE
+    ).all()  # noise, and jumps of friction
+    predicted = exoid.joint_torques(estimate, recording)
+    np.testing.assert_allclose(found.predicted, predicted.torque[np.isin(predicted.time, found.time)], atol=1e-9)
+    assert (found.coverage > 0.88).all()
+    assert found.coverage.mean() == pytest.approx(0.95, abs=0.04)
+    assert found.verdict == "predicts"
+
+
+@pytest.mark.slow
+def test_force_plates_that_are_late_are_blamed_not_friction(exo, estimate):
+    log = standing(exo, "both", seconds=12.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
+    found = exoid.validate(estimate, with_plates(log, np.random.default_rng(0), late=25))
+    assert found.verdict != "predicts"
+    assert all("force plates" in finding.remedy for finding in found.findings)
+    assert "torque-delay" in {finding.kind for finding in found.findings}
+
+
 @pytest.mark.slow
 def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     both, left, right = stance

@@ -16,8 +16,7 @@ from exoid.leg.leg import Leg
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
-from .estimate import SequentialEstimate
-from .rows import planar_model, rows_at_rest, rows_in_motion
+from .estimate import SequentialEstimate, planar_model, rows_at_rest, rows_in_motion
 
 HIP, KNEE, ANKLE = 0, 1, 2
 

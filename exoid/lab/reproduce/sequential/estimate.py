@@ -1,4 +1,4 @@
-"""Estimate of a sequential identification, and the least-squares step that extends it.
+"""Sequential identification: rows of one joint, the estimate, and the least-squares step that extends it.
 
 Each step of both documents explains the torque of one joint by known parameters β_k of earlier steps and a few new ones
 β_n: τ − W_k β_k = W_n β_n. The uncertainty of β_k is propagated:
@@ -10,17 +10,49 @@ This holds if no two steps use the same torque samples, which is true in both do
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.leg.leg import Leg
+from exoid.regression.every_row import make_rows
 from exoid.regression.least_squares import RANK
-from exoid.tools.tables import DataTable, to_text, with_error
+from exoid.signals import FiniteDifference, Poses, Preparation, Recording
+from exoid.torques import Term, TorqueModel
 
-from .rows import JointRows
+
+class JointRows(NamedTuple):
+    """Rows of the torque equation of one joint."""
+
+    columns: Mapping[str, FloatArray]  # regressor column of every parameter, (M,) each
+    tau: FloatArray  # measured torque [N·m], (M,)
+    v: FloatArray  # velocity of the joint [rad/s], (M,)
+    independent_fraction: float = 1.0  # share of the rows that carries independent noise; a filter leaves fewer
+
+    def where(self, mask: NDArray[np.bool_]) -> JointRows:
+        """Select the rows of a mask, (M,)."""
+        columns = {name: column[mask] for name, column in self.columns.items()}
+        return JointRows(columns, self.tau[mask], self.v[mask], self.independent_fraction)
+
+    def neglecting(self, prefix: str) -> JointRows:
+        """Set the parameters whose names have this prefix to zero."""
+        columns = {name: column for name, column in self.columns.items() if not name.startswith(prefix)}
+        return self._replace(columns=columns)
+
+    def mean_of_pairs(self) -> JointRows:
+        """Average rows in consecutive pairs."""
+        columns = {name: 0.5 * (column[0::2] + column[1::2]) for name, column in self.columns.items()}
+        return self._replace(columns=columns, tau=0.5 * (self.tau[0::2] + self.tau[1::2]), v=self.v[0::2])
+
+    def explained(self, values: Mapping[str, float], without: Sequence[str] = ()) -> FloatArray:
+        """Compute the torque of some parameters [N·m], (M,), except those of ``without``."""
+        named = [name for name in values if name in self.columns and name not in without]
+        return np.asarray(sum((values[name] * self.columns[name] for name in named), np.zeros_like(self.tau)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,17 +62,6 @@ class SequentialEstimate:
     names: tuple[str, ...] = ()  # names in the order of identification
     values: FloatArray = field(default_factory=lambda: np.zeros(0))  # values, (p,)
     covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # covariance, (p, p)
-
-    def __repr__(self) -> str:
-        """Count the parameters."""
-        return f"SequentialEstimate({len(self.names)} parameters: {', '.join(self.names) or 'none'})"
-
-    def __str__(self) -> str:
-        """Print as a table, one line a parameter."""
-        rows = [(name, *with_error(*each)) for name, *each in zip(self.names, self.values, self.std, strict=True)]
-        return to_text(
-            DataTable(f"Sequential estimate of {len(rows)} parameters", ("parameter", "value", "± std"), rows)
-        )
 
     @property
     def std(self) -> FloatArray:
@@ -87,6 +108,36 @@ class SequentialEstimate:
             np.concatenate([self.values, fitted[:p]]),
             np.block([[self.covariance, cross.T], [cross, own]]),
         )
+
+
+def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
+    """Make the rows of a joint in static poses."""
+    rows = make_rows(model, poses, FiniteDifference())
+    columns = dict(zip(model.names, rows.W[:, joint].T, strict=True))
+    return JointRows(columns, rows.tau[:, joint], np.zeros(len(rows.tau)))
+
+
+def rows_in_motion(
+    model: TorqueModel, recordings: Sequence[Recording], joint: int, preparation: Preparation
+) -> JointRows:
+    """Make the rows of a joint in several recordings, in sequence."""
+    if not recordings:
+        raise BadArgumentError("no recordings", remedy="pass at least one")
+    each = [make_rows(model, recording, preparation) for recording in recordings]
+    W, tau, v = (np.concatenate([getattr(rows, name)[:, joint] for rows in each]) for name in ("W", "tau", "v"))
+    columns = dict(zip(model.names, W.T, strict=True))
+    return JointRows(columns, tau, v, min(rows.independent_fraction for rows in each))
+
+
+def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence[Term]) -> TorqueModel:
+    """Make the torque model of a document's procedure."""
+    if leg.chain is None or leg.chain.n != len(joints):
+        raise NotSupportedError(
+            f"document {document}'s procedure needs a planar leg of {', '.join(joints[:-1])} and {joints[-1]}",
+            where=leg.description.name,
+            remedy="use exoid.identify, which works for any leg",
+        )
+    return TorqueModel(leg, tuple(terms))
 
 
 def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:

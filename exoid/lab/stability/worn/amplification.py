@@ -19,8 +19,7 @@ from exoid.rig import Plant, Wearer
 from exoid.tools.json_values import attributes, json_value
 from exoid.tools.tables import make_table, to_text
 
-from .draws import draw_truths
-from .limiting import limiting_shares
+from .draws import draw_truths, limiting_shares
 from .worn_leg import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
@@ -73,7 +72,9 @@ class Amplification:
     @property
     def interval(self) -> tuple[float, float]:
         """95 % interval of :attr:`largest` for the finite number of draws, by order statistics."""
-        return _interval(self.values, self.share)
+        count, ordered = len(self.values), np.sort(self.values)
+        below, above = (int(scipy.stats.binom.ppf(p, count, 1.0 - self.share)) for p in (0.025, 0.975))
+        return float(ordered[max(below - 1, 0)]), float(ordered[min(above, count - 1)])
 
     @property
     def limited_by(self) -> str | None:
@@ -245,12 +246,6 @@ def _boundary(loop: WornLoop, legs: Sequence[HeldLeg], values: FloatArray, share
 def _rank(count: int, share: float) -> int:
     """Rank of the largest value that is stable for the share, from 0: at most 1 − share of the draws lie below it."""
     return min(count - 1, int(np.floor((1.0 - share) * count + 1e-9)))
-
-
-def _interval(values: FloatArray, share: float) -> tuple[float, float]:
-    below, above = (int(scipy.stats.binom.ppf(p, len(values), 1.0 - share)) for p in (0.025, 0.975))
-    ordered = np.sort(values)
-    return float(ordered[max(below - 1, 0)]), float(ordered[min(above, len(values) - 1)])
 
 
 def _text(amplification: float, most: float) -> str:

@@ -128,7 +128,14 @@ def better_experiments(
 def covariance_after(estimate: Estimate, experiment: Experiment, noise: TorqueNoise) -> FloatArray:
     """Predict the covariance of an estimate after one more experiment."""
     model = estimate.model.loaded_by(estimate.values)
-    data = _data(experiment)
+    data: Sequence[Recording | StaticRows] = (
+        experiment
+        if not isinstance(experiment, Plan)
+        else (
+            *experiment.recordings,
+            *map(StaticRows, experiment.poses),
+        )
+    )
     R, scores, _ = information_of(model, data, noise, estimate.preparation)
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, 1.0 / np.where(scale > 0.0, scale, 1.0), 1.0)
@@ -137,12 +144,6 @@ def covariance_after(estimate: Estimate, experiment: Experiment, noise: TorqueNo
     prior = estimate.covariance / np.outer(scale, scale)
     later = np.linalg.solve(np.eye(len(prior)) + prior @ information, prior) * np.outer(scale, scale)
     return np.asarray(0.5 * (later + later.T))
-
-
-def _data(experiment: Experiment) -> list[Recording | StaticRows]:
-    if isinstance(experiment, Plan):
-        return [*experiment.recordings, *map(StaticRows, experiment.poses)]
-    return list(experiment)
 
 
 def _noise(estimate: Estimate, noise: ArrayLike | None, bandwidth: float | None) -> TorqueNoise:

@@ -93,21 +93,13 @@ def _derivatives_at(law: StatefulLaw, q: FloatArray, speed: float, step: float) 
     operating = np.concatenate([reading, _numbers(memory), torque])
     sizes = step * np.maximum(1.0, np.abs(operating))
     tried = operating + np.vstack([np.diag(sizes), -np.diag(sizes)])
-    after = _after_all if _is_of_joints(memory, q.shape) else _after_each
-    ahead, behind = np.split(after(law, memory, tried, target), 2)
+    if _is_of_joints(memory, q.shape):  # all in one step of B legs
+        columns = Target(*(np.broadcast_to(x[:, None], (len(x), len(tried))) for x in target if x is not None))
+        after = _after(law, memory, np.ascontiguousarray(tried.T), columns).T
+    else:
+        after = np.array([_after(law, memory, numbers, target) for numbers in tried])
+    ahead, behind = np.split(after, 2)
     return np.asarray((ahead - behind).T / (2.0 * sizes))
-
-
-def _after_each(law: StatefulLaw, memory: Memory, tried: FloatArray, target: Target) -> FloatArray:
-    """Torque, next memory and torque after each of many readings and memories, (B, n + r), one by one."""
-    return np.array([_after(law, memory, numbers, target) for numbers in tried])
-
-
-def _after_all(law: StatefulLaw, memory: Memory, tried: FloatArray, target: Target) -> FloatArray:
-    """The same in one step of B legs."""
-    spread = (None if x is None else np.broadcast_to(x[:, None], (len(x), len(tried))) for x in target)
-    columns = Target(*spread)  # type: ignore[arg-type]
-    return _after(law, memory, np.ascontiguousarray(tried.T), columns).T
 
 
 def _after(law: StatefulLaw, memory: Memory, numbers: FloatArray, target: Target) -> FloatArray:

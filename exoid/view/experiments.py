@@ -1,17 +1,40 @@
-"""Figures of dynamic experiments."""
+"""Figures of static and dynamic experiments."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from exoid._typing import FloatArray
+from exoid.signals import Approaches, Poses
 
-from .colours import MEASURED, PREDICTED, joint_colour
+from .colours import GUIDE, MEASURED, PREDICTED, SHADES, joint_colour
 from .style import decorate, decorate_column
+
+
+def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:
+    """Plot the holding torque of a joint in poses reached from below (circles) and above (crosses) (doc. 1, Fig. 3)."""
+    below, above = approaches.below, approaches.above
+    angle = np.rad2deg(below.q[:, joint])
+    ax.vlines(angle, above.tau[:, joint], below.tau[:, joint], color=GUIDE, lw=0.8)
+    ax.plot(angle, below.tau[:, joint], "o", ms=4, mfc="none", color=MEASURED, label="A⁺, from below")
+    ax.plot(np.rad2deg(above.q[:, joint]), above.tau[:, joint], "x", ms=4, color=SHADES[1], label="A⁻, from above")
+    return decorate(ax, f"{label} angle [deg]", f"{label} torque [N·m]")
+
+
+def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatArray, joint: int, label: str) -> Axes:
+    """Plot torque over the angle of a joint in sets of equal gravity torque, each with a parabola (doc. 1, Fig. 4)."""
+    for index, (total, colour) in enumerate(zip(totals_deg, cycle(SHADES), strict=False)):
+        in_set = np.asarray(sets) == index
+        angle, tau = poses.q[in_set, joint], poses.tau[in_set, joint]
+        fine = np.linspace(angle.min(), angle.max(), 60)
+        ax.plot(np.rad2deg(fine), np.polyval(np.polyfit(angle, tau, 2), fine), color=colour, lw=0.9)
+        ax.plot(np.rad2deg(angle), tau, "o", ms=3, color=colour, label=f"θ₁₂₃ = {total:.0f}°".replace("-", "−"))
+    return decorate(ax, f"{label} angle [deg]", f"{label} torque [N·m]")
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:

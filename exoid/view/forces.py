@@ -1,4 +1,4 @@
-"""Figures of the torque between wearer and exoskeleton."""
+"""Figures of the torque between wearer and exoskeleton, and of forces of the ground."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.control.wearer import GaitProfile
 
-from .colours import MEASURED, WEARER, joint_colour
+from .colours import MEASURED, PREDICTED, WEARER, joint_colour
 from .style import decorate, draw_band
 
 
@@ -48,3 +48,21 @@ def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tup
     decorate(above, "", "torque of the wearer [N·m]", zero=True)
     decorate(below, "phase [%]", "power on the leg [W]", zero=True)
     return axes
+
+
+def plot_ground_force(
+    ax: Axes,
+    time: FloatArray,
+    predicted: FloatArray,
+    half_width: FloatArray,
+    measured: FloatArray | None = None,
+    label: str = "vertical force [N]",
+) -> Axes:
+    """Plot one quantity of the ground on a foot: predicted from joint torques, its 95 % band, and measured."""
+    broken = np.flatnonzero(np.diff(time) > 0.05) + 1  # no line across gaps [s], in which the foot does not rest
+    at, middle, half = (np.insert(x, broken, np.nan) for x in (time, predicted, half_width))
+    if measured is not None:
+        ax.plot(at, np.insert(measured, broken, np.nan), color=MEASURED, lw=1.8, label="force plate")
+    draw_band(ax, at, middle, half)
+    ax.plot(at, middle, color=PREDICTED, lw=0.9, label="from joint torques")
+    return decorate(ax, "time [s]", label)
