@@ -20,9 +20,9 @@ from .model import dynamic_parameters
 from .reduction import Plane
 from .reduction.planar import PlanarChain, TorsoSamples, fill_regressor
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
-from .reduction.reduced_regressor import fill_reduced_regressor
 from .reduction.reduction import Reduction
 from .reduction.tree import Tree
+from .reduction.tree_regressor import fill_reduced_regressor
 from .torso import MovingBase, base_kinematics, torso_samples
 
 Base = Literal["fixed", "moving", "floating"]
@@ -274,3 +274,10 @@ def without_side(names: Sequence[str]) -> tuple[str, ...]:
         if all(name.startswith(side) and name != side for name in names):
             return tuple(name.removeprefix(side) for name in names)
     return tuple(names)
+
+
+def refuse_floating_base(leg: LegData, what: str) -> None:
+    """Refuse a leg whose base floats."""
+    if leg.base == "floating":
+        what = f"{what} needs a base that is held, and that of this leg floats"
+        raise NotSupportedError(what, where=leg.description.name, remedy='make the leg with base="fixed"')

@@ -8,8 +8,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import refuse_floating_base
 
 from .bodies import limb_of
 from .controllers import Reference

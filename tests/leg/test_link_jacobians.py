@@ -32,7 +32,7 @@ def pinocchio_jacobian(flight, link, point):
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", ["solo12", "hyq", "ur5", "talos"])
 def test_jacobians_of_all_links_are_pinocchios(robot, monkeypatch):
-    monkeypatch.setattr(importlib.import_module("exoid.leg.reduction.tree_jacobian"), "BLOCK", 7)
+    monkeypatch.setattr(importlib.import_module("exoid.leg.reduction.tree_motion"), "BLOCK", 7)
     joints = None if robot != "talos" else ("leg_left_1_joint", "leg_left_4_joint", "leg_right_6_joint")
     locked = {"leg_left_2_joint": 0.4} if robot == "talos" else None
     leg = Leg.from_urdf(urdf_of(robot), joints, locked=locked, base="floating")
