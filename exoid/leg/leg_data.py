@@ -29,6 +29,10 @@ Base = Literal["fixed", "moving", "floating"]
 """Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
 
 
+ROLES = ("hip", "knee", "ankle")
+"""Joints of a person's leg, which gait and anthropometry know by these names."""
+
+
 class JointLimits(NamedTuple):
     """Limits of each joint in the URDF, (n,) each; infinite where it has none."""
 
@@ -281,3 +285,22 @@ def refuse_floating_base(leg: LegData, what: str) -> None:
     if leg.base == "floating":
         what = f"{what} needs a base that is held, and that of this leg floats"
         raise NotSupportedError(what, where=leg.description.name, remedy='make the leg with base="fixed"')
+
+
+def joint_roles(leg: LegData, roles: Mapping[str, str]) -> tuple[str, ...]:
+    """Name the role of each joint: that which was declared, else its own label."""
+    unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
+    if unknown or any(role not in ROLES for role in roles.values()):
+        declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())
+        raise BadArgumentError(
+            f"roles {declared} of the joints {', '.join(leg.joint_names)}",
+            where=leg.description.name,
+            remedy=f"give each joint one of {', '.join(ROLES)}",
+        )
+    names = zip(leg.joint_names, leg.joint_labels, strict=True)
+    found = tuple(roles.get(name, roles.get(label, label)) for name, label in names)
+    if roles and len(set(found)) < len(found):
+        raise BadArgumentError(
+            f"two joints are one of {', '.join(found)}", where=leg.description.name, remedy="give each another role"
+        )
+    return found
