@@ -156,8 +156,8 @@ def _fill_block(
         if j + 1 < chain.n:
             np.conjugate(np.multiply(direction, offsets[j], out=direction), out=levers[j])
             origin += np.conjugate(np.multiply(turn, offsets[j], out=turn), out=turn)  # i d e^{iφ}(φ̈ + i φ̇²)
-    for j in np.flatnonzero(chain.signs < 0.0):
-        out[3 * j :, j] *= -1.0
+    for joint in np.flatnonzero(chain.signs < 0.0):
+        out[3 * joint :, joint] *= -1.0
 
 
 def cosine_and_sine(angle: FloatArray, out: tuple[FloatArray, FloatArray]) -> None:
