@@ -85,7 +85,7 @@ def better_experiments(
 ) -> BetterExperiments:
     """Predict the largest stable amplification after each of several experiments.
 
-    An experiment of information I (see :func:`exoid.experiments.excitation.precision.predict`) changes the covariance to
+    An experiment of information I (:func:`exoid.experiments.excitation.precision.predict`) changes the covariance to
     Σ' = (1 + Σ I)⁻¹ Σ. The draws are made again from N(β̂, Σ') with the same random numbers.
 
     Args:
