@@ -12,7 +12,7 @@ class ExoidError(Exception):
 
     Args:
         what: The error, with evidence such as the value found and the values allowed.
-        where: File, row, column, joint or parameter concerned; "" if ``what`` names it.
+        where: File, row, column, joint or parameter concerned; "" for ``file``, or if ``what`` names it.
         remedy: Action that corrects the input.
         command: The same for a user of the command line, where that differs from Python.
         parameters: Names of the parameters concerned.
@@ -39,7 +39,7 @@ class ExoidError(Exception):
     ) -> None:
         super().__init__(what)
         self.what = what
-        self.where = where
+        self.where = where or file
         self.remedy = remedy
         self.command = command
         self.parameters = parameters

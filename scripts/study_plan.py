@@ -25,15 +25,9 @@ import numpy as np
 import exoid
 from exoid.experiments import Bench, Harmonics, bleex, cuhk
 from exoid.experiments.bench import run_motion, stiff_servo
-from exoid.experiments.excitation import (
-    MotionLimits,
-    Plan,
-    Precision,
-    StaticRows,
-    TorqueNoise,
-    plan_excitation,
-    predict,
-)
+from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
+from exoid.experiments.excitation.precision import Precision, StaticRows, predict
+from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Poses
 

@@ -15,7 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 import exoid
-from exoid.experiments.excitation import StancePlan, plan_stance, predict, run_stance
+from exoid.experiments.excitation import StancePlan, plan_stance, run_stance
+from exoid.experiments.excitation.precision import predict
 from exoid.experiments.ground import single_support, squats_and_shifts
 from exoid.rig.ground import GroundPlant, GroundSensors
 from exoid.rig.ground.plant import BLEEX_SOLES

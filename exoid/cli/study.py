@@ -12,7 +12,8 @@ from typer import Option
 from exoid.control import ControlModel
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.experiments import gait_for_leg, healthy_gait
-from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
+from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
+from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.lab import study as studies
 from exoid.lab.study import Protocol, TrackingTask
 from exoid.leg.leg import Leg

@@ -203,7 +203,7 @@ def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]
     """Place the payload of the rig 0.3 m straight below the knee, or the last joint, of the hanging leg."""
     import numpy as np  # noqa: PLC0415 - help needs no arrays
 
-    from exoid.experiments.gait import joint_roles  # noqa: PLC0415
+    from exoid.leg.leg_data import joint_roles  # noqa: PLC0415
 
     roles, labels = joint_roles(leg, parse_roles(motion.role)), leg.joint_labels
     if rig.payload is None:

@@ -8,7 +8,8 @@ from typer import Argument, Option
 
 import exoid
 
-from .options import AsJson, Figures, Report
+from .numbers import parse_roles
+from .options import AsJson, Figures, Report, Roles
 from .outputs import check_outputs, show_report
 from .progress import progress_bar
 
@@ -21,6 +22,7 @@ def wear(
     rate: Annotated[float, Option(metavar="HZ", help="Rate of the controller.")] = 1000.0,
     height: Annotated[float, Option(metavar="M", help="Height of the wearer.")] = 1.75,
     mass: Annotated[float, Option(metavar="KG", help="Mass of the wearer.")] = 70.0,
+    role: Roles = None,
     seed: Annotated[int, Option(min=0, help="Seed of noise and draws.")] = 0,
     figures: Figures = None,
     report: Report = None,
@@ -46,6 +48,7 @@ def wear(
             rate=rate,
             height=height,
             mass=mass,
+            roles=parse_roles(role),
             seed=seed,
             progress=progress,
         )

@@ -10,7 +10,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.json_values import named
 from exoid.torques import TorqueModel

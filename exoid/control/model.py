@@ -11,8 +11,8 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import Estimate
-from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.model import configuration
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE

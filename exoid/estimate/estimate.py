@@ -9,7 +9,7 @@ from typing import Any
 from exoid.codegen import CSource, write_c
 from exoid.codegen.drives import with_form_in_c
 from exoid.leg.lift.lift import PULL
-from exoid.leg.lift.masses import MASS_FACTOR
+from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.tools.tables import to_html, to_text
 
 from .data import EstimateData

@@ -17,8 +17,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import PULL
-from exoid.leg.lift.lumping import distribute_bodies
-from exoid.leg.lift.masses import MASS_FACTOR, MassChange, mass_changes, refuse_mass_changes
+from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, mass_changes, refuse_mass_changes
 from exoid.leg.rewriting import rewrite
 from exoid.regression.least_squares import scaled_inverse
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together

@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.leg.lift import Lift
 from exoid.leg.lift.lift import PULL
-from exoid.leg.lift.masses import MASS_FACTOR, MassChange
+from exoid.leg.lift.lumping import MASS_FACTOR, MassChange
 from exoid.leg.mjcf import JointNumbers, to_mjcf
 from exoid.leg.model import with_dynamic_parameters
 from exoid.tools.files import refuse_content, refuse_unwritable, write_whole

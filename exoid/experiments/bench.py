@@ -7,17 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid.rig import (
-    Actuator,
-    Controller,
-    Plant,
-    ProportionalDerivative,
-    Rates,
-    Reference,
-    Run,
-    Sensors,
-    simulate,
-)
+from exoid.rig import Actuator, Controller, Plant, ProportionalDerivative, Rates, Reference, Run, Sensors, simulate
 
 from .limits import refuse_motion_beyond_limits
 

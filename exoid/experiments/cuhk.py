@@ -40,14 +40,7 @@ def random_poses(rng: np.random.Generator, count: int = 40) -> FloatArray:
 
 
 def swing(joint: int) -> Harmonics:
-    """Make the motion of rows 3 and 5 (hip) or row 4 (knee): 40° + 20° sin(0.1 π t), the other joint at 20°.
-
-    Args:
-        joint: Joint that swings, HIP or KNEE.
-
-    Returns:
-        Motion of one leg.
-    """
+    """Make the motion of rows 3 and 5 (hip) or row 4 (knee): 40° + 20° sin(0.1 π t), the other joint at 20°."""
     centre, amplitude = np.full((2, 1), np.deg2rad(20.0)), np.zeros((1, 2, 1))
     centre[joint], amplitude[0, joint] = np.deg2rad(40.0), np.deg2rad(20.0)
     return Harmonics(centre, amplitude, np.full((1, 1, 1), TABLE_II_FREQUENCY), np.zeros((1, 1, 1)))

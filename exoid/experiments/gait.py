@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import ROLES, joint_roles
 from exoid.signals.datasets import gait_norm
-from exoid.signals.datasets.gait_norms import JOINTS
 
 from .references import Harmonics, fit_harmonics, from_coefficients
 
@@ -18,18 +18,12 @@ MEAN_DEG = np.array([7.4377, 22.5942])
 """Mean a0 of hip and knee flexion [deg]."""
 
 COSINE_DEG = np.array(
-    [
-        [10.6017, -3.8939, -0.8879, -0.1671, -0.6595, 0.1313],
-        [-8.0762, -15.0416, 0.2818, -1.0307, -0.2604, 0.3631],
-    ]
+    [[10.6017, -3.8939, -0.8879, -0.1671, -0.6595, 0.1313], [-8.0762, -15.0416, 0.2818, -1.0307, -0.2604, 0.3631]]
 )
 """Cosine coefficients a1 … a6 of hip and knee [deg]."""
 
 SINE_DEG = np.array(
-    [
-        [-6.8851, -2.0996, 1.9815, -0.1354, -0.2903, -0.0072],
-        [-22.1204, 10.7759, 4.1605, 0.7560, 0.4598, 0.0265],
-    ]
+    [[-6.8851, -2.0996, 1.9815, -0.1354, -0.2903, -0.0072], [-22.1204, 10.7759, 4.1605, 0.7560, 0.4598, 0.0265]]
 )
 """Sine coefficients b1 … b6 of hip and knee [deg]; six harmonics fit a published stride to 0.2° rms."""
 
@@ -72,25 +66,6 @@ def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> 
     return replace(motion, amplitude=scale * motion.amplitude)
 
 
-def joint_roles(leg: Leg, roles: Mapping[str, str]) -> tuple[str, ...]:
-    """Name the role of each joint: that which was declared, else its own label."""
-    unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
-    if unknown or any(role not in JOINTS for role in roles.values()):
-        declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())
-        raise BadArgumentError(
-            f"roles {declared} of the joints {', '.join(leg.joint_names)}",
-            where=leg.description.name,
-            remedy=f"give each joint one of {', '.join(JOINTS)}",
-        )
-    names = zip(leg.joint_names, leg.joint_labels, strict=True)
-    found = tuple(roles.get(name, roles.get(label, label)) for name, label in names)
-    if roles and len(set(found)) < len(found):
-        raise BadArgumentError(
-            f"two joints are one of {', '.join(found)}", where=leg.description.name, remedy="give each another role"
-        )
-    return found
-
-
 def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None = None) -> Harmonics:
     """Convert flexion of hip, knee and ankle to joint angles of a leg.
 
@@ -109,15 +84,15 @@ def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None =
         ExoidError: The leg is not planar, has other joints, or a role does not fit.
     """
     labels, chain = joint_roles(leg, roles or {}), leg.chain
-    if chain is None or any(label not in JOINTS for label in labels):
+    if chain is None or any(label not in ROLES for label in labels):
         raise NotSupportedError(
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,
-            remedy=f"use a planar leg with {', '.join(JOINTS)}, name the role of each joint, or follow a log",
+            remedy=f"use a planar leg with {', '.join(ROLES)}, name the role of each joint, or follow a log",
             command=f"name the role of each joint (--role {labels[0]}=hip), or follow a log with --reference",
         )
     signs = [-sign if label == "knee" else sign for label, sign in zip(labels, chain.signs.tolist(), strict=True)]
-    rows = [JOINTS.index(label) for label in labels]
+    rows = [ROLES.index(label) for label in labels]
     known = flexion.amplitude.shape[1]
     shape = (len(flexion.amplitude), len(labels), flexion.amplitude.shape[2])
     centre, amplitude, phase = np.zeros(shape[1:]), np.zeros(shape), np.zeros(shape)

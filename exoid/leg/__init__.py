@@ -6,14 +6,4 @@ from .leg import Leg
 from .payload import Payload
 from .torso import TorsoMotion
 
-__all__ = [
-    "Leg",
-    "Payload",
-    "TorsoMotion",
-    "catalog",
-    "lift",
-    "load_exo",
-    "load_leg",
-    "published",
-    "reduction",
-]
+__all__ = ["Leg", "Payload", "TorsoMotion", "catalog", "lift", "load_exo", "load_leg", "published", "reduction"]

@@ -8,14 +8,13 @@ import re
 from collections import Counter
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
+from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal
 from functools import cached_property
 from pathlib import Path
 
 from lxml import etree
 
 from exoid.errors import UnreadableInputError
-
-from .rounded_angles import exact_angles
 
 LARGEST_URDF = 20_000_000
 """Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
@@ -75,8 +74,7 @@ class Description:
     @property
     def plain(self) -> str:
         """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space."""
-        # Angles of joints in few digits become exact, see `exoid.leg.rounded_angles.exact_angle`. Shapes are left out,
-        # as the parser prints about those that it does not understand.
+        # Angles of joints in few digits become exact. Shapes are left out, as the parser prints about unknown ones.
         root = self.parse()
         for link in root.findall("link"):
             for shape in [*link.findall("visual"), *link.findall("collision")]:
@@ -86,12 +84,31 @@ class Description:
                 for attribute in attributes.keys() & element.keys():
                     element.set(attribute, " ".join(element.get(attribute, "").split()))
         for origin in root.findall("joint/origin[@rpy]"):
-            origin.set("rpy", exact_angles(origin.get("rpy", "")))
+            origin.set("rpy", " ".join(_exact_angle(word) for word in origin.get("rpy", "").split()))
         return etree.tostring(root, encoding="unicode")
 
     def parse(self) -> etree._Element:
         """Parse the text into a new tree, with comments, which the caller may change."""
         return etree.fromstring(self.text.encode(), _parser())
+
+
+def _exact_angle(text: str) -> str:
+    """Replace a rounded multiple of π/12, such as 1.5708, by the exact one."""
+    # Few digits make parallel axes nearly parallel. That lets parameters act on the torques which those of the robot do
+    # not act on, by a millionth of the others, and no recording determines them.
+    number = Decimal(text)
+    exponent = number.as_tuple().exponent
+    assert isinstance(exponent, int)  # the number is finite
+    if abs(number) > 7:
+        return text
+    # decimals from which on a rounded multiple stands for the exact one: 1.57 for π/2, 0.5236 for π/6
+    for step, decimals in ((math.pi / 2.0, 2), (math.pi / 12.0, 4)):
+        multiple = round(float(number) / step) * step
+        if multiple and decimals <= -exponent <= 10:  # rounding beyond ten decimals has no effect
+            digit = Decimal(1).scaleb(exponent)
+            if number in [Decimal(multiple).quantize(digit, rounding) for rounding in (ROUND_HALF_EVEN, ROUND_DOWN)]:
+                return repr(multiple)
+    return text
 
 
 def read_description(path: str | Path) -> Description:
@@ -103,14 +120,12 @@ def read_description(path: str | Path) -> Description:
     except (OSError, ValueError) as error:  # a path with a null byte is a ValueError
         raise UnreadableInputError(
             f"the URDF cannot be read ({getattr(error, 'strerror', None) or error})",
-            where=str(path),
             file=str(path),
             remedy="give the path of a readable URDF file, or the name of a built-in leg ('bleex', 'cuhk')",
         ) from error
     if len(content) > LARGEST_URDF:
         raise UnreadableInputError(
             f"larger than {LARGEST_URDF / 1e6:.0f} MB, which no URDF needs",
-            where=str(path),
             file=str(path),
             remedy="refer to meshes by file name instead of embedding them",
         )
@@ -118,7 +133,7 @@ def read_description(path: str | Path) -> Description:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise UnreadableInputError(
-            f"not UTF-8 text (byte {error.start})", where=str(path), file=str(path), remedy="save the URDF as UTF-8 XML"
+            f"not UTF-8 text (byte {error.start})", file=str(path), remedy="save the URDF as UTF-8 XML"
         ) from error
     return describe(text, name=path.name)
 
@@ -128,23 +143,20 @@ def describe(text: str, name: str = "URDF") -> Description:
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise UnreadableInputError(
             "declares a document type or entities, which can expand without bound",
-            where=name,
             file=name,
             remedy="remove the <!DOCTYPE ...> block and write the values out",
         )
     try:
         root = etree.fromstring(text.encode(), _parser())
     except (etree.XMLSyntaxError, ValueError) as error:
-        raise UnreadableInputError(
-            f"not well-formed XML ({error})", where=name, file=name, remedy="correct the XML"
-        ) from error
+        raise UnreadableInputError(f"not well-formed XML ({error})", file=name, remedy="correct the XML") from error
     if root.tag != "robot":
         raise UnreadableInputError(
-            f"the root element is <{root.tag}>, not <robot>", where=name, file=name, remedy="give a URDF file"
+            f"the root element is <{root.tag}>, not <robot>", file=name, remedy="give a URDF file"
         )
     if any(element.prefix == "xacro" for element in root.iter()):
         raise UnreadableInputError(
-            "contains xacro commands", where=name, file=name, remedy="expand it first: xacro leg.xacro > leg.urdf"
+            "contains xacro commands", file=name, remedy="expand it first: xacro leg.xacro > leg.urdf"
         )
     _check_structure(root, name)
     _check_inertias(root, name)
@@ -159,19 +171,14 @@ def _check_structure(root: etree._Element, name: str) -> None:
     if max(len(links), len(joints)) > MOST_LINKS:
         raise UnreadableInputError(
             f"{len(links)} links and {len(joints)} joints: more than {MOST_LINKS}",
-            where=name,
             file=name,
             remedy="give the URDF of one robot",
         )
     repeated = sorted(n for names in (links, joints) for n, count in Counter(names).items() if count > 1)
     if repeated:
-        raise UnreadableInputError(
-            f"names occur twice: {', '.join(repeated)}", where=name, file=name, remedy="rename one of each"
-        )
+        raise UnreadableInputError(f"names occur twice: {', '.join(repeated)}", file=name, remedy="rename one of each")
     if not joints:
-        raise UnreadableInputError(
-            "has no joints", where=name, file=name, remedy="give the URDF of a leg with at least one joint"
-        )
+        raise UnreadableInputError("has no joints", file=name, remedy="give the URDF of a leg with at least one joint")
     for joint in root.findall("joint"):
         place = f"{name}, joint {joint.get('name', '')!r}"
         if joint.get("type") not in JOINT_TYPES:
@@ -194,14 +201,13 @@ def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
     if shared:
         raise UnreadableInputError(
             f"link {shared[0]!r} is the child of {carried[shared[0]]} joints",
-            where=name,
             file=name,
             remedy="a URDF is a tree: cut the loop",
         )
     roots = [link for link in links if link not in carried]
     if len(roots) != 1:
         found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} are children of no joint"
-        raise UnreadableInputError(found, where=name, file=name, remedy="join all links to one tree with one root")
+        raise UnreadableInputError(found, file=name, remedy="join all links to one tree with one root")
 
 
 def check_numbers(

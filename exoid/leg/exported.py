@@ -59,7 +59,6 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     if joints is not None and list(joints) != data["joints"]:
         raise BadArgumentError(
             f"the sidecar has joints {', '.join(data['joints'])}, not {', '.join(joints)}",
-            where=str(sidecar),
             file=str(sidecar),
             remedy="omit the argument joints",
         )
@@ -95,53 +94,39 @@ def _dynamics(description: Description, leg: Leg) -> dict[str, float]:
         element = next((joint.find("dynamics") for joint in root.findall("joint") if joint.get("name") == name), None)
         for symbol, attribute in IN_URDF.items():
             text = "0" if element is None else element.get(attribute, "0")
-            if not _is_number(text):
+            try:
+                value = float(text)
+            except ValueError:
+                value = math.nan
+            if not 0.0 <= value < math.inf:
                 raise UnreadableInputError(
                     f"<dynamics {attribute}={text!r}> is not a finite number ≥ 0",
                     where=f"{description.name}, joint {name!r}",
                     remedy="write a decimal number",
                 )
-            found[f"{symbol}_{label}"] = float(text)
+            found[f"{symbol}_{label}"] = value
     return found
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return 0.0 <= float(text) < math.inf
-    except ValueError:
-        return False
 
 
 def _read(sidecar: Path, description: Description) -> dict[str, Any]:
     """Read and check a sidecar."""
+
+    def refusal(what: str) -> UnreadableInputError:
+        """Error of this file."""
+        return UnreadableInputError(what, file=str(sidecar), remedy=REMEDY)
+
     try:
         data = json.loads(sidecar.read_text(encoding="utf-8"))
     except OSError as error:
-        raise UnreadableInputError(
-            f"cannot be read ({error.strerror or error})", where=str(sidecar), file=str(sidecar), remedy=REMEDY
-        ) from error
+        raise refusal(f"cannot be read ({error.strerror or error})") from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise UnreadableInputError(
-            f"not JSON ({error})", where=str(sidecar), file=str(sidecar), remedy=REMEDY
-        ) from error
+        raise refusal(f"not JSON ({error})") from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise UnreadableInputError(
-            f"not a sidecar of schema {SCHEMA!r}", where=str(sidecar), file=str(sidecar), remedy=REMEDY
-        )
+        raise refusal(f"not a sidecar of schema {SCHEMA!r}")
     if not _is_complete(data):
-        raise UnreadableInputError(
-            "a field of the sidecar is missing or of the wrong type",
-            where=str(sidecar),
-            file=str(sidecar),
-            remedy=REMEDY,
-        )
+        raise refusal("a field of the sidecar is missing or of the wrong type")
     if data["urdf"]["sha256"] != description.sha256:
-        raise UnreadableInputError(
-            f"belongs to another {description.name}: the URDF has changed since the export",
-            where=str(sidecar),
-            file=str(sidecar),
-            remedy=REMEDY,
-        )
+        raise refusal(f"belongs to another {description.name}: the URDF has changed since the export")
     return data
 
 

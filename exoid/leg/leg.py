@@ -30,12 +30,11 @@ from .floating_base import floating_mass_matrix, free_flyer_model, project_colum
 from .leg_data import Base, LegData, to_numbers, without_side
 from .link_frames import link_frame, planar_directions
 from .model import build_model, with_dynamic_parameters
-from .reduction.documented import documented
-from .reduction.documented_machine import documented_machine
+from .reduction.documented import documented, documented_machine
 from .reduction.numeric import numeric
 from .reduction.planar import PlanarChain
 from .reduction.planar_machine import PlanarMachine
-from .reduction.tree_jacobian import tree_jacobian
+from .reduction.tree_motion import tree_jacobian
 from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
 
 

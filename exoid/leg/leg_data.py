@@ -20,13 +20,17 @@ from .model import dynamic_parameters
 from .reduction import Plane
 from .reduction.planar import PlanarChain, TorsoSamples, fill_regressor
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
-from .reduction.reduced_regressor import fill_reduced_regressor
 from .reduction.reduction import Reduction
 from .reduction.tree import Tree
+from .reduction.tree_regressor import fill_reduced_regressor
 from .torso import MovingBase, base_kinematics, torso_samples
 
 Base = Literal["fixed", "moving", "floating"]
 """Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
+
+
+ROLES = ("hip", "knee", "ankle")
+"""Joints of a person's leg, which gait and anthropometry know by these names."""
 
 
 class JointLimits(NamedTuple):
@@ -274,3 +278,29 @@ def without_side(names: Sequence[str]) -> tuple[str, ...]:
         if all(name.startswith(side) and name != side for name in names):
             return tuple(name.removeprefix(side) for name in names)
     return tuple(names)
+
+
+def refuse_floating_base(leg: LegData, what: str) -> None:
+    """Refuse a leg whose base floats."""
+    if leg.base == "floating":
+        what = f"{what} needs a base that is held, and that of this leg floats"
+        raise NotSupportedError(what, where=leg.description.name, remedy='make the leg with base="fixed"')
+
+
+def joint_roles(leg: LegData, roles: Mapping[str, str]) -> tuple[str, ...]:
+    """Name the role of each joint: that which was declared, else its own label."""
+    unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
+    if unknown or any(role not in ROLES for role in roles.values()):
+        declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())
+        raise BadArgumentError(
+            f"roles {declared} of the joints {', '.join(leg.joint_names)}",
+            where=leg.description.name,
+            remedy=f"give each joint one of {', '.join(ROLES)}",
+        )
+    names = zip(leg.joint_names, leg.joint_labels, strict=True)
+    found = tuple(roles.get(name, roles.get(label, label)) for name, label in names)
+    if roles and len(set(found)) < len(found):
+        raise BadArgumentError(
+            f"two joints are one of {', '.join(found)}", where=leg.description.name, remedy="give each another role"
+        )
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 
 from .description import Description
 
@@ -125,14 +125,17 @@ def _refuse_free_joints(model: pin.Model, moving: Sequence[str], description: De
             )
 
 
-def _missing(name: str, single: list[str], model: pin.Model, description: Description) -> ExoidError:
+def _missing(name: str, single: list[str], model: pin.Model, description: Description) -> BadArgumentError:
     if name in list(model.names):
         what = f"joint {name!r} has {model.nvs[model.getJointId(name)]} degrees of freedom"
-        return ExoidError(what, where=description.name, remedy="use joints of one degree of freedom")
+        return BadArgumentError(what, where=description.name, remedy="use joints of one degree of freedom")
     close = get_close_matches(name, single, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
-    return ExoidError(
-        f"no moving joint {name!r}", where=description.name, remedy=f"{hint}it has {', '.join(single) or 'none'}"
+    return BadArgumentError(
+        f"no moving joint {name!r}",
+        joints=(name,),
+        where=description.name,
+        remedy=f"{hint}it has {', '.join(single) or 'none'}",
     )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.leg.fixed_base import refuse_floating_base
+from exoid.leg.leg_data import refuse_floating_base
 from exoid.signals import FiniteDifference, Preparation, ZeroPhase
 from exoid.torques import DryFriction, TorqueModel
 

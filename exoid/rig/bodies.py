@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import joint_roles
 from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
@@ -25,7 +26,7 @@ Each entry holds the segment length over height, the parts, and the radius of gy
 """
 
 
-def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
+def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[str, str] | None = None) -> Leg:
     """Make the limb of a wearer: the joints of the leg with thigh, shank and foot of a person.
 
     The joints of the limb coincide with those of the leg. At the zero pose the person stands upright. Without an ankle
@@ -35,12 +36,13 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
         leg: Planar leg with joints hip, knee and ankle, or some of them.
         height: Height of the wearer [m].
         mass: Mass of the wearer [kg].
+        roles: "hip", "knee" or "ankle" for each joint that has another name.
 
     Returns:
         The limb.
 
     Raises:
-        ExoidError: The leg has other joints, or height or mass are not those of a person.
+        ExoidError: The leg has other joints, a role does not fit, or height or mass are not those of a person.
 
     Example:
         >>> import exoid
@@ -48,16 +50,17 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0) -> Leg:
         array([2.824, 0.   , 1.017, 0.941, 0.   , 0.312])
     """
     _refuse_stature(height, mass)
-    chain, labels = leg.chain, leg.joint_labels
+    chain, labels = leg.chain, joint_roles(leg, roles or {})
     if chain is None or any(label not in (*WINTER, "ankle") for label in labels):
         raise NotSupportedError(
             f"no anthropometry for the joints {', '.join(labels)}",
             where=leg.description.name,
-            remedy="make the limb of a leg with hip, knee and ankle, or give Wearer(limb=leg.with_parameters(...))",
+            remedy="name the role of each joint (roles=...), or give Wearer(limb=leg.with_parameters(...))",
+            command=f"name the role of each joint (--role {labels[0]}=hip)",
         )
     bodies = []
-    for joint, turn in zip(labels, chain.rotations, strict=True):
-        for weight, ahead, below, gyration in _bodies(joint, "ankle" in labels):
+    for joint, role, turn in zip(leg.joint_names, labels, chain.rotations, strict=True):
+        for weight, ahead, below, gyration in _bodies(role, "ankle" in labels):
             centre = height * (ahead * chain.plane.forward - below * chain.plane.up)
             bodies.append(Payload(joint, weight * mass, tuple((turn.T @ centre).tolist()), gyration * height))
     return leg.with_parameters(payload_parameters(leg, bodies))

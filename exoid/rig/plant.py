@@ -11,8 +11,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.exported import parameter_terms, read_exported
-from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import refuse_floating_base
 from exoid.tools.tables import DataTable, to_text, value_range
 
 STIFFNESS_DEGREE = 2

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import refuse_floating_base
 
 from .bodies import limb_of
 from .controllers import Reference
@@ -82,6 +83,7 @@ class Wearer:
         height: float = 1.75,
         mass: float = 70.0,
         *,
+        roles: Mapping[str, str] | None = None,
         intention: Reference | None = None,
         cuff_stiffness: ArrayLike = 1000.0,
         cuff_damping: ArrayLike = 30.0,
@@ -95,6 +97,7 @@ class Wearer:
             leg: Planar leg with joints hip, knee and ankle, or some of them.
             height: Height of the wearer [m].
             mass: Mass of the wearer [kg].
+            roles: "hip", "knee" or "ankle" for each joint that has another name.
             intention: Intended motion; None for a passive wearer.
             cuff_stiffness: See the class.
             cuff_damping: See the class.
@@ -106,7 +109,7 @@ class Wearer:
             The wearer.
 
         Raises:
-            ExoidError: The leg has other joints, height or mass are not those of a person, or see the class.
+            ExoidError: A joint has another role, height or mass are not those of a person, or see the class.
 
         Example:
             >>> import exoid
@@ -115,7 +118,7 @@ class Wearer:
         """
         active = intention is not None
         return cls(
-            limb_of(leg, height, mass),
+            limb_of(leg, height, mass, roles),
             cuff_stiffness,
             cuff_damping,
             100.0 * active if muscle_stiffness is None else muscle_stiffness,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from exoid.experiments.excitation import Plan, Precision
+from exoid.experiments.excitation import Plan
+from exoid.experiments.excitation.precision import Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 
 from .colours import GUIDE, MEASURED, joint_colour

@@ -19,7 +19,7 @@ from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift import lift
 from exoid.leg.lift.lift import PULL
-from exoid.leg.lift.masses import MASS_FACTOR
+from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.leg.lift.pseudo_inertia import margins
 from exoid.leg.rewriting import read_inertials
 from exoid.signals import ZeroPhase

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation
+from exoid.experiments.excitation import MotionLimits, plan_excitation
 from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.limits import Clearance
 from exoid.experiments.excitation.objective import Objective, Stage
 from exoid.experiments.excitation.plan_files import write_plan
+from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.experiments.excitation.search import search
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.torques import DEFAULT_TERMS, TorqueModel

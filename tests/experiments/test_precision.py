@@ -9,7 +9,9 @@ from unchecked import identify
 import exoid
 from exoid.experiments import Bench, Harmonics, cuhk
 from exoid.experiments.bench import run_motion
-from exoid.experiments.excitation import MotionLimits, Scales, StaticRows, TorqueNoise, assess, plan_excitation, predict
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
+from exoid.experiments.excitation.precision import StaticRows, predict
+from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
 from exoid.torques import DEFAULT_TERMS, TorqueModel

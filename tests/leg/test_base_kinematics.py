@@ -1,9 +1,9 @@
 """A base that moves in space: joint torques need ω, ω̇ and f only, and no further parameter in the plane of the leg."""
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from arms import urdf_of
+from free_flyers import Flight
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
@@ -15,50 +15,35 @@ from exoid.leg.torso import base_kinematics
 TOLERANCE = 1e-12
 
 
-def free_flyer_torques(leg, q, v, a, rng):
-    """Joint torques of a base with random pose and velocity in the world, by Pinocchio, and what an IMU would see."""
-    model = pin.Model()
-    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "free base")
-    frame = model.addFrame(pin.Frame("free base frame", root, 0, pin.SE3.Identity(), pin.FrameType.BODY))
-    model = pin.appendModel(model, leg.model, frame, pin.SE3.Identity())
-    model.gravity.linear = np.array([0.0, 0.0, -9.81])
-    data, samples = model.createData(), len(q)
-    turns = [pin.Quaternion(*x / np.linalg.norm(x)) for x in rng.normal(size=(samples, 4))]
-    place, speed, acceleration = 10.0 * rng.normal(size=(3, samples, 3))  # in the world
-    omega, alpha = 4.0 * rng.normal(size=(2, samples, 3))  # in the base
-    torques, forces = [], []
-    for i, turn in enumerate(turns):
-        R = turn.matrix()
-        u = R.T @ speed[i]
-        spatial = R.T @ acceleration[i] - np.cross(omega[i], u)
-        twist, slope = np.r_[u, omega[i], v[i]], np.r_[spatial, alpha[i], a[i]]
-        torques.append(pin.rnea(model, data, np.r_[place[i], turn.coeffs(), q[i]], twist, slope)[6:].copy())
-        forces.append(R.T @ (acceleration[i] - model.gravity.linear))
-    return np.array(torques), BaseKinematics(omega, alpha, np.array(forces))
+def flown(leg, seed):
+    """Joints, motion of the base, and joint torques of Pinocchio's free-flyer with random pose and velocity."""
+    flight = Flight.random(leg, np.random.default_rng(seed), 40)
+    return flight.joints, flight.base, flight.rows()[:, 6:]
 
 
 def test_position_heading_and_velocity_of_the_base_have_no_effect():
     leg = exoid.load_leg("bleex")
-    rng = np.random.default_rng(1)
-    motion = random_motion(rng, 3, 40)
-    torques, base = free_flyer_torques(leg, *motion, rng)
+    motion, base, torques = flown(leg, 1)
     assert_relative(leg.inverse_dynamics(*motion, base), torques, TOLERANCE)
+
+
+def planar_legs():
+    chains = (random_chain(np.random.default_rng(k), 1 + k % 5, axis="xy"[k % 2], continuous=True) for k in range(10))
+    return [exoid.load_leg("bleex"), exoid.load_leg("cuhk"), *(chain.leg() for chain in chains)]
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_planar_leg_needs_no_further_parameter_for_motion_within_its_plane(seed):
-    rng = np.random.default_rng(seed)
-    leg = random_chain(rng, 1 + seed % 4, axis="yx"[seed % 2]).leg()
-    motion = random_motion(rng, len(leg.joint_names), 40)
-    _, base = free_flyer_torques(leg, *motion, rng)
+    leg = random_chain(np.random.default_rng(seed), 1 + seed % 4, axis="yx"[seed % 2]).leg()
+    motion, base, _ = flown(leg, seed)
     plane = base.within_plane(leg.chain.plane, leg.hip)
     assert_relative(leg.regressor(*motion, plane) @ leg.parameters, leg.inverse_dynamics(*motion, plane), TOLERANCE)
     assert_relative(leg.regressor(*motion, base), leg.regressor(*motion, plane), TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["bleex", "cuhk"])
-def test_the_torso_s_motion_is_a_case_of_the_base_s(name):
-    leg, rng = exoid.load_leg(name), np.random.default_rng(3)
+@pytest.mark.parametrize("leg", planar_legs())
+def test_the_torso_s_motion_is_a_case_of_the_base_s(leg):
+    rng = np.random.default_rng(3)
     motion = random_motion(rng, len(leg.joint_names), 30)
     torso = TorsoMotion(*rng.normal(size=(3, 30)), 5.0 * rng.normal(size=(30, 2)))
     base = base_kinematics(torso, 30, leg.chain.plane, leg.hip)
@@ -75,9 +60,7 @@ def legs_in_space():
 
 @pytest.mark.parametrize("leg", list(legs_in_space()), ids=lambda leg: leg.description.name)
 def test_a_leg_made_for_it_describes_every_motion_of_its_base(leg):
-    rng = np.random.default_rng(2)
-    motion = random_motion(rng, len(leg.joint_names), 40)
-    torques, base = free_flyer_torques(leg, *motion, rng)
+    motion, base, torques = flown(leg, 2)
     assert_relative(leg.regressor(*motion, base) @ leg.parameters, torques, TOLERANCE)
     assert_relative(leg.regressor(*motion) @ leg.parameters, leg.inverse_dynamics(*motion), TOLERANCE)
 
@@ -99,8 +82,7 @@ def test_a_spatial_leg_of_a_fixed_base_refuses_a_moving_one():
 
 def test_the_torque_out_of_the_plane_is_that_of_pinocchio_and_nothing_moves_it_sideways():
     leg, rng = exoid.load_leg("bleex"), np.random.default_rng(4)
-    motion = random_motion(rng, 3, 40)
-    torques, base = free_flyer_torques(leg, *motion, rng)
+    motion, base, torques = flown(leg, 4)
     extra, whole = out_of_plane_torque(leg, *motion, base)
     assert_relative(whole, torques, TOLERANCE)
     assert_relative(leg.regressor(*motion, base) @ leg.parameters, torques - extra, TOLERANCE)
@@ -119,29 +101,3 @@ def test_specific_force_moves_along_the_base_and_back():
     base = BaseKinematics(*rng.normal(size=(3, 20, 3)))
     there = np.array([0.1, -0.2, 0.3])
     assert np.allclose(base.moved(there).moved(-there).specific_force, base.specific_force, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("arrays", "match"),
-    [
-        ((np.zeros((5, 2)), np.zeros((5, 2)), np.zeros((5, 2))), "shapes"),
-        ((np.zeros((5, 3)), np.zeros((4, 3)), np.zeros((5, 3))), "shapes"),
-        ((np.full((5, 3), np.nan), np.zeros((5, 3)), np.zeros((5, 3))), "finite"),
-    ],
-)
-def test_arrays_that_are_no_motion_of_a_base_are_refused(arrays, match):
-    with pytest.raises(ExoidError, match=match):
-        BaseKinematics(*arrays)
-
-
-def test_a_base_of_another_length_than_the_joints_is_refused():
-    leg, base = exoid.load_leg("cuhk"), BaseKinematics(*np.zeros((3, 4, 3)))
-    for of_leg in (leg.regressor, leg.inverse_dynamics):
-        with pytest.raises(ExoidError, match="4 samples"):
-            of_leg(*np.zeros((3, 5, 2)), base)
-
-
-def test_a_base_that_is_neither_fixed_nor_moving_is_refused():
-    leg = exoid.load_leg("cuhk")
-    with pytest.raises(ExoidError, match="floats"):
-        Leg.from_description(leg.description, base="floats")

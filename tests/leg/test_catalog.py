@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid import ExoidError, catalog
+from exoid import catalog
+from exoid.errors import UnreadableInputError
 
 
 @pytest.mark.parametrize(
@@ -45,29 +46,10 @@ def test_cad_inertias_are_the_same_on_both_sides_and_identified_ones_are_not():
     np.testing.assert_allclose(identified[1][:3], [4.0474, -0.4990, 2.598], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"name": "hal"}, "no built-in leg 'hal'. To fix it: use one of bleex, cuhk, or Leg.from_urdf"),
-        ({"name": ""}, "no built-in leg ''"),
-        ({"name": "BLEEX"}, "no built-in leg 'BLEEX'"),
-        ({"name": "bleex", "side": "both"}, "no side 'both'. To fix it: use 'left' or 'right'"),
-        ({"name": "bleex", "side": "Left"}, "no side 'Left'"),
-        ({"name": "bleex", "side": None}, "no side None"),
-        ({"name": "bleex", "inertias": "nominal"}, "no inertias 'nominal' for 'bleex'. To fix it: use one of cad, "),
-        ({"name": "cuhk", "inertias": "cad"}, "no inertias 'cad' for 'cuhk'. To fix it: use one of nominal"),
-    ],
-)  # fmt: skip
-def test_a_wrong_name_is_refused_with_the_right_ones(arguments, message):
-    with pytest.raises(ExoidError) as caught:
-        exoid.load_leg(**arguments)
-    assert str(caught.value).startswith(message)
-
-
 def test_an_incomplete_installation_says_so(monkeypatch, tmp_path):
     (tmp_path / "exoid").mkdir()
     monkeypatch.setattr(catalog, "__file__", str(tmp_path / "exoid" / "leg" / "catalog.py"))
-    with pytest.raises(ExoidError, match=r"the built-in URDFs are missing\. To fix it: reinstall exoid"):
+    with pytest.raises(UnreadableInputError, match="reinstall exoid"):
         exoid.load_leg("bleex")
 
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import exoid
-from exoid import ExoidError, Leg
+from exoid import Leg
 from exoid.leg.dh import DHBody, DHRow
 
 STANFORD_LIKE = [
@@ -122,31 +122,3 @@ def test_a_recording_of_a_table_identifies_its_parameters():
     recording = exoid.Recording(t, q, v, a, heavier.inverse_dynamics(q, v, a), joint_names=leg.joint_names)
     found = exoid.identify(leg, recording, (), check=False)
     np.testing.assert_allclose(found.values, heavier.parameters, rtol=1e-3, atol=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("table", "options", "match"),
-    [
-        ([(0.1, np.nan, 0.0, 0.0)], {}, "not finite"),
-        ([(400.0, 0.0, 0.0, 0.0)], {}, "millimetres"),
-        ([(0.4, 90.0, 0.0, 0.0)], {}, "degrees"),
-        ([(0.4, 0.0, 0.0, 180.0)], {}, "degrees"),
-        ([], {}, "shape"),
-        ([(0.4, 0.0)], {}, "shape"),
-        ([("a", 0.0, 0.0)], {}, "not an array of numbers"),
-        ([(0.4, 0.0, 0.0)], {"convention": "craig"}, "no DH convention"),
-        ([(0.4, 0.0, 0.0)], {"joint_names": ("hip", "knee")}, "1 rows"),
-        ([(0.4, 0.0, 0.0)] * 2, {"joint_names": ("hip", "hip")}, "2 rows"),
-        ([(0.4, 0.0, 0.0)], {"joint_names": "hip"}, "joint_names"),
-        ([(0.4, 0.0, 0.0)], {"bodies": []}, "0 bodies"),
-        ([(0.4, 0.0, 0.0)], {"bodies": [DHBody(mass=-1.0)]}, "mass"),
-        ([(0.4, 0.0, 0.0)], {"bodies": [DHBody(inertia=np.triu(np.ones((3, 3))))]}, "symmetric"),
-        ([(0.4, 0.0, 0.0)], {"bodies": [DHBody(center=(0.0, np.inf, 0.0))]}, "not finite"),
-        ([(0.4, 0.0, 0.0)], {"base_rpy": (90.0, 0.0, 0.0)}, "degrees"),
-    ],
-)
-def test_a_table_that_is_none_is_one_error(table, options, match):
-    convention = options.pop("convention", "standard") if "convention" in options else "standard"
-    with pytest.raises(ExoidError, match=match) as caught:
-        Leg.from_dh(table, convention, **options)
-    assert caught.value.remedy

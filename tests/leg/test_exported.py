@@ -9,6 +9,7 @@ import pytest
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Stiffness, Viscous
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.experiments import Harmonics
 from exoid.leg.catalog import urdf_folder
 from exoid.leg.exported import read_exported, sidecar_of
@@ -132,33 +133,34 @@ def edited(path, **changes):
 
 
 @pytest.mark.parametrize(
-    ("spoil", "match"),
+    ("spoil", "file"),
     [
-        (lambda export: export.sidecar.write_text("{"), "not JSON"),
-        (lambda export: export.sidecar.write_bytes(b"\xff\xfe"), "not JSON"),
-        (lambda export: export.sidecar.write_text("[" * 100_000), "not JSON"),
-        (lambda export: export.sidecar.write_text("[]"), "not a sidecar"),
-        (lambda export: edited(export.sidecar, schema="exoid-sidecar-99"), "not a sidecar"),
-        (lambda export: edited(export.sidecar, values={"d_hip": "1"}), "missing or of the wrong type"),
-        (lambda export: edited(export.sidecar, values={"d_hip": float("nan")}), "missing or of the wrong type"),
-        (lambda export: edited(export.sidecar, joints="left_hip"), "missing or of the wrong type"),
-        (lambda export: edited(export.sidecar, joints=["left_wing"]), "left_wing"),
-        (lambda export: edited(export.sidecar, values={"wings": 1.0}), "has no wings"),
-        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), "has no wings"),
-        (lambda export: export.urdf.write_text(export.urdf.read_text() + "\n<!-- mine -->"), "has changed"),
+        (lambda export: export.sidecar.write_text("{"), "sidecar"),
+        (lambda export: export.sidecar.write_bytes(b"\xff\xfe"), "sidecar"),
+        (lambda export: export.sidecar.write_text("[" * 100_000), "sidecar"),
+        (lambda export: export.sidecar.write_text("[]"), "sidecar"),
+        (lambda export: edited(export.sidecar, schema="exoid-sidecar-99"), "sidecar"),
+        (lambda export: edited(export.sidecar, values={"d_hip": "1"}), "sidecar"),
+        (lambda export: edited(export.sidecar, values={"d_hip": float("nan")}), "sidecar"),
+        (lambda export: edited(export.sidecar, joints="left_hip"), "sidecar"),
+        (lambda export: edited(export.sidecar, joints=["left_wing"]), ""),
+        (lambda export: edited(export.sidecar, values={"wings": 1.0}), ""),
+        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), ""),
+        (lambda export: export.urdf.write_text(export.urdf.read_text() + "\n<!-- mine -->"), "sidecar"),
     ],
 )
-def test_files_that_do_not_belong_together_or_are_damaged_are_refused(files, spoil, match):
+def test_files_that_do_not_belong_together_or_are_damaged_are_refused(files, spoil, file):
     spoil(files[1])
-    with pytest.raises(ExoidError, match=match) as caught:
+    with pytest.raises(ExoidError) as caught:
         Plant.from_urdf(files[1].urdf)
+    assert caught.value.file == (str(getattr(files[1], file)) if file else "")
     assert caught.value.remedy
-    assert "\n" not in str(caught.value)
 
 
 def test_other_joints_than_those_of_the_sidecar_are_refused(files):
-    with pytest.raises(ExoidError, match="the sidecar has joints left_hip, left_knee, left_ankle"):
+    with pytest.raises(BadArgumentError) as refused:
         read_exported(files[1].urdf, ("left_hip",))
+    assert refused.value.file == str(files[1].sidecar)
 
 
 @pytest.mark.parametrize("text", ["much", "-1", "nan", "inf", ""])
@@ -169,7 +171,7 @@ def test_friction_that_is_no_number_is_refused(files, text):
     value = repr(float(files[0].value("d_knee")))
     assert f'damping="{value}"' in urdf
     export.urdf.write_text(urdf.replace(f'damping="{value}"', f'damping="{text}"'), encoding="utf-8")
-    with pytest.raises(ExoidError, match=r"left_knee.*damping"):
+    with pytest.raises(UnreadableInputError, match="left_knee"):
         read_exported(export.urdf)
 
 

@@ -9,10 +9,7 @@ from planar_machines import random_machine
 from public_robots import urdf_of
 
 import exoid
-from exoid import ExoidError, Leg, TorsoMotion
-from exoid.control.model import ControlModel
-from exoid.experiments.excitation import assess, plan_excitation
-from exoid.experiments.excitation.limits import Clearance
+from exoid import Leg, TorsoMotion
 from exoid.leg.torso import base_kinematics
 
 TOLERANCE = 1e-12
@@ -320,44 +317,3 @@ def test_the_mass_matrix_has_rows_of_the_base(planar):
         np.testing.assert_allclose(M[:, 0, 0], leg.parameters[0])
         held = exoid.load_exo("cuhk")
         np.testing.assert_allclose(M[:, 3:, 3:], held.mass_matrix(q), atol=1e-12)
-
-
-# ---------------------------------------------------------------------------------------------------------- refusals
-
-
-def refusal(call):
-    with pytest.raises(ExoidError) as caught:
-        call()
-    return str(caught.value)
-
-
-def test_what_needs_a_held_base_refuses_one_that_floats():
-    exo = exoid.load_exo("bleex", base="floating")
-    assert "a rig needs a base that is held" in refusal(lambda: exoid.rig.Plant.build(exo))
-    assert "control needs a base that is held" in refusal(lambda: ControlModel.of(exo))
-    assert "a planned excitation needs a base that is held" in refusal(lambda: plan_excitation(exo))
-    recording = exoid.Recording(np.arange(20.0), np.zeros((20, 6)), joint_names=exo.joint_names)
-    assert "an assessment needs a base that is held" in refusal(lambda: assess(exo, recording))
-    assert "no Coriolis matrix" in refusal(lambda: exo.coriolis(np.zeros(6), np.zeros(6)))
-
-
-def test_the_clearance_of_a_foot_needs_one_chain_of_joints():
-    clearance = Clearance(np.array([[0.2, -0.1]]))
-    message = refusal(lambda: clearance.margin(exoid.load_exo("bleex"), np.zeros((1, 6))))
-    assert "one chain of joints, and the leg has several" in message
-
-
-def test_a_floating_root_link_needs_a_mass():
-    text = exoid.load_leg("cuhk").description.text
-    start, end = text.index("<inertial>"), text.index("</inertial>") + len("</inertial>")
-    description = exoid.leg.description.describe(text[:start] + text[end:], name="light.urdf")
-    names = exoid.load_exo("cuhk").joint_names
-    message = refusal(lambda: Leg.from_description(description, names, base="floating"))
-    assert "the root link 'torso' of a floating base has no mass" in message
-    assert Leg.from_description(description, names).parameter_names[0] == "X1_left"
-
-
-def test_another_base_is_refused():
-    assert 'base="floating"' in refusal(lambda: exoid.load_exo("bleex", base="flying"))
-    assert "no built-in leg 'hal'" in refusal(lambda: exoid.load_exo("hal", base="floating"))
-    assert "no inertias 'cad' for 'cuhk'" in refusal(lambda: exoid.load_exo("cuhk", "cad"))

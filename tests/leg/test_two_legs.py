@@ -12,7 +12,7 @@ from unchecked import identify
 from walking import Walk
 
 import exoid
-from exoid import ExoidError, Leg, Payload
+from exoid import Leg, Payload
 from exoid.cli import app
 from exoid.leg.description import describe
 from exoid.leg.exported import read_exported
@@ -73,12 +73,6 @@ def test_payloads_on_torso_and_legs_take_pinocchios_forces(robot):
     loaded = Leg(leg.description, bodies, leg.reduction, leg.chain, base="floating", machine=leg.machine)
     expected = loaded.inverse_dynamics(*flight.joints, flight.base) - leg.inverse_dynamics(*flight.joints, flight.base)
     assert_relative(payload_torque(leg, loads, motion), expected, 1e-10)
-
-
-def test_a_payload_on_a_torso_that_does_not_float_is_refused():
-    exo, q = exoid.load_exo("bleex"), np.zeros((1, 6))
-    with pytest.raises(ExoidError, match="a payload on 'torso', which the leg does not have"):
-        payload_torque(exo, (Payload("torso", 1.0),), Motion(q, q, q, None))
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])

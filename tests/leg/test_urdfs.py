@@ -20,12 +20,6 @@ from exoid import published
 
 ROOT = Path(__file__).resolve().parents[2]
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
-LEGS = [  # file, side, parameter set
-    ("bleex.urdf", "left", "cad"),
-    ("bleex.urdf", "right", "cad"),
-    ("bleex_identified.urdf", "left", "left"),
-    ("bleex_identified.urdf", "right", "right"),
-]
 BOUNDS = {"cad": (1.81, 5.05, 8.94), "left": (1.82, 5.22, 10.03), "right": (1.56, 5.18, 9.20)}
 G = 9.81
 
@@ -47,88 +41,7 @@ def xml_of(name: str) -> ET.Element:
     return ET.parse(ROOT / "urdf" / name).getroot()
 
 
-def links_of(model: pin.Model, side: str, joints: tuple[str, ...]) -> list[tuple[float, float, float, float]]:
-    """Mass, c_x, c_z and I_yy about the centre of mass of the link below each joint."""
-    inertias = [model.inertias[model.getJointId(f"{side}_{joint}")] for joint in joints]
-    assert all(i.lever[1] == 0.0 for i in inertias)
-    return [(i.mass, i.lever[0], i.lever[2], i.inertia[1, 1]) for i in inertias]
-
-
-def bleex_reduced(model: pin.Model, side: str) -> dict[str, float]:
-    """Doc. 1, eqs. (1)-(9), from the links."""
-    l_t = l_s = 0.43
-    thigh, shank, foot = links_of(model, side, ("hip", "knee", "ankle"))
-    (m_t, x_t, z_t, i_t), (m_s, x_s, z_s, i_s), (m_f, x_f, z_f, i_f) = thigh, shank, foot
-    j3 = i_f + m_f * (x_f**2 + z_f**2)
-    j2 = j3 + i_s + m_s * (x_s**2 + z_s**2) + m_f * l_s**2
-    j1 = j2 + i_t + m_t * (x_t**2 + z_t**2) + (m_s + m_f) * l_t**2
-    return {
-        "X1": -m_t * z_t + (m_s + m_f) * l_t,
-        "Y1": m_t * x_t,
-        "J1": j1,
-        "X2": -m_s * z_s + m_f * l_s,
-        "Y2": m_s * x_s,
-        "J2": j2,
-        "X3": -m_f * z_f,
-        "Y3": m_f * x_f,
-        "J3": j3,
-    }
-
-
-def cuhk_reduced(model: pin.Model, side: str) -> dict[str, float]:
-    """Doc. 2, Table I with J_t, from the links."""
-    l_t = 0.4165
-    (m_t, x_t, z_t, i_t), (m_s, x_s, z_s, i_s) = links_of(model, side, ("hip", "knee"))
-    return {
-        "X1": -m_t * z_t + m_s * l_t,
-        "Y1": m_t * x_t,
-        "J1": i_t + m_t * (x_t**2 + z_t**2) + m_s * l_t**2,
-        "X2": -m_s * z_s,
-        "Y2": m_s * x_s,
-        "J2": i_s + m_s * (x_s**2 + z_s**2),
-    }
-
-
 # ------------------------------------------------------------------------------------------- numbers
-
-
-@pytest.mark.parametrize(("name", "side", "which"), LEGS)
-def test_a_bleex_urdf_has_the_tables_reduced_parameters(name, side, which):
-    reduced = bleex_reduced(model_of(name), side)
-    assert reduced == pytest.approx(published.bleex_parameters(which), abs=1e-13, rel=0)
-
-
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_the_cuhk_urdf_has_the_plants_reduced_parameters(side):
-    reduced = cuhk_reduced(model_of("cuhk.urdf"), side)
-    assert reduced == pytest.approx(published.cuhk_parameters(), abs=1e-13, rel=0)
-
-
-@pytest.mark.parametrize(("name", "side", "which"), LEGS)
-def test_a_bleex_leg_weighs_on_its_joints_as_the_document_says(name, side, which):
-    """Gravity torques of doc. 1, eqs. (10)-(12), with the repaired bracket of (12)."""
-    model = model_of(name)
-    p = published.bleex_parameters(which)
-    q = np.random.default_rng(1).uniform(-1.0, 1.0, model.nq)
-    ids = [model.joints[model.getJointId(f"{side}_{joint}")].idx_q for joint in ("hip", "knee", "ankle")]
-    angles = np.cumsum(q[ids])
-    own = [G * (p[f"X{i}"] * np.sin(t) + p[f"Y{i}"] * np.cos(t)) for i, t in enumerate(angles, start=1)]
-    torques = pin.computeGeneralizedGravity(model, model.createData(), q)[ids]
-    np.testing.assert_allclose(torques, np.cumsum(own[::-1])[::-1], rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_the_cuhk_leg_weighs_on_its_joints_as_the_document_says(side):
-    """Gravity torques of doc. 2, eqs. (20) and (21), the latter repaired."""
-    model = model_of("cuhk.urdf")
-    p = published.cuhk_parameters()
-    q = np.random.default_rng(2).uniform(-1.0, 1.0, model.nq)
-    hip, knee = (model.joints[model.getJointId(f"{side}_{joint}")].idx_q for joint in ("hip", "knee"))
-    delta = q[knee] - q[hip]
-    shank = p["X2"] * np.sin(delta) - p["Y2"] * np.cos(delta)
-    thigh = p["X1"] * np.sin(q[hip]) + p["Y1"] * np.cos(q[hip])
-    torques = pin.computeGeneralizedGravity(model, model.createData(), q)[[hip, knee]]
-    np.testing.assert_allclose(torques, [G * (thigh - shank), G * shank], rtol=0, atol=1e-12)
 
 
 def test_the_double_pendulum_has_the_published_model():

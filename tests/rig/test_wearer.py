@@ -365,3 +365,14 @@ def test_an_intention_without_acceleration_needs_muscles_without_feedforward():
         worn(FREE, Wearer.build(CUHK, intention=Line()))
     run = worn(FREE, Wearer.build(CUHK, intention=Line(), feedforward=False), reference=Line())
     assert np.abs(run.limb_q[-1] - run.limb_q[0]).max() > 0.02
+
+
+def test_joints_of_any_name_carry_the_limb_of_their_roles():
+    text = BLEEX.description.text
+    for old, new in zip(BLEEX.joint_names, ("HFE", "KFE", "AFE"), strict=True):
+        text = text.replace(f'"{old}"', f'"{new}"')
+    leg = exoid.Leg.from_description(exoid.leg.description.describe(text), ("HFE", "KFE", "AFE"))
+    wearer = Wearer.build(leg, roles={"HFE": "hip", "KFE": "knee", "AFE": "ankle"})
+    np.testing.assert_allclose(wearer.limb.parameters, Wearer.build(BLEEX).limb.parameters, rtol=1e-12)
+    with pytest.raises(ExoidError, match="KFE"):
+        Wearer.build(leg, roles={"HFE": "hip"})

@@ -13,8 +13,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.fixed_base import refuse_floating_base
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel

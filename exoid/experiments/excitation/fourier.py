@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.references import Harmonics
+from exoid.experiments.references import Harmonics, from_coefficients
 
 
 class States(NamedTuple):
@@ -60,14 +60,8 @@ class FourierMotion:
 
     @property
     def reference(self) -> Harmonics:
-        """Motion as a reference of one rig, by c sin(x + φ) = c cos φ sin x + c sin φ cos x."""
-        frequency = 2.0 * np.pi / self.period * np.arange(1.0, len(self.sine) + 1.0)
-        return Harmonics(
-            self.centre[:, None],
-            np.hypot(self.sine, self.cosine)[..., None],
-            np.broadcast_to(frequency[:, None, None], (*self.sine.shape, 1)),
-            np.arctan2(self.cosine, self.sine)[..., None],
-        )
+        """Motion as a reference of one rig."""
+        return from_coefficients(self.centre, self.cosine.T, self.sine.T, self.period)
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,9 +34,9 @@ def plan_files(path: str | os.PathLike[str], labels: Sequence[str], *, poses: bo
     """Name the files of a plan; refuse a name under which it cannot be written."""
     path = Path(path)
     if path.suffix != ".csv":
-        raise BadArgumentError(f"a plan in {path.name}", file=str(path), remedy="name the file .csv")
+        raise BadArgumentError("a plan in no table", file=str(path), remedy="name the file .csv")
     if not os.path.isdir(path.parent):  # noqa: PTH112 - no error if a folder cannot be read
-        raise BadArgumentError(f"there is no folder {path.parent}", where=str(path), remedy="create it, or use another")
+        raise BadArgumentError(f"there is no folder {path.parent}", file=str(path), remedy="create it, or use another")
     ends = [f"_{label}" for label in labels] if len(labels) > 1 else [""]
     return tuple(path.with_name(f"{path.stem}{kind}{end}.csv") for kind in ("", "_poses")[: 1 + poses] for end in ends)
 

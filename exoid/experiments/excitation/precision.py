@@ -33,15 +33,10 @@ READINGS = 50
 
 
 class StaticRows(NamedTuple):
-    """Static poses and the number of readings of each.
-
-    Attributes:
-        poses: Poses; their torques are not used.
-        readings: Number of independent readings that are averaged.
-    """
+    """Static poses, whose torques are not used, and the number of readings of each."""
 
     poses: Poses
-    readings: int = READINGS
+    readings: int = READINGS  # independent ones, which are averaged
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,23 +177,7 @@ def predict(
     scales: Scales,
     preparation: Preparation | None = None,
 ) -> Precision:
-    """Predict the covariance of weighted least squares.
-
-    On a floating base, links that rest are in the ``contacts`` of the recordings, and their wrenches are not known.
-
-    Args:
-        model: Leg and terms.
-        data: Motions and poses, whose torques are not used.
-        noise: Torque noise, white before the filter.
-        scales: Scales of the standard deviations.
-        preparation: Preparation as for :func:`exoid.identify`; None for its default.
-
-    Returns:
-        Predicted precision.
-
-    Raises:
-        ExoidError: A joint is missing, a motion is too short for the filter, or nothing rests under a floating base.
-    """
+    """Predict the covariance of weighted least squares; wrenches of links that rest are not known."""
     return information_of(model, data, noise, preparation).precision(model, scales)
 
 

@@ -49,19 +49,7 @@ class TorqueNoise:
 
     @classmethod
     def of(cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf) -> TorqueNoise:
-        """Take given standard deviations, or 2 % of the typical torque of each joint.
-
-        Args:
-            std: Standard deviation [N·m], a number or (n,); None if unknown.
-            typical: Typical torque of each joint [N·m], (n,).
-            bandwidth: Frequency up to which the spectrum is flat [Hz].
-
-        Returns:
-            Noise of n joints.
-
-        Raises:
-            ExoidError: The number of standard deviations is neither one nor n, or a value is not positive.
-        """
+        """Take given standard deviations, a number or (n,), or 2 % of the typical torque of each joint."""
         if std is None:
             return cls(tuple((0.02 * typical).tolist()), bandwidth, assumed=True)
         try:
@@ -114,19 +102,7 @@ class Scales(NamedTuple):
 
     @classmethod
     def of(cls, model: TorqueModel, limits: MotionLimits, values: Mapping[str, float] | None = None) -> Scales:
-        """Compute the scales over random states within the limits of angle.
-
-        Args:
-            model: Leg and terms.
-            limits: Limits of angle.
-            values: Expected parameters by name; None for those of the leg, and zero for terms.
-
-        Returns:
-            Scales of all parameters of the model.
-
-        Raises:
-            ExoidError: A name is unknown.
-        """
+        """Compute the scales over random states within the limits of angle."""
         expected = expected_parameters(model, values)
         states = reference_states(limits, STATES, np.random.default_rng(0))
         return cls.over(expected, model.regressor(*states))

@@ -14,9 +14,8 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_poses_beyond_limits
-from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.link_frames import link_frame
-from exoid.leg.reduction.planar import GRAVITY
+from exoid.leg.torso import TorsoMotion, base_kinematics
 from exoid.rig import Rates
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
 
@@ -58,7 +57,11 @@ def planned_motion(
     leg, b = plant.leg, plant.leg.base_rows
     joints, torso = scipy.interpolate.CubicSpline(time, q), scipy.interpolate.CubicSpline(time, base)
     v, a = joints(time, 1), joints(time, 2)
-    rows = leg.inverse_dynamics(q, v, a, _base_kinematics(plant, base, torso(time, 1), torso(time, 2)))
+    change = torso(time, 2)
+    pitching = TorsoMotion(
+        base[:, 2], torso(time, 1)[:, 2], change[:, 2], change[:, :2]
+    )  # about the root link's origin
+    rows = leg.inverse_dynamics(q, v, a, base_kinematics(pitching, len(time), plant.plane, np.zeros(3)))
     torque = rows[:, b:] + plant.resistance(q, v) + plant.armature * a
     if feet:
         parts = [_bearing(plant, q, base, link, bearing, held=held) for link, bearing in feet.items()]
@@ -100,17 +103,6 @@ def _turn(plant: GroundPlant, q: FloatArray, base: FloatArray, link: str) -> Flo
     rotation = leg.forward_kinematics(q).rotation[:, frame.body] @ frame.placement.rotation
     torso = scipy.spatial.transform.Rotation.from_rotvec(np.outer(base[:, 2], -lateral)).as_matrix()
     return np.asarray(torso @ rotation)
-
-
-def _base_kinematics(plant: GroundPlant, base: FloatArray, rate: FloatArray, change: FloatArray) -> BaseKinematics:
-    """Motion of the torso in its own axes."""
-    plane, pitch = plant.plane, base[:, 2]
-    force = (change[:, 0] + 1j * (change[:, 1] + GRAVITY)) * np.exp(-1j * pitch)
-    return BaseKinematics(
-        np.outer(rate[:, 2], -plane.lateral),
-        np.outer(change[:, 2], -plane.lateral),
-        np.outer(force.real, plane.forward) + np.outer(force.imag, plane.up),
-    )
 
 
 def follow(

@@ -18,6 +18,7 @@ from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.lab.stability import Amplification, largest_amplification
 from exoid.lab.stability.worn.amplification import AmplifiedLaw
+from exoid.lab.stability.worn.worn_loop import poses_of
 from exoid.rig import Plant, Reference, Sensors, Wearer
 
 from .wear_models import WornModels, worn_models
@@ -98,6 +99,7 @@ def wear(
     most: float = MOST,
     height: float = 1.75,
     mass: float = 70.0,
+    roles: Mapping[str, str] | None = None,
     largest: Mapping[str, Amplification] | None = None,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
@@ -118,6 +120,7 @@ def wear(
         most: Largest amplification.
         height: Height of the wearer [m].
         mass: Mass of the wearer [kg].
+        roles: "hip", "knee" or "ankle" for each joint that has another name.
         largest: Largest stable amplifications of the same models, controller and wearer, as of another stride, on which
             they do not depend; None to find them.
         seed: Seed of noise and draws.
@@ -142,14 +145,14 @@ def wear(
         )
     report = progress or (lambda _: None)
     cad, identified, truth = worn_models(source, seed, lambda share: report(0.5 * share))
-    intention = gait_for_leg(truth.leg, healthy_gait(SCALE, period))
+    intention = gait_for_leg(truth.leg, healthy_gait(SCALE, period), roles)
     refuse_motion_beyond_limits(truth.leg, intention, period)
-    wearer = Wearer.build(truth.leg, height, mass, intention=intention)
+    wearer = Wearer.build(truth.leg, height, mass, roles=roles, intention=intention)
     law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
     sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
     if largest is None:
         # Largest amplification that is tried, over the largest that is used.
-        largest = _largest(sources, truth, wearer, law, 2.0 * most, seed)
+        largest = _largest(sources, truth, wearer, law, 2.0 * most, seed, poses_of(truth.leg, None, roles))
     report(0.8)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
@@ -172,14 +175,20 @@ def wear(
 
 
 def _largest(
-    sources: Mapping[str, ModelSource], truth: Plant, wearer: Wearer, law: AmplifiedLaw, most: float, seed: int
+    sources: Mapping[str, ModelSource],
+    truth: Plant,
+    wearer: Wearer,
+    law: AmplifiedLaw,
+    most: float,
+    seed: int,
+    poses: FloatArray,
 ) -> dict[str, Amplification]:
     """Find the largest stable amplification of each model: the identified one over its distribution, others exactly."""
     found = {}
     for name, model in sources.items():
         given = None if name == "identified" else truth
         found[name] = largest_amplification(
-            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=most, seed=seed
+            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=most, seed=seed, poses=poses
         )
     _refuse_unstable(found)
     return found

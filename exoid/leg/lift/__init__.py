@@ -3,9 +3,4 @@
 from .lift import Lift, lift
 from .physical import PhysicalCheck, check
 
-__all__ = [
-    "Lift",
-    "PhysicalCheck",
-    "check",
-    "lift",
-]
+__all__ = ["Lift", "PhysicalCheck", "check", "lift"]

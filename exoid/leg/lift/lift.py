@@ -172,9 +172,7 @@ def lift(
             f"pull {pull} and mass factor {mass_factor} are out of range",
             remedy="a pull is zero or positive, a mass factor above 1",
         )
-    prior = make_consistent(leg.link_parameters)
-    problem = Problem.around(prior, leg.reduction)
-    _refuse_absurd_values(leg, target, problem)
+    prior, problem = _problem(leg, target)
     natural = _whitening(problem.K @ problem.K.T)
     usual = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
     heaviest = np.full(problem.links, usual if mass_factor is None else min(mass_factor, ABSURD))
@@ -210,9 +208,7 @@ def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distan
     """Say whether some physically consistent links have base parameters within a distance of the given ones."""
     # This costs less than `lift`, which looks for the nearest.
     target = checked_values(leg, values)
-    prior = make_consistent(leg.link_parameters)
-    problem = Problem.around(prior, leg.reduction)
-    _refuse_absurd_values(leg, target, problem)
+    prior, problem = _problem(leg, target)
     metric = _metric(_checked(leg, covariance, "covariance", 2), problem)
     natural = _whitening(problem.K @ problem.K.T)
     heaviest = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
@@ -230,8 +226,10 @@ def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
     return _checked(leg, values, "values", 1)
 
 
-def _refuse_absurd_values(leg: Leg, target: FloatArray, problem: Problem) -> None:
-    """Refuse values whose squares would overflow, or lose the leg's own links to rounding."""
+def _problem(leg: Leg, target: FloatArray) -> tuple[FloatArray, Problem]:
+    """The leg's own links, made consistent, and the problem around them; values whose squares overflow are refused."""
+    prior = make_consistent(leg.link_parameters)
+    problem = Problem.around(prior, leg.reduction)
     absurd = np.abs(target) > ABSURD * np.linalg.norm(problem.K, axis=1)
     if absurd.any():
         what = ", ".join(
@@ -242,6 +240,7 @@ def _refuse_absurd_values(leg: Leg, target: FloatArray, problem: Problem) -> Non
         raise NotIdentifiableError(
             f"no leg has {what}", where=leg.description.name, remedy="identify from a motion that determines it"
         )
+    return prior, problem
 
 
 def _whitening(covariance: FloatArray) -> FloatArray:

@@ -130,18 +130,9 @@ class Bodies(NamedTuple):
 def reproduce(
     problem: Problem, target: FloatArray, natural: FloatArray, heaviest: FloatArray, *, bounded: bool
 ) -> Bodies | None:
-    """Find the bodies nearest to the prior that have the target's values exactly.
-
-    Args:
-        problem: The problem.
-        target: β, (p,).
-        natural: Whitening matrix of the change of β by the relative change of inertias, (p, p).
-        heaviest: Largest mass of each link over that of the prior, (n,).
-        bounded: Whether to look for other bodies where the nearest are too heavy.
-
-    Returns:
-        The bodies; None if there are none.
-    """
+    """Find the bodies nearest to the prior that have the target's values exactly; None if there are none."""
+    # `natural` whitens the change of β by the relative change of inertias, `heaviest` is over the masses of the prior,
+    # and `bounded` looks for other bodies where the nearest are too heavy.
     unit, heavy = _exact(problem, target, natural, heaviest, None)
     if heavy and bounded:
         unit, heavy = _exact(problem, target, natural, heaviest, heaviest)

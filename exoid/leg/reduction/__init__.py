@@ -2,6 +2,4 @@
 
 from .planar import Plane
 
-__all__ = [
-    "Plane",
-]
+__all__ = ["Plane"]

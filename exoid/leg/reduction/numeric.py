@@ -24,9 +24,14 @@ from exoid.errors import NotIdentifiableError
 from exoid.leg.dynamics import joint_torque_regressor
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
-from .rounding import ROUNDING, rounding_changes
 from .tree import Tree, is_floating
 from .tree_regressor import BaseSamples, fill_tree_regressor
+
+ROUNDING = 5e-5
+"""Largest error of a number with four decimals: rotations [rad] and positions [m] of joints."""
+
+DRAWS = 4
+"""Random roundings; each has as many rows as the regressor."""
 
 THRESHOLD = 1e-9
 """Largest column of the regressor that counts as zero, over the largest one, and largest coefficient of a group."""
@@ -58,7 +63,8 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_ba
     # Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
     regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
     W = regressor(model)
-    changes = rounding_changes(model, regressor, seed=seed)
+    rng = np.random.default_rng(seed)
+    changes = [regressor(_rounded(model, rng)) - W for _ in range(DRAWS)]
     scale = _column_scale(W, changes)
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > THRESHOLD * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
@@ -100,6 +106,15 @@ def _random_regressor(model: pin.Model, *, seed: int, moving_base: bool) -> Floa
     columns = np.zeros((10 * tree.bodies, tree.rows, samples))
     fill_tree_regressor(tree, q, v, 3.0 * a, range(len(columns)), columns, BaseSamples(velocity, acceleration))
     return columns.transpose(2, 1, 0).reshape(samples * model.nv, -1)
+
+
+def _rounded(model: pin.Model, rng: np.random.Generator) -> pin.Model:
+    """Copy a model with random rounding errors of its joint placements."""
+    copy = pin.Model(model)
+    for j in range(1, copy.njoints):
+        rotation, translation = rng.uniform(-ROUNDING, ROUNDING, (2, 3))
+        copy.jointPlacements[j] = copy.jointPlacements[j] * pin.SE3(pin.exp3(rotation), translation)
+    return copy
 
 
 def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:

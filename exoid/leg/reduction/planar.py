@@ -109,153 +109,63 @@ def fill_regressor(
     torso: TorsoSamples | None = None,
     force: FloatArray | None = None,
 ) -> None:
-    """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample."""
-    block = max(1, min(BLOCK, len(q)))
-    work = _Workspace.allocate(chain.n, block)  # allocated once, as fresh memory costs more time than the arithmetic
-    segments = _segments(chain)
-    for start in range(0, len(q), block):
-        rows = slice(start, start + block)
-        if len(q) - start < block:
-            work = work.first(len(q) - start)
-        joints, columns = (q[rows].T, v[rows].T, a[rows].T), out[..., rows]
+    """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample, and forces on the hip for X and Y."""
+    work = np.empty((4 + chain.n, min(BLOCK, len(q))), dtype=np.complex128)  # once: fresh memory costs time
+    for start in range(0, len(q), BLOCK):
+        rows = slice(start, start + BLOCK)
         moved = None if torso is None else TorsoSamples(*(x[rows] for x in torso))
-        for segment in segments:
-            _move(segment, joints, work, moved)
-            _fill_columns(segment, joints[2], work, columns, None if force is None else force[..., rows], cumulative)
-        for j, sign, _ in segments:
-            if sign < 0.0:
-                columns[3 * j :, j] *= -1.0
+        pull = None if force is None else force[..., rows]
+        block = work[:, : len(q) - start]
+        _fill_block(chain, q[rows].T, v[rows].T, a[rows].T, out[..., rows], cumulative, moved, pull, block)
 
 
-_Joints = tuple[FloatArray, FloatArray, FloatArray]
-"""Angles, rates and accelerations of the joints, (n, B) each."""
-
-
-class _Segment(NamedTuple):
-    """Segment j and the joint that carries it."""
-
-    j: int  # index
-    sign: float  # sign s_j
-    offset: complex | None  # vector d_j as a complex number; None for the last segment
-
-
-def _segments(chain: PlanarChain) -> list[_Segment]:
-    """Segments with Python numbers, which NumPy reads faster than its own scalars."""
-    offsets = [*(complex(x, z) for x, z in chain.offsets.tolist()), None]
-    return [
-        _Segment(j, sign, offset) for j, (sign, offset) in enumerate(zip(chain.signs.tolist(), offsets, strict=True))
-    ]
-
-
-class _Parts(NamedTuple):
-    """Complex numbers of B samples, with views of their real and imaginary parts."""
-
-    whole: ComplexArray
-    real: FloatArray
-    imag: FloatArray
-
-    @classmethod
-    def of(cls, numbers: ComplexArray) -> _Parts:
-        """Make the views."""
-        return cls(numbers, numbers.real, numbers.imag)
-
-
-class _Workspace(NamedTuple):
-    """Memory for one block of B samples; each segment overwrites the values of the one before."""
-
-    absolute: FloatArray  # angle φ_j, rate φ̇_j and acceleration φ̈_j, (3, B)
-    scratch: FloatArray  # temporary values, (2, B)
-    origin: _Parts  # values i conj(p̈_j + i g)
-    direction: _Parts  # values e^{iφ_j}
-    turn: _Parts  # values e^{iφ_j}(φ̈_j + i φ̇_j²)
-    moment: _Parts  # factor of h_j, or the part of it that a lever adds
-    levers: ComplexArray  # values conj(d_k e^{iφ_k}) of the segments k above, (n, B)
-
-    @classmethod
-    def allocate(cls, n: int, block: int) -> _Workspace:
-        """Allocate the memory."""
-        real, numbers = np.empty((5, block)), np.empty((4 + n, block), dtype=np.complex128)
-        origin, direction, turn, moment = (_Parts.of(row) for row in numbers[:4])
-        return cls(real[:3], real[3:], origin, direction, turn, moment, numbers[4:])
-
-    def first(self, count: int) -> _Workspace:
-        """View the memory as a smaller block."""
-        absolute, scratch, *numbers, levers = self
-        origin, direction, turn, moment = (_Parts.of(parts.whole[:count]) for parts in numbers)
-        return _Workspace(absolute[:, :count], scratch[:, :count], origin, direction, turn, moment, levers[:, :count])
-
-
-def _move(segment: _Segment, joints: _Joints, work: _Workspace, torso: TorsoSamples | None) -> None:
-    """Advance the absolute motion to the next segment; the first one follows the torso."""
-    j, sign, _ = segment
-    angle, rate, acceleration = work.absolute
-    q, v, a = joints
-    if j > 0:
-        add = np.add if sign > 0.0 else np.subtract
-        add(angle, q[j], out=angle)
-        add(rate, v[j], out=rate)
-        add(acceleration, a[j], out=acceleration)
-        return
-    np.multiply(q[0], sign, out=angle)
-    np.multiply(v[0], sign, out=rate)
-    np.multiply(a[0], sign, out=acceleration)
-    work.origin.whole[:] = GRAVITY
-    if torso is not None:
-        work.absolute[:] += torso[:3]
-        work.origin.real[:] += torso.hip_acceleration_z
-        work.origin.imag[:] += torso.hip_acceleration_x
-
-
-def _fill_columns(
-    segment: _Segment,
-    accelerations: FloatArray,
-    work: _Workspace,
+def _fill_block(
+    chain: PlanarChain,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
     out: FloatArray,
-    force: FloatArray | None,
     cumulative: bool,
+    torso: TorsoSamples | None,
+    force: FloatArray | None,
+    work: ComplexArray,
 ) -> None:
-    """Fill the columns of a segment without the signs s_k, and advance the origin to the next segment."""
-    j, sign, offset = segment
-    (angle, rate, acceleration), scratch, origin, direction, turn, moment, levers = work
-    _direct(angle, out=direction, scratch=scratch)
-    turn.real[:] = acceleration
-    np.multiply(rate, rate, out=turn.imag)
-    np.multiply(turn.whole, direction.whole, out=turn.whole)
-    np.multiply(direction.whole, origin.whole, out=moment.whole)
-    if force is not None:
-        _fill_force(turn, force[3 * j : 3 * j + 2])
-    X, Y, J = out[3 * j], out[3 * j + 1], out[3 * j + 2]
-    X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
-    for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
-        np.multiply(turn.whole, levers[k], out=moment.whole)
-        np.add(X[k + 1], moment.imag, out=X[k])
-        np.add(Y[k + 1], moment.real, out=Y[k])
-        if cumulative:
-            np.multiply(accelerations[j], sign, out=J[k])
-        else:
-            J[k] = acceleration
-    if offset is not None:
-        np.conjugate(np.multiply(direction.whole, offset, out=direction.whole), out=levers[j])
-        np.conjugate(np.multiply(turn.whole, offset, out=turn.whole), out=turn.whole)
-        np.add(origin.whole, turn.whole, out=origin.whole)  # p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
+    signs, offsets = chain.signs.tolist(), [complex(*offset) for offset in chain.offsets]
+    angle, rate, acceleration = np.zeros((3, q.shape[1])) if torso is None else np.array(torso[:3])  # φ_j and its rates
+    # i conj(p̈_j + i g), e^{iφ_j}, e^{iφ_j}(φ̈_j + i φ̇_j²), a part of the factor of h_j, and conj(d_k e^{iφ_k})
+    origin, direction, turn, moment, *levers = work
+    origin[:] = GRAVITY
+    if torso is not None:
+        origin += torso.hip_acceleration_z + 1j * torso.hip_acceleration_x
+    for j, sign in enumerate(signs):
+        for absolute, own in ((angle, q), (rate, v), (acceleration, a)):
+            np.add(absolute, sign * own[j], out=absolute)
+        cosine_and_sine(angle, out=(direction.real, direction.imag))
+        turn.real, turn.imag = acceleration, rate**2
+        np.multiply(turn, direction, out=turn)
+        np.multiply(direction, origin, out=moment)
+        X, Y, J = out[3 * j : 3 * j + 3]
+        X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
+        for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
+            np.multiply(turn, levers[k], out=moment)
+            np.add(X[k + 1], moment.imag, out=X[k])
+            np.add(Y[k + 1], moment.real, out=Y[k])
+            J[k] = sign * a[j] if cumulative else acceleration
+        if force is not None:  # i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X
+            force[3 * j], force[3 * j + 1] = (turn.real, turn.imag), (-turn.imag, turn.real)
+        if j + 1 < chain.n:
+            np.conjugate(np.multiply(direction, offsets[j], out=direction), out=levers[j])
+            origin += np.conjugate(np.multiply(turn, offsets[j], out=turn), out=turn)  # i d e^{iφ}(φ̈ + i φ̇²)
+    for joint in np.flatnonzero(chain.signs < 0.0):
+        out[3 * joint :, joint] *= -1.0
 
 
-def _fill_force(turn: _Parts, out: FloatArray) -> None:
-    """Force i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X: forward and up for X and for Y, (2, 2, B)."""
-    out[0, 0], out[0, 1] = turn.real, turn.imag
-    np.negative(turn.imag, out=out[1, 0])
-    out[1, 1] = turn.real
-
-
-def _direct(angle: FloatArray, *, out: _Parts, scratch: FloatArray) -> None:
-    """e^{iφ} from t = tan(φ/2): cos φ = 2/(1 + t²) − 1, sin φ = 2t/(1 + t²); a third of the time of cos and sin."""
-    t, double = scratch
-    np.tan(np.multiply(angle, 0.5, out=t), out=t)
-    np.multiply(t, t, out=double)
-    np.add(double, 1.0, out=double)
-    np.divide(2.0, double, out=double)
-    np.subtract(double, 1.0, out=out.real)
-    np.multiply(double, t, out=out.imag)
+def cosine_and_sine(angle: FloatArray, out: tuple[FloatArray, FloatArray]) -> None:
+    """Compute 2/(1 + t²) − 1 and 2t/(1 + t²) with t = tan(φ/2): a third of the time of cos and sin."""
+    t = np.tan(0.5 * angle)
+    double = 2.0 / (1.0 + t * t)
+    np.subtract(double, 1.0, out=out[0])
+    np.multiply(double, t, out=out[1])
 
 
 def _plane(axis: FloatArray, up: FloatArray) -> Plane:

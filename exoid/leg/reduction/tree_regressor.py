@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
+from .reduction import Reduction
 from .tree import BASE_ROWS, Tree, TreeJoint
-from .tree_motion import BLOCK, CYCLIC, carry, turned
+from .tree_motion import BLOCK, CYCLIC, carry, turn_back
 
 VELOCITY, ACCELERATION, AXES = 0, 1, 2
 """Places among the motion vectors of a body; behind them are the axes of the joints that carry it."""
@@ -55,19 +56,40 @@ def fill_tree_regressor(
     vectors = sum(AXES + len(joint.carriers) for joint in tree.joints)
     # Samples computed at once are fewer than `BLOCK` where the motion of all bodies takes more memory than this
     block = max(1, min(BLOCK, (2**25) // (8 * 6 * max(vectors, 1)), len(q)))
-    work = _Workspace.allocate(tree, block)  # once, as fresh memory costs more time than the arithmetic
     for start in range(0, len(q), block):
         rows = slice(start, start + block)
-        if len(q) - start < block:
-            work = _Workspace.allocate(tree, len(q) - start)
-        _set_base(work.base, tree, None if base is None else BaseSamples(*(x[rows] for x in base)))
+        part = out[..., rows]
+        motions = [_base_motion(tree, part.shape[-1], None if base is None else BaseSamples(*(x[rows] for x in base)))]
         if tree.floating:
-            _fill_body(work.base, layouts[0], work, out[..., rows])
-        for j, (joint, motion) in enumerate(zip(tree.joints, work.bodies, strict=True)):
-            parent = work.base if joint.parent < 0 else work.bodies[joint.parent]
-            carry(joint, parent, motion, joint.sign * q[rows, j], work.scratch, work.turn)
+            _fill_body(motions[0], layouts[0], part)
+        for j, joint in enumerate(tree.joints):
+            motion = carry(joint, motions[joint.parent + 1], joint.sign * q[rows, j])
             _add_rates(joint, motion, joint.sign * v[rows, j], joint.sign * a[rows, j])
-            _fill_body(motion, layouts[j + tree.floating], work, out[..., rows])
+            _fill_body(motion, layouts[j + tree.floating], part)
+            motions.append(motion)
+
+
+def fill_reduced_regressor(
+    reduction: Reduction,
+    tree: Tree,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    out: FloatArray,
+    base: BaseSamples | None = None,
+) -> None:
+    """Write the regressor of base parameters: columns of Pinocchio's, combined where the reduction says so."""
+    columns, spread = reduction.columns, reduction.spread
+    if reduction.selects:
+        fill_tree_regressor(tree, q, v, a, columns, out, base)
+        return
+    for start in range(0, len(q), BLOCK):  # limits the memory of Pinocchio's wide regressor
+        rows = slice(start, start + BLOCK)
+        part = out[..., rows]
+        Y = np.zeros((len(columns), *part.shape[1:]))
+        moved = None if base is None else BaseSamples(*(x[rows] for x in base))
+        fill_tree_regressor(tree, q[rows], v[rows], a[rows], columns, Y, moved)
+        part[:] = np.tensordot(spread[columns].T, Y, axes=1)
 
 
 class _Run(NamedTuple):
@@ -117,36 +139,15 @@ def _runs(carriers: tuple[int, ...], *, floating: bool) -> Iterator[_Run]:
         yield _Run(slice(AXES + first, AXES + stop), rows, stop <= linear)
 
 
-class _Workspace(NamedTuple):
-    """Memory for one block of B samples."""
-
-    base: FloatArray  # motion vectors of the base: velocity, acceleration and, if it floats, its axes, (6, 2 or 8, B)
-    # motion vectors of each body: velocity, acceleration, axes of its K carriers; (6, 2 + K, B) each
-    bodies: tuple[FloatArray, ...]
-    scratch: FloatArray  # temporary values, (2, 2 + K, B) for the largest K
-    products: FloatArray  # products ω_i ω_j, (3, 3, B)
-    moment: FloatArray  # wrench of each requested first moment of size one, (6, 3, B)
-    inertia: FloatArray  # torque of each requested inertia of size one, (3, 6, B)
-    turn: FloatArray  # cosine and sine of the joint's angle, and two temporary values, (4, B)
-
-    @classmethod
-    def allocate(cls, tree: Tree, block: int) -> _Workspace:
-        """Allocate the memory, and set the axes of a floating base."""
-        base = np.zeros((6, AXES + BASE_ROWS * tree.floating, block))
-        base[:, AXES:] = np.eye(6)[:, : base.shape[1] - AXES, None]
-        bodies = tuple(np.empty((6, AXES + len(joint.carriers), block)) for joint in tree.joints)
-        most = max((motion.shape[1] for motion in bodies), default=AXES)
-        shapes = (2, most), (3, 3), (6, 3), (3, 6), (4,)
-        return cls(base, bodies, *(np.empty((*shape, block)) for shape in shapes))
-
-
-def _set_base(motion: FloatArray, tree: Tree, base: BaseSamples | None) -> None:
-    """Set velocity and acceleration of the base."""
+def _base_motion(tree: Tree, count: int, base: BaseSamples | None) -> FloatArray:
+    """Velocity and acceleration of the base, and its axes if it floats, (6, 2 or 8, B)."""
+    motion = np.zeros((6, AXES + BASE_ROWS * tree.floating, count))
+    motion[:, AXES:] = np.eye(6)[:, : motion.shape[1] - AXES, None]
     if base is not None:
         motion[:, VELOCITY], motion[:, ACCELERATION] = base.velocity.T, base.acceleration.T
     else:
-        motion[:, :AXES] = 0.0
         motion[:3, ACCELERATION] = -tree.gravity[:, None]
+    return motion
 
 
 def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArray) -> None:
@@ -159,12 +160,12 @@ def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArra
     for target, source in ((0, 0), (1, 1)) if joint.turns else ((0, 1),):
         parts[target, j, ACCELERATION] += parts[source, k, VELOCITY] * v
         parts[target, k, ACCELERATION] -= parts[source, j, VELOCITY] * v
-    turned(joint, motion)
+    turn_back(joint, motion)
 
 
-def _fill_body(motion: FloatArray, layout: _Layout, work: _Workspace, out: FloatArray) -> None:
+def _fill_body(motion: FloatArray, layout: _Layout, out: FloatArray) -> None:
     """Write the columns of a body: s · wrench in the row of each joint that carries it."""
-    force, moment, inertia = _wrenches(motion, layout, work)
+    force, moment, inertia = _wrenches(motion, layout)
     for row, component, sign in layout.own:
         np.multiply(moment[component], sign, out=out[layout.moments, row])
         if component < 3:
@@ -182,14 +183,15 @@ def _fill_body(motion: FloatArray, layout: _Layout, work: _Workspace, out: Float
             np.einsum("ckb,cib->ikb", s[3:], inertia, out=out[layout.inertias, run.rows])
 
 
-def _wrenches(motion: FloatArray, layout: _Layout, work: _Workspace) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _wrenches(motion: FloatArray, layout: _Layout) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Force of a unit mass (3, B), wrenches of unit first moments (6, k, B), torques of unit inertias (3, k, B)."""
     (linear, omega), acceleration = motion[:, VELOCITY].reshape(2, 3, -1), motion[:, ACCELERATION]
-    squares = np.multiply(omega[:, None], omega, out=work.products)
+    squares = omega[:, None] * omega
     force, alpha = acceleration[:3].copy(), acceleration[3:]
     for i, j, k in CYCLIC:
         force[i] += omega[j] * linear[k] - omega[k] * linear[j]
-    moment, inertia = work.moment[:, : len(layout.moment_axes)], work.inertia[:, : len(layout.inertia_axes)]
+    moment = np.empty((6, len(layout.moment_axes), motion.shape[-1]))
+    inertia = np.empty((3, len(layout.inertia_axes), motion.shape[-1]))
     for place, axis in enumerate(layout.moment_axes):
         _moment_wrench(axis, force, alpha, squares, moment[:, place])
     for place, axes in enumerate(layout.inertia_axes):

@@ -16,7 +16,9 @@ from exoid import ExoidError, published
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
 from exoid.control.lqr import linearise
 from exoid.experiments import Hold
-from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise, plan_excitation, predict
+from exoid.experiments.excitation import MotionLimits, plan_excitation
+from exoid.experiments.excitation.precision import predict
+from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.lab.stability import better_experiments, largest_amplification, stability_probability
 from exoid.lab.stability.gain_margin import spectral_radius
 from exoid.lab.stability.worn.better_experiments import covariance_after

@@ -13,7 +13,8 @@ from exoid.control import ControlModel, simulate
 from exoid.control.standard_laws import SENSORS
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk, gait_for_leg, healthy_gait
-from exoid.experiments.excitation import MotionLimits, Scales
+from exoid.experiments.excitation import MotionLimits
+from exoid.experiments.excitation.scales import Scales
 from exoid.lab.study import (
     LegText,
     Noise,

@@ -19,7 +19,8 @@ import pytest
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk
-from exoid.experiments.excitation import MotionLimits, Scales
+from exoid.experiments.excitation import MotionLimits
+from exoid.experiments.excitation.scales import Scales
 from exoid.lab.study import (
     LegText,
     Noise,

@@ -10,7 +10,7 @@ from public_robots import urdf_of
 from semidefinite import nearest_to_estimate, nearest_to_prior, nearest_with_pull
 
 import exoid
-from exoid import ExoidError, Leg
+from exoid import Leg
 from exoid.leg.description import describe
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import consistent_within
@@ -351,39 +351,6 @@ def test_a_lift_says_what_had_to_give_way(bleex):
     assert "exactly the requested parameters" in str(lift(bleex, bleex.parameters))
     with pytest.raises(ValueError, match="read-only"):
         lifted.values[0] = 1.0
-
-
-@pytest.mark.parametrize(
-    ("values", "covariance", "what"),
-    [
-        (np.ones(8), None, "values"),
-        (np.full(9, np.inf), None, "values"),
-        ("hello", None, "values"),
-        (np.full(9, -1.0), np.eye(8), "covariance"),
-        (np.full(9, -1.0), np.full((9, 9), np.nan), "covariance"),
-        (np.full(9, -1.0), -np.eye(9), "negative eigenvalue"),
-    ],
-    ids=["few", "infinite", "text", "small", "nan", "negative"],
-)
-def test_what_does_not_fit_is_refused(bleex, values, covariance, what):
-    with pytest.raises(ExoidError, match=what):
-        lift(bleex, values, covariance)
-
-
-@pytest.mark.parametrize("size", [1e14, 1e200, 1e308])
-def test_absurd_values_are_refused_by_name(bleex, size):
-    values = bleex.parameters.copy()
-    values[4] = size
-    with pytest.raises(ExoidError, match=r"no leg has Y2 = 1e\+"):
-        lift(bleex, values)
-
-
-@pytest.mark.parametrize(
-    "given", [{"pull": -1.0}, {"pull": np.nan}, {"mass_factor": 1.0}, {"mass_factor": np.nan}, {"mass_factor": -5.0}]
-)
-def test_weights_out_of_range_are_refused(bleex, given):
-    with pytest.raises(ExoidError, match="out of range"):
-        lift(bleex, bleex.parameters, **given)
 
 
 def test_any_mass_may_be_allowed(bleex):

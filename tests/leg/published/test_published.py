@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from exoid import ExoidError, published
+from exoid import published
 from exoid.leg.published.document import Quantity
 
 PRINTED = [  # document, table, name, digits, unit
@@ -77,17 +77,6 @@ def test_tables_hold_as_many_numbers_as_are_printed():
         "V": 9,
     }
     assert len(published.cuhk().table("III").values) == 6 + 2 * 4
-
-
-def test_captions_are_the_printed_ones():
-    captions = {n: t.caption for n, t in published.bleex().tables.items()}
-    assert captions == {
-        "I": "Stiffness torques",
-        "II": "Mass moment parameters",
-        "III": "Inertia parameters",
-        "IV": "Kinetic friction torques",
-        "V": "SolidWorks parameters",
-    }
 
 
 def test_the_misprint_in_table_i_of_document_2_is_kept_and_corrected_beside_it():
@@ -209,23 +198,6 @@ def test_columns_keep_the_legs_apart():
     assert table.columns == ("left", "right")
     assert {n: q.value for n, q in table.column("right").items()} == {"c03": -0.337, "c02": -0.4081}
     assert published.bleex().table("V").columns == ()
-
-
-@pytest.mark.parametrize(
-    ("ask", "offered"),
-    [
-        (lambda: published.bleex().table("VI"), "I, II, III, IV, V"),
-        (lambda: published.bleex().table("V").quantity("X4"), "X3, X2, X1"),
-        (lambda: published.bleex().table("II").column("middle"), "left, right"),
-        (lambda: published.bleex().table("V").column("left"), "none"),
-        (lambda: published.cuhk().assumption("L_f"), "L_t, L_s"),
-        (lambda: published.bleex_parameters("identified"), "cad, left, right"),
-        (lambda: published.bleex_resistances("cad"), "left, right"),
-    ],
-)
-def test_an_unknown_name_is_refused_with_what_exists(ask, offered):
-    with pytest.raises(ExoidError, match=offered):
-        ask()
 
 
 def test_published_numbers_are_read_only():

@@ -35,10 +35,13 @@ def motion(n: int, seed: int = 0, samples: int = 200) -> np.ndarray:
     params=[("cad", "left"), ("cad", "right"), ("identified", "left"), ("identified", "right")], ids="-".join
 )
 def bleex(request):
-    """A BLEEX leg, and its nine parameters by eqs. (1)-(9)."""
+    """A BLEEX leg, and its nine parameters by eqs. (1)-(9), which are those of the tables."""
     inertias, side = request.param
     links = links_of(urdf_folder() / URDFS["bleex", inertias], side, ("hip", "knee", "ankle"))
-    return exoid.load_leg("bleex", side=side, inertias=inertias), oracles.bleex_parameters(*links, *BLEEX_LENGTHS)
+    parameters = oracles.bleex_parameters(*links, *BLEEX_LENGTHS)
+    printed = exoid.published.bleex_parameters("cad" if inertias == "cad" else side)
+    assert parameters == pytest.approx(printed, abs=1e-13, rel=0)
+    return exoid.load_leg("bleex", side=side, inertias=inertias), parameters
 
 
 @pytest.fixture
@@ -113,6 +116,7 @@ def test_theta_6_can_only_be_read_as_theta_2(bleex, repair, joint):
 def test_cuhk_parameters_are_those_of_table_1_as_repaired(cuhk):
     leg, links = cuhk
     expected = oracles.cuhk_parameters(*links, *CUHK_LENGTHS)
+    assert expected == pytest.approx(exoid.published.cuhk_parameters(), abs=1e-13, rel=0)
     by_name = dict(zip(leg.parameter_names, leg.parameters, strict=True))
     assert by_name == pytest.approx(expected, rel=TOLERANCE)
 

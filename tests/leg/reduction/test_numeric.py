@@ -9,9 +9,11 @@ import pytest
 from lxml import etree
 from planar_chains import assert_relative, random_motion
 from public_robots import urdf_of
+from small_urdfs import OFFSET_BODY as BODY
+from small_urdfs import nearly_coaxial
 
 import exoid
-from exoid import Armature, ExoidError, Leg
+from exoid import Armature, Leg
 from exoid.leg.description import Description, describe, read_description
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction.numeric import numeric
@@ -103,29 +105,6 @@ def test_collecting_spread_parameters_is_the_identity(robot):
     np.testing.assert_array_equal(reduction.collect @ reduction.spread, np.eye(len(reduction.names)))
 
 
-BODY = (
-    '<inertial><origin xyz="0.01 0.02 -0.1"/><mass value="1"/>'
-    '<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
-)
-
-
-def nearly_coaxial(offset: float, *, last: bool) -> Leg:
-    """Two vertical joints a tiny offset apart, and where wanted a third that is turned."""
-    third = (
-        f'<link name="d">{BODY}</link><joint name="three" type="continuous">'
-        '<origin xyz="0.1 0.2 0.3" rpy="0.3 0.4 0.5"/><parent link="c"/><child link="d"/><axis xyz="0 0 1"/></joint>'
-    )
-    return Leg.from_description(
-        describe(
-            f'<robot name="r"><link name="a"/><link name="b">{BODY}</link><link name="c">{BODY}</link>'
-            '<joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
-            f'<joint name="two" type="continuous"><origin xyz="{offset!r} 0 -0.3"/><parent link="b"/><child link="c"/>'
-            f'<axis xyz="0 0 1"/></joint>{third if last else ""}</robot>',
-            name="coaxial.urdf",
-        )
-    )
-
-
 def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_parameters():
     assert len(nearly_coaxial(1e-3, last=True).parameters) == 11
     assert len(nearly_coaxial(1e-14, last=True).parameters) == 9
@@ -137,11 +116,6 @@ def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_paramete
 def test_offsets_that_rounding_explains_are_merged(offset):
     assert len(nearly_coaxial(offset, last=True).parameters) == 9
     assert nearly_coaxial(offset, last=False).parameter_names == ("Izz_b", "Izz_c")
-
-
-def test_an_ambiguous_rank_is_refused():
-    with pytest.raises(ExoidError, match=r"number of base parameters is ambiguous.*rounding.*To fix it: round away"):
-        nearly_coaxial(3e-4, last=True)
 
 
 # ----------------------------------------------------------------------------------------- rounding
@@ -249,12 +223,6 @@ def test_names_are_unique_and_each_begins_with_the_parameter_that_stands_for_the
 def test_names_of_a_planar_leg_do_not_depend_on_the_random_motions():
     model = exoid.load_leg("bleex").model
     assert len({numeric(model, labels(3), seed=seed).names for seed in range(10)}) == 1
-
-
-def test_names_are_the_same_in_two_runs():
-    first, second = (Leg.from_urdf(urdf_of("ur5")) for _ in range(2))
-    assert first.parameter_names == second.parameter_names
-    np.testing.assert_array_equal(first.reduction.collect, second.reduction.collect)
 
 
 def test_names_are_the_same_in_another_process():

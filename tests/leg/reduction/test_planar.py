@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from planar_chains import assert_relative, planar_chains, random_chain, random_motion
+from small_urdfs import OFFSET_BODY as BODY
 
 import exoid
 from exoid import Leg, TorsoMotion
@@ -178,12 +179,6 @@ def test_hanging_and_inverted_legs_hold_exactly_opposite_moments():
 
 
 # ------------------------------------------------------------------------- what is not a planar chain
-
-
-BODY = (
-    '<inertial><origin xyz="0.01 0.02 -0.1"/><mass value="1"/>'
-    '<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
-)
 
 
 def two_joints(first: str, second: str, *, kind: str = "revolute", parent: str = "b", rpy: str = "0 0 0") -> Leg:

@@ -9,7 +9,7 @@ import pytest
 from planar_chains import assert_relative, random_motion
 from public_robots import urdf_of
 
-from exoid import ExoidError, Leg
+from exoid import Leg
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import tree_regressor as batched
@@ -167,17 +167,6 @@ def test_a_base_that_moves_without_a_body_of_its_own_gives_the_joint_rows_of_a_f
     out = np.zeros((60, 6, 50))
     fill_tree_regressor(tree, q[:, 7:], v[:, 6:], a[:, 6:], np.arange(60), out, at_imu)
     assert_relative(out.transpose(2, 1, 0), looped(model, q, v, a)[:, 6:, 10:], TOLERANCE)
-
-
-# ------------------------------------------------------------------------------------------- refusals
-
-
-@pytest.mark.parametrize("joint", [pin.JointModelSpherical(), pin.JointModelHX(0.1)])
-def test_a_joint_that_neither_turns_nor_slides_is_refused_by_name(joint):
-    model = random_tree(np.random.default_rng(8), 2)
-    model.addJoint(1, joint, pin.SE3.Identity(), "screw")
-    with pytest.raises(ExoidError, match="'screw' is neither revolute nor prismatic"):
-        Tree.from_model(model)
 
 
 # --------------------------------------------------------------------------------------------- memory

@@ -4,9 +4,4 @@ from .demands import GroundLimits
 from .plan import StancePlan, plan_stance
 from .rig import run_stance
 
-__all__ = [
-    "GroundLimits",
-    "StancePlan",
-    "plan_stance",
-    "run_stance",
-]
+__all__ = ["GroundLimits", "StancePlan", "plan_stance", "run_stance"]

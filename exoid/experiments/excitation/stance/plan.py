@@ -25,16 +25,7 @@ from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .demands import (
-    EVERY,
-    LIMITS,
-    Demands,
-    GroundLimits,
-    missing_support,
-    null_space,
-    stance_scales,
-    undetermined,
-)
+from .demands import EVERY, LIMITS, Demands, GroundLimits, missing_support, null_space, stance_scales, undetermined
 from .objective import StanceObjective
 from .support import BOTH, StanceSupport, supports_of
 

@@ -16,7 +16,7 @@ from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.leg.reduction.planar import GRAVITY
+from exoid.leg.torso import TorsoMotion, base_kinematics
 from exoid.rig.ground import GroundPlant, Sole
 
 BOTH = "both"
@@ -138,17 +138,14 @@ class StanceSupport:
         # The foot is level and still. With the vectors r_j of shank, thigh and hip at the zero pose and
         # their angles φ_j, the origin of the root link is at p = p_ankle − Σ_j e^{iφ_j} r_j, so p̈ = −Σ_j
         # e^{iφ_j}(i φ̈_j − φ̇_j²) r_j.
-        leg, plane = self.stands[0], self.plant.plane
+        leg = self.stands[0]
         angle, rate, change = (self._turns(part) for part in states)
         vectors = np.exp(1j * angle) * np.array([leg.shank, leg.thigh, leg.hip])
         place = -leg.sole.mean() - vectors.sum(axis=1)
         acceleration = -(vectors * (1j * change - rate**2)).sum(axis=1)
-        force = (acceleration + 1j * GRAVITY) * np.exp(-1j * angle[:, 2])
-        kinematics = BaseKinematics(
-            np.outer(rate[:, 2], -plane.lateral),
-            np.outer(change[:, 2], -plane.lateral),
-            np.outer(force.real, plane.forward) + np.outer(force.imag, plane.up),
-        )
+        along = np.column_stack([acceleration.real, acceleration.imag])
+        motion = TorsoMotion(angle[:, 2], rate[:, 2], change[:, 2], along)  # about the origin of the root link
+        kinematics = base_kinematics(motion, len(angle), self.plant.plane, np.zeros(3))
         return TorsoStates(np.column_stack([place.real, place.imag, angle[:, 2]]), kinematics)
 
     def ground_rows(self, states: States, rows: FloatArray) -> GroundRows:

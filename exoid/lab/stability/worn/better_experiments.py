@@ -12,8 +12,9 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.control.sensitivity_amplification import sensitivity_amplification
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.experiments.excitation import MotionLimits, Plan, StaticRows, TorqueNoise, plan_excitation
-from exoid.experiments.excitation.precision import information_of
+from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
+from exoid.experiments.excitation.precision import StaticRows, information_of
+from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.rig import Wearer
 from exoid.signals import Recording
 from exoid.tools.tables import make_table, to_text
@@ -84,7 +85,7 @@ def better_experiments(
 ) -> BetterExperiments:
     """Predict the largest stable amplification after each of several experiments.
 
-    An experiment of information I (see :func:`exoid.experiments.excitation.predict`) changes the covariance to
+    An experiment of information I (:func:`exoid.experiments.excitation.precision.predict`) changes the covariance to
     Σ' = (1 + Σ I)⁻¹ Σ. The draws are made again from N(β̂, Σ') with the same random numbers.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -152,10 +152,10 @@ class WornLoop:
         return LinearLaw(*((1.0 - part) * each[lower] + part * each[upper] for each in table))
 
 
-def poses_of(leg: Leg, poses: ArrayLike | None) -> FloatArray:
+def poses_of(leg: Leg, poses: ArrayLike | None, roles: Mapping[str, str] | None = None) -> FloatArray:
     """Take given poses, or poses along a stride."""
     if poses is None:
-        gait = gait_for_leg(leg, healthy_gait(scale=1.0, period=1.0))
+        gait = gait_for_leg(leg, healthy_gait(scale=1.0, period=1.0), roles)
         return np.array([gait.at(k / 8).q[:, 0] for k in range(8)])
     given = np.atleast_2d(np.asarray(poses, dtype=np.float64))
     if given.ndim != 2 or given.shape[1] != len(leg.joint_names) or not np.isfinite(given).all() or not len(given):
