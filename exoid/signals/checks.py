@@ -17,6 +17,9 @@ from .source import Evidence, SourceLocation
 FEWEST_SAMPLES = 10
 """Smallest number of samples of a recording."""
 
+SLOWEST = 0.5
+"""Sampling interval from which on time is not in seconds [s]: 2 Hz show no motion of a leg, and are 2 kHz in ms."""
+
 LARGEST_ANGLE = 2.0 * np.pi
 """Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
 
@@ -221,13 +224,6 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
 
 def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
     """Refuse time stamps that do not strictly increase, or cannot be seconds."""
-    if np.abs(time).max() > 1e11:  # 3000 years
-        raise UnreadableInputError(
-            f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
-            **where.evidence(int(np.abs(time).argmax())),
-            remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them',
-            command="give their unit: --column time=HEADER:ms, or us, or ns",
-        )
     wrong = time[1:] <= time[:-1]
     if wrong.any():
         row = int(wrong.argmax()) + 1
@@ -238,10 +234,19 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
             **where.evidence(row),
             remedy="drop repeated rows; split a log of several runs and pass the parts separately",
         )
-    if np.median(np.diff(time)) < 1e-9:
+    interval = float(np.median(np.diff(time)))
+    if interval >= SLOWEST:
         raise UnreadableInputError(
-            f"the median interval of {np.median(np.diff(time)):.3g} s is too short for a log",
-            **where.evidence(),
+            f"the median interval of {interval:.4g} s (limit {SLOWEST:g} s) is that of milli-, micro- or nanoseconds",
+            **where.evidence(column="time"),
+            remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them; '
+            "pass torques that hold a leg still as exoid.signals.Poses",
+            command="give their unit: --column time=HEADER:ms, or us, or ns",
+        )
+    if interval < 1e-9:
+        raise UnreadableInputError(
+            f"the median interval of {interval:.3g} s is too short for a log",
+            **where.evidence(column="time"),
             remedy="give time in seconds",
         )
 

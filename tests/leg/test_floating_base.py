@@ -336,7 +336,7 @@ def test_what_needs_a_held_base_refuses_one_that_floats():
     assert "a rig needs a base that is held" in refusal(lambda: exoid.rig.Plant.build(exo))
     assert "control needs a base that is held" in refusal(lambda: ControlModel.of(exo))
     assert "a planned excitation needs a base that is held" in refusal(lambda: plan_excitation(exo))
-    recording = exoid.Recording(np.arange(20.0), np.zeros((20, 6)), joint_names=exo.joint_names)
+    recording = exoid.Recording(np.arange(20) / 10.0, np.zeros((20, 6)), joint_names=exo.joint_names)
     assert "an assessment needs a base that is held" in refusal(lambda: assess(exo, recording))
     assert "no Coriolis matrix" in refusal(lambda: exo.coriolis(np.zeros(6), np.zeros(6)))
 

@@ -136,7 +136,7 @@ def recordings(draw):
         "tau": st.floats(-1e8, 1e8),
     }
     wanted = ["q", *draw(st.sets(st.sampled_from(["v", "a", "tau"])))]
-    intervals = draw(hnp.arrays(np.float64, samples, elements=st.floats(1e-4, 10.0)))
+    intervals = draw(hnp.arrays(np.float64, samples, elements=st.floats(1e-4, 0.4)))
     made = {name: draw(hnp.arrays(np.float64, (samples, len(joints)), elements=floats[name])) for name in wanted}
     try:
         return Recording(time=np.cumsum(intervals), **made, joint_names=joints)

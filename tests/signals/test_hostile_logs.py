@@ -313,10 +313,10 @@ def test_millions_of_blank_lines_are_refused_after_the_first_million(end, tmp_pa
 def test_a_blank_line_after_each_line_is_no_obstacle(tmp_path, monkeypatch):
     monkeypatch.setattr("exoid.signals.readers.text.MOST_BLANK_LINES", 10)
     monkeypatch.setattr("exoid.signals.readers.text.BLOCK", 64)
-    rows = "".join(f"{k}.0,0.5\r\r\n" for k in range(40))
+    rows = "".join(f"{k / 10},0.5\r\r\n" for k in range(40))
     (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}", newline="")
     recording = Recording.from_file(tmp_path / "log.csv")
-    assert recording.time.tolist() == list(range(40))
+    assert recording.time.tolist() == [k / 10 for k in range(40)]
     (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}x,0\r\r\n", newline="")
     refused(tmp_path / "log.csv", "log.csv, line 83|log.csv, line 85")
 
