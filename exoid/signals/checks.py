@@ -12,7 +12,7 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.leg.torso import TorsoMotion
 
-from .source import Evidence, SourceLocation
+from .source import ARRAY, Evidence, SourceLocation
 
 FEWEST_SAMPLES = 10
 """Smallest number of samples of a recording."""
@@ -34,8 +34,7 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
         numbers = np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError) as problem:
         raise BadArgumentError(
-            f"{name} is not an array of real numbers: {problem}",
-            remedy=f"pass {name} as a float array in SI units",
+            f"{name} is not an array of real numbers: {problem}", remedy=f"pass {name} as a float array in SI units"
         ) from None
     numbers.flags.writeable = False
     return numbers
@@ -99,7 +98,7 @@ def _cell(
     return float(values[row, column]), name, where.evidence(int(row), name)
 
 
-def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceLocation = ARRAY) -> None:
     """Refuse NaN and infinity."""
     bad = ~np.isfinite(values)
     if bad.any():
@@ -111,7 +110,7 @@ def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceL
         )
 
 
-def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation = ARRAY) -> None:
     """Refuse values that no leg has: arithmetic would overflow, currents in mA, and temperatures that are none."""
     size = np.abs(values)
     if size.size and size.max() > 1e9:
@@ -144,7 +143,7 @@ def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], w
         )
 
 
-def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where: SourceLocation) -> None:
+def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where: SourceLocation = ARRAY) -> None:
     """Refuse angles that look like degrees."""
     if not largest > 0.0:
         raise BadArgumentError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
@@ -211,7 +210,7 @@ def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: s
     raise BadArgumentError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
 
 
-def refuse_too_few(samples: int, where: SourceLocation) -> None:
+def refuse_too_few(samples: int, where: SourceLocation = ARRAY) -> None:
     """Refuse a recording of fewer than `FEWEST_SAMPLES` samples."""
     if samples < FEWEST_SAMPLES:
         raise UnreadableInputError(
@@ -222,7 +221,7 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
         )
 
 
-def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
+def refuse_time_disorder(time: FloatArray, where: SourceLocation = ARRAY) -> None:
     """Refuse time stamps that do not strictly increase, or cannot be seconds."""
     wrong = time[1:] <= time[:-1]
     if wrong.any():
@@ -252,7 +251,7 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
 
 
 def refuse_velocity_in_other_unit(
-    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation
+    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation = ARRAY
 ) -> None:
     """Refuse velocities that are 180/π or π/180 times the rate of change of their angles."""
     # The check compares q with ∫v dt, because differences of a quantised angle are mostly noise. It skips

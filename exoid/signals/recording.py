@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, in_file
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
@@ -26,7 +26,6 @@ from .readers.formats import open_table
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns
-from .source import SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -300,7 +299,7 @@ class Recording(RecordingData):
                 f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
                 remedy="keep the rate: a lower one aliases fast signals",
             )
-        timebase.refuse_gaps(self.time, SourceLocation())
+        timebase.refuse_gaps(self.time)
         rows = timebase.uncrowded(self.time)
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
@@ -424,12 +423,13 @@ class Recording(RecordingData):
         options: ReadOptions,
         kind: str | None = None,
     ) -> Recording:
-        refuse_unknown_options(options)
         headers = {
             name: column if isinstance(column, str) else (column._text or column.header)  # as the command line wrote it
             for name, column in (columns or {}).items()
         }
-        table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
-        recording = cls(**read_log(table, joint_names, columns, options))
-        refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
-        return recording.resampled() if options.get("resample", True) else recording
+        with in_file(os.fsdecode(path)):
+            refuse_unknown_options(options)
+            table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            recording = cls(**read_log(table, joint_names, columns, options))
+            refuse_contradictions(recording.time, recording.wrenches, recording.contacts)
+            return recording.resampled() if options.get("resample", True) else recording

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError
 
-from .source import SourceLocation
+from .source import ARRAY, SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -42,7 +42,7 @@ def sampling_rate(time: FloatArray) -> float:
     return float(1.0 / np.median(np.diff(time)))
 
 
-def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
+def refuse_gaps(time: FloatArray, where: SourceLocation = ARRAY) -> None:
     """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals."""
     intervals = np.diff(time)
     limit = float(np.clip(0.02, 10.0 * np.median(intervals), 100.0 * np.median(intervals)))

@@ -12,7 +12,6 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 from . import checks, timebase
-from .source import SourceLocation
 from .timebase import Sampled, means
 
 WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -71,8 +70,8 @@ class Wrench(Sampled):
                 remedy="give one point (3,), and the moment about it: moment + np.cross(points - point, force)",
             )
         checks.refuse_shape(self.point, (samples, 3) if self.moving_point else (3,), "point of a wrench")
-        checks.refuse_not_finite(self.columns, WRENCH_PARTS, SourceLocation())
-        checks.refuse_not_finite(np.atleast_2d(self.point), ("px", "py", "pz"), SourceLocation())
+        checks.refuse_not_finite(self.columns, WRENCH_PARTS)
+        checks.refuse_not_finite(np.atleast_2d(self.point), ("px", "py", "pz"))
         refuse_wrong_units(self.force, self.moment, self.point, self.axes)
 
     @property

@@ -83,7 +83,7 @@ def test_a_unit_converts_a_column_to_si(raw):
 )
 def test_texts_of_the_command_line_are_columns_of_the_file(text, expected):
     headers = ("stamp", "cur", "cur:A", "enc", "torque", "pos[0]")
-    assert column_in(headers, Column.from_text(text), "tau_hip", "log.csv") == expected
+    assert column_in(headers, Column.from_text(text), "tau_hip") == expected
 
 
 @pytest.mark.parametrize("unit", ["Nmm", "N·mm", "N.mm", "N mm", "mNm", "mN·m"])
