@@ -40,11 +40,15 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
     return numbers
 
 
-def as_mask(values: ArrayLike) -> BoolArray:
+def as_mask(values: ArrayLike, what: str = "mask") -> BoolArray:
     """Copy a mask to a read-only array of bools; numbers must be 0 or 1."""
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise BadArgumentError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
+        raise BadArgumentError(
+            f"{what} has values other than 0 and 1",
+            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
+            command="map a column of 0 and 1, or scale it: NAME=HEADER:SCALE (--column)",
+        )
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask

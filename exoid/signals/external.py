@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypedDict, TypeVar
 
 import numpy as np
 
-from exoid._typing import ArrayLike, BoolArray, FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 
-from . import checks, timebase
+from . import checks
 from .wrench import Wrench
 
 V = TypeVar("V")
@@ -48,11 +48,13 @@ def as_external(wrenches: Any, contacts: Any, samples: int) -> External:  # noqa
                 f"the wrench on {link} is of type {type(wrench).__name__}", remedy="pass exoid.Wrench(force, moment)"
             )
         _refuse_length(len(wrench), samples, f"the wrench on {link}")
-    touching = _mapping(contacts, "contacts", '{"left_foot": bools}')
-    return {
-        "wrenches": ReadOnlyDict(measured),
-        "contacts": ReadOnlyDict({link: _contact(values, link, samples) for link, values in touching.items()}),
+    touching = {
+        link: checks.as_mask(values, f"the contact of {link}")
+        for link, values in _mapping(contacts, "contacts", '{"left_foot": bools}').items()
     }
+    for link, contact in touching.items():
+        _refuse_length(len(contact) if contact.ndim == 1 else contact.shape, samples, f"the contact of {link}")
+    return {"wrenches": ReadOnlyDict(measured), "contacts": ReadOnlyDict(touching)}
 
 
 def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: bool) -> None:
@@ -67,32 +69,13 @@ def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: boo
             )
 
 
-def select_rows(external: External, rows: slice | BoolArray) -> External:
-    """Select samples."""
-    return {
-        "wrenches": {link: wrench.rows(rows) for link, wrench in external["wrenches"].items()},
-        "contacts": {link: contact[rows] for link, contact in external["contacts"].items()},
-    }
-
-
-def interpolate(
-    external: External, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)
+def each_link(
+    external: External, wrench: Callable[[Wrench], Wrench], contact: Callable[[BoolArray], BoolArray]
 ) -> External:
-    """Interpolate at other time stamps; a new sample is in contact if both of its neighbours are."""
+    """Change every wrench and every contact."""
     return {
-        "wrenches": {link: one.interpolated(time[rows], grid, rows) for link, one in external["wrenches"].items()},
-        "contacts": {link: timebase.interpolate_mask(time, one, grid) for link, one in external["contacts"].items()},
-    }
-
-
-def average(external: External, size: int) -> External:
-    """Average neighbouring samples; a group is in contact if all of its samples are."""
-    return {
-        "wrenches": {link: one.averaged(size) for link, one in external["wrenches"].items()},
-        "contacts": {
-            link: np.asarray(one[: len(one) // size * size].reshape(-1, size).all(axis=1))
-            for link, one in external["contacts"].items()
-        },
+        "wrenches": {link: wrench(one) for link, one in external["wrenches"].items()},
+        "contacts": {link: contact(one) for link, one in external["contacts"].items()},
     }
 
 
@@ -104,19 +87,6 @@ def _mapping(values: Any, argument: str, example: str) -> dict[str, Any]:  # noq
         raise BadArgumentError(f"{argument} is of type {type(values).__name__}", remedy=f"pass {argument}={example}")
     checks.refuse_names(tuple(values), "link")
     return dict(values)
-
-
-def _contact(values: ArrayLike, link: str, samples: int) -> BoolArray:
-    raw = np.asarray(values)
-    if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise BadArgumentError(
-            f"the contact of {link} has values other than 0 and 1",
-            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
-        )
-    _refuse_length(raw.shape[0] if raw.ndim == 1 else raw.shape, samples, f"the contact of {link}")
-    contact = np.array(raw, dtype=np.bool_)
-    contact.flags.writeable = False
-    return contact
 
 
 def _refuse_length(length: int | tuple[int, ...], samples: int, what: str) -> None:

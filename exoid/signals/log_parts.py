@@ -10,13 +10,14 @@ import numpy as np
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError, within
 
+from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
 from .external import External
 from .readers import Table
 from .readers.text import BASE_POSITION, WRENCH
-from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, as_frames, frame_of_link
+from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, frame_of_link
 
 POINT_PARTS = ("px", "py", "pz")
 """Coordinates of a point that moves, in the laboratory [m]."""
@@ -130,7 +131,10 @@ def read_external(
     """Make the wrenches and contacts of a log."""
     said = _said_frames(table)
     with within("wrench_frames"):
-        given = as_frames(given_frames or {})
+        given = {
+            link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
+            for link, frame in (given_frames or {}).items()
+        }
     links = _links(columns)
     for link, frame in given.items():
         if link not in links:
@@ -153,11 +157,10 @@ def read_external(
     for link in links:
         with within(f"wrench on {link}"):
             wrenches[link] = _wrench(link, columns, frames.get(link))
-    contacts = {
-        name.removeprefix(CONTACT): _contact(name, values)
-        for name, values in columns.items()
-        if name.startswith(CONTACT)
-    }
+    contacts: dict[str, BoolArray] = {}
+    for name in (name for name in columns if name.startswith(CONTACT)):
+        with within(f"column {name}"):
+            contacts[name.removeprefix(CONTACT)] = checks.as_mask(columns[name], "a contact")
     return {"wrenches": wrenches, "contacts": contacts}
 
 
@@ -189,20 +192,6 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
         )
     point_columns = np.column_stack([columns[name] for name in names])
     return Wrench(values[:, :3], values[:, 3:], point_columns, "world")
-
-
-def _contact(name: str, values: FloatArray) -> BoolArray:
-    if not np.isin(values, (0.0, 1.0)).all():
-        first = int(np.argmax(~np.isin(values, (0.0, 1.0))))
-        raise UnreadableInputError(
-            f"a contact of {values[first]:.6g} in sample {first}, which is neither 0 nor 1",
-            where=f"column {name}",
-            remedy="write 0 and 1; exoid.signals.contacts_from_switch and contacts_from_wrench find contacts of a "
-            "pressure or a force",
-            command="map a column of 0 and 1, or scale it by --column "
-            f"{name}=HEADER:SCALE; a pressure or a force needs exoid.signals.contacts_from_switch in Python",
-        )
-    return values.astype(np.bool_)
 
 
 def log_of_external(wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> LogPart:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from exoid.tools.tables import html_table
 from . import checks, timebase
 from .column import Column
 from .csv_writer import LogPart, write_parts
-from .external import interpolate, refuse_contradictions, select_rows
+from .external import each_link, refuse_contradictions
 from .log import read_log
 from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
@@ -204,7 +204,8 @@ class Recording(RecordingData):
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
         mask = None if self.mask is None else self.mask[start:stop]
         base = None if self.base is None else self.base.rows(slice(start, stop))
-        external = select_rows(self._external, slice(start, stop))
+        rows = slice(start, stop)
+        external = each_link(self._external, lambda wrench: wrench.rows(rows), lambda contact: contact[rows])
         return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
@@ -305,12 +306,13 @@ class Recording(RecordingData):
         grid = timebase.even_grid(time, new)
         smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
         arrays = {
-            field: timebase.interpolate_measured(time, values[rows], grid, smooth=smooth[field])
+            field: timebase.interpolate(time, values[rows], grid, smooth=smooth[field])
             for field, values in self._arrays().items()
         }
-        mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
+        carried_over = partial(timebase.interpolate_mask, self.time, grid=grid)
+        mask = None if self.mask is None else carried_over(self.mask)
         base = None if self.base is None else self.base.interpolated(time, grid, rows)
-        external = interpolate(self._external, self.time, grid, rows)
+        external = each_link(self._external, lambda wrench: wrench.interpolated(time, grid, rows), carried_over)
         return self._with(time=grid, mask=mask, base=base, **arrays, **external)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:

@@ -72,19 +72,12 @@ def even_grid(time: FloatArray, rate: float) -> FloatArray:
 
 
 def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate columns at other time stamps."""
+    """Interpolate columns at other time stamps; those that were not measured stay NaN."""
+    out = np.full((len(grid), values.shape[1]), np.nan)
+    there = ~np.isnan(values[0])  # a column is NaN throughout or nowhere
+    values = values[:, there]
     curve = scipy.interpolate.CubicSpline(time, values) if smooth else scipy.interpolate.PchipInterpolator(time, values)
-    columns: FloatArray = np.ascontiguousarray(curve(grid))
-    return columns
-
-
-def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate the columns that were measured; the others stay NaN."""
-    there = np.asarray(~np.isnan(values).all(axis=0))
-    if there.all():
-        return interpolate(time, values, grid, smooth=smooth)
-    out = np.full((len(grid), len(there)), np.nan)
-    out[:, there] = interpolate(time, values[:, there], grid, smooth=smooth)
+    out[:, there] = curve(grid)
     return out
 
 

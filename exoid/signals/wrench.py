@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -225,14 +224,6 @@ class WrenchFrame(NamedTuple):
 
     def __str__(self) -> str:
         return self.axes if self.point is None else f"{self.axes}@{','.join(repr(float(x)) for x in self.point)}"
-
-
-def as_frames(frames: Mapping[str, WrenchFrame | str]) -> dict[str, WrenchFrame]:
-    """Read the frames that are given as text."""
-    return {
-        link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
-        for link, frame in frames.items()
-    }
 
 
 def frame_of_link(text: str) -> tuple[str, WrenchFrame]:

@@ -299,7 +299,7 @@ LOGS = {
     ),
     "payload of words": Log(table("time,q_hip", "0", above=["# payload: three kilograms"]), "line '# payload:'"),
     "five forces": Log(table(FOOT.replace(",wrench_foot_my", ""), "0,0,0,500,0,0,1")),
-    "half a contact": Log(table(FOOT, STANDS[:-1] + "0.5"), "column contact_foot"),
+    "half a contact": Log(table(FOOT, STANDS[:-1] + "0.5"), "column contact_foot", BadArgumentError),
     "missing force": Log(table(FOOT, "0.1,0,0,nan,0,0,0,1"), "line 2, column wrench_foot_fz"),
     "moment in N·mm": Log(table(FOOT, "0.1,0,0,500,1e5,0,0,1"), "wrench on foot"),
     "kilonewtons": Log(table(FOOT, "0.1,0,0,0.5,0,0,0,1")),
