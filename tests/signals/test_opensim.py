@@ -345,9 +345,3 @@ def test_a_trial_says_what_is_missing(tmp_path):
     write_opensim(tmp_path / "mm.mot", TIME, columns, degrees=True)
     with pytest.raises(ExoidError, match=r"mm.mot.*position of the base jumps"):
         read_opensim(tmp_path / "mm.mot", {"q_knee": "knee"})
-
-
-def test_millions_of_blank_lines_are_refused(tmp_path):
-    (tmp_path / "blank.sto").write_text("a\n" + "\n" * 1_100_000 + "endheader\ntime\tknee\n", encoding="utf-8")
-    with pytest.raises(ExoidError, match="blank lines"):
-        Recording.from_file(tmp_path / "blank.sto", columns={"q_knee": "knee"})

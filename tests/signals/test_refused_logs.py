@@ -169,6 +169,11 @@ BAD_ARGUMENTS = {
 }
 
 UNREADABLE = {
+    **{
+        f"{value} in {name}": (cell(name, 17, value), "time" if name == "time" else f"{name}_knee")
+        for name in ("time", "q", "v", "a", "tau")
+        for value in (math.nan, math.inf, -math.inf)
+    },
     "masked": (carried(tau=np.ma.masked_equal(np.eye(N, 2), 1.0)), "tau_hip"),
     "overflow": (cell("tau", 3, 1e300), "tau_knee"),
     "degrees": (cell("q", 12, -45.0), "q_knee"),

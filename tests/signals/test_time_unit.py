@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from log_writers import write_columns
 from one_joint import swing, write_urdf
 
 import exoid
@@ -19,9 +20,8 @@ def test_stamps_in_another_unit_are_refused_and_read_with_it(tmp_path, per_secon
         Recording(stamps, log.q, tau=log.tau, joint_names=log.joint_names)
     assert error.value.column == "time"
     (joint,) = log.joint_names
-    table = np.column_stack([stamps, log.q, log.tau])
-    header = f"clock,q_{joint},tau_{joint}"
-    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=header, comments="", fmt="%.17g")
+    joints = {f"q_{joint}": log.q[:, 0], f"tau_{joint}": log.tau[:, 0]}
+    write_columns(tmp_path / "log.csv", clock=stamps, **joints)
     with pytest.raises(UnreadableInputError) as error:
         Recording.from_csv(tmp_path / "log.csv", columns={"time": "clock"})
     assert (error.value.column, "time=HEADER:ms" in error.value.command) == ("time", True)
