@@ -135,11 +135,7 @@ def turn_upright(up: ArrayLike) -> FloatArray:
         >>> turn_upright((0.0, 1.0, 0.0)) @ (0.1, 1.0, 0.2)
         array([ 0.1, -0.2,  1. ])
     """
-    vertical = checks.as_numbers(up, "up")
-    checks.refuse_shape(vertical, (3,), "up")
-    if not np.isfinite(vertical).all() or not np.linalg.norm(vertical) > 1e-9:
-        raise BadArgumentError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
-    x, y, z = vertical / np.linalg.norm(vertical)
+    x, y, z = checks.as_direction(up)
     if z < -1.0 + 1e-9:
         return np.diag([1.0, -1.0, -1.0])
     # Rodrigues' formula about up × z = (y, −x, 0)

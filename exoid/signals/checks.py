@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
-from exoid.leg.torso import TorsoMotion
+from exoid.errors import BadArgumentError, UnreadableInputError
 
 from .source import ARRAY, Evidence, SourceLocation
 
@@ -52,6 +50,16 @@ def as_mask(values: ArrayLike, what: str = "mask") -> BoolArray:
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask
+
+
+def as_direction(up: ArrayLike) -> FloatArray:
+    """Normalise the direction against gravity, (3,)."""
+    vector = as_numbers(up, "up")
+    refuse_shape(vector, (3,), "up")
+    size = float(np.linalg.norm(vector))
+    if not 1e-9 < size < np.inf:
+        raise BadArgumentError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
+    return np.asarray(vector / size)
 
 
 def as_names(names: Sequence[str], argument: str) -> tuple[str, ...]:
@@ -276,15 +284,4 @@ def refuse_velocity_in_other_unit(
             remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
             command="write both in rad and rad/s, or both in degrees and give --degrees",
             joints=(joint,),
-        )
-
-
-def refuse_moving_torso(torso: TorsoMotion | None) -> None:
-    """Refuse a torso that moves during a recording, as slices and filters do not apply to its motion."""
-    if torso is not None and any(
-        np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)
-    ):
-        raise NotSupportedError(
-            "the torso moves during the recording",
-            remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
         )

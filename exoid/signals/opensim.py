@@ -141,13 +141,9 @@ def _pelvis_of(table: Table) -> PelvisPose:
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))
-    pose = PelvisPose(time, upright.apply(position), (upright * turns * upright.inv()).as_quat())
-    return pose if timebase.is_uniform(time) else _evenly(pose)
-
-
-def _evenly(pose: PelvisPose) -> PelvisPose:
-    """Interpolate a pose at even time stamps."""
-    grid = timebase.even_grid(pose.time, timebase.sampling_rate(pose.time))
-    position = timebase.interpolate(pose.time, pose.position, grid, smooth=True)
-    turns = scipy.spatial.transform.Slerp(pose.time, scipy.spatial.transform.Rotation.from_quat(pose.quaternion))
-    return PelvisPose(grid, position, turns(grid).as_quat())
+    place, rotation = upright.apply(position), upright * turns * upright.inv()
+    if timebase.is_uniform(time):
+        return PelvisPose(time, place, rotation.as_quat())
+    grid = timebase.even_grid(time, timebase.sampling_rate(time))
+    even = timebase.interpolate(time, place, grid, smooth=True)
+    return PelvisPose(grid, even, scipy.spatial.transform.Slerp(time, rotation)(grid).as_quat())

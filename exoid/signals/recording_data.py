@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import in_file
+from exoid.errors import NotSupportedError, in_file
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -94,7 +94,13 @@ class RecordingData:
                 checks.refuse_implausible(each.field, values[:, there], columns)
         checks.refuse_time_disorder(self.time)
         checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle)
-        checks.refuse_moving_torso(self.torso)
+        if self.torso is not None and any(  # slices and filters do not apply to its motion
+            np.ndim(getattr(self.torso, each.name)) > (each.name == "hip_acceleration") for each in fields(self.torso)
+        ):
+            raise NotSupportedError(
+                "the torso moves during the recording",
+                remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
+            )
         if self.base is not None:
             refuse_unfit_base(self.time, self.base, self.torso)
         refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None)

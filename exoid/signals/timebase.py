@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError
@@ -54,14 +53,6 @@ def refuse_gaps(time: FloatArray, where: SourceLocation = ARRAY) -> None:
             **where.evidence(row),
             remedy="split the log there and pass the parts as several recordings",
         )
-
-
-def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
-    """Select the rows to interpolate from: all but those that follow another within a quarter of the median."""
-    # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
-    intervals = np.diff(time, prepend=-np.inf)
-    crowded = intervals < 0.25 * np.median(intervals)
-    return ~crowded if crowded.any() else slice(None)
 
 
 def even_grid(time: FloatArray, rate: float) -> FloatArray:

@@ -234,17 +234,14 @@ def read_or_refuse(data):
     return recording
 
 
-@given(data=st.binary(max_size=300))
-@settings(max_examples=150, deadline=None)
+TEXTS = st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass"))
+
+
+@given(data=st.one_of(st.binary(max_size=300), TEXTS))
+@settings(max_examples=300, deadline=None)
+@example(b"time\tq_a\n" + b'"\n' * 12)
 def test_any_bytes_are_read_or_refused(data):
     read_or_refuse(data)
-
-
-@given(text=st.text(max_size=200))
-@settings(max_examples=150, deadline=None)
-@example("time\tq_a\n" + '"\n' * 12)
-def test_any_text_is_read_or_refused(text):
-    read_or_refuse(text.encode("utf-8", "surrogatepass"))
 
 
 CELLS = st.one_of(

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from log_writers import write_opensim
 
 import exoid
@@ -119,23 +117,6 @@ def test_a_broken_file_ends_in_one_line(tmp_path, text, match):
         Recording.from_file(tmp_path / "bad.mot", columns={"q_knee": "knee"})
     assert "\n" not in str(error.value)
     assert "bad.mot" in str(error.value)
-
-
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(
-    angles=st.lists(st.floats(-3.0, 3.0), min_size=10, max_size=30),
-    degrees=st.booleans(),
-    separator=st.sampled_from(["\t", " ", "  \t"]),
-    size=st.booleans(),
-)
-def test_written_angles_are_read_back(tmp_path, angles, degrees, separator, size):
-    time, q = np.arange(len(angles)) / 64.0, np.array(angles)
-    header = None if size else ["version=3", f"inDegrees={'yes' if degrees else 'no'}"]
-    columns = {"knee": np.rad2deg(q) if degrees else q, "other": q}
-    write_opensim(tmp_path / "a.mot", time, columns, degrees=degrees, header=header, separator=separator)
-    read = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"})
-    np.testing.assert_array_equal(read.time, time)
-    np.testing.assert_allclose(read.q[:, 0], q, rtol=1e-15, atol=0.0)
 
 
 @pytest.mark.parametrize(
