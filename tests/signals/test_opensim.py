@@ -80,45 +80,6 @@ def test_degrees_are_converted_once_whoever_says_so(tmp_path):
         np.testing.assert_allclose(other.q, plain.q, rtol=1e-15)
 
 
-def content(rows=12, *, header=("nRows=12", "nColumns=2", "inDegrees=no"), end="endheader", names="time\tknee"):
-    lines = ["Coordinates", *header, end, names, *(f"{k / 100}\t{k / 10}" for k in range(rows))]
-    return "\n".join(lines) + "\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "match"),
-    [
-        (content(11), r"states nrows '12', but 11 rows follow"),
-        (content(13), r"states nrows '12', but 13 rows follow"),
-        (content(header=("datarows 13",)), r"states datarows '13', but 12 rows follow"),
-        (content(header=("nColumns=3",)), r"states ncolumns '3', but 2 columns follow"),
-        (content(header=("nRows=99999999999999999999",)), r"but 12 rows follow"),
-        (content(header=("nRows=twelve",)), r"but 12 rows follow"),
-        (content(header=("nRows=12", "nRows=13")), r"states nRows twice"),
-        (content(header=("inDegrees=perhaps",)), r"inDegrees is 'perhaps'.*write inDegrees=yes"),
-        (content(header=("inDegrees=no", "Angles are in degrees.")), r"both that angles are in degrees and"),
-        (content(end="nRows=12"), r"no line 'endheader'"),
-        ("Coordinates\nendheader\n", r"nothing follows 'endheader'"),
-        (content(names="knee\tknee"), r"2 columns are headed 'knee'"),
-        (content(names="t\tknee"), r"no column 'time'"),
-        (content().replace("0.05\t", "nan\t"), r"line 12, column time: nan is not a finite number"),
-        (content().replace("\t0.5", "\tnan"), r"line 12, column knee .*nan is not a finite number"),
-        (content().replace("\t0.5", ""), r"line \d+: 1 cells, but the header has 2"),
-        (content().replace("\t0.5", "\t0.5\t7"), r"line \d+: 3 cells, but the header has 2"),
-        (content().replace("\t0.5", "\tfive"), r"'five' is not a number"),
-        (content(9, header=()), r"9 samples|too few"),
-        (content().replace("\t", "\0"), r"binary"),
-        ("", r"empty"),
-    ],
-)
-def test_a_broken_file_ends_in_one_line(tmp_path, text, match):
-    (tmp_path / "bad.mot").write_text(text, encoding="utf-8")
-    with pytest.raises(ExoidError, match=match) as error:
-        Recording.from_file(tmp_path / "bad.mot", columns={"q_knee": "knee"})
-    assert "\n" not in str(error.value)
-    assert "bad.mot" in str(error.value)
-
-
 @pytest.mark.parametrize(
     ("names", "key"),
     [

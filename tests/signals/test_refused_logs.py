@@ -231,8 +231,8 @@ FOOT = ",".join(
 
 
 class Log:
-    def __init__(self, content, place="", kind=UnreadableInputError, **options):
-        self.content, self.place, self.kind, self.options = content, place, kind, options
+    def __init__(self, content, place="", kind=UnreadableInputError, name="log.csv", **options):
+        self.content, self.place, self.kind, self.name, self.options = content, place, kind, name, options
 
 
 def changed(line, text):
@@ -319,14 +319,50 @@ LOGS = {
 """A log, the place in it that the error names, and the options it is read with."""
 
 
+def motion(*entries, rows=12, end="endheader", names="time\tknee", change=("old", "new")):
+    """A motion file of OpenSim, with a change of its text."""
+    lines = ["Coordinates", *entries, end, names, *(f"{k / 100}\t{k / 10}" for k in range(rows))]
+    return "\n".join([*lines, ""]).replace(*change).encode()
+
+
+SIZES = ("nRows=12", "nColumns=2", "inDegrees=no")
+MOTIONS = {
+    "a row less": (motion(*SIZES, rows=11), ""),
+    "a row more": (motion(*SIZES, rows=13), ""),
+    "rows of SIMM": (motion("datarows 13"), ""),
+    "a column less": (motion("nColumns=3"), ""),
+    "endless rows": (motion("nRows=99999999999999999999"), ""),
+    "rows in words": (motion("nRows=twelve"), ""),
+    "rows twice": (motion("nRows=12", "nRows=13"), ""),
+    "perhaps degrees": (motion("inDegrees=perhaps"), ""),
+    "degrees and radians": (motion("inDegrees=no", "Angles are in degrees."), ""),
+    "no end of the header": (motion(*SIZES, end="nRows=12"), ""),
+    "no columns": (b"Coordinates\nendheader\n", ""),
+    "a name twice": (motion(*SIZES, names="knee\tknee"), ""),
+    "no time": (motion(*SIZES, names="t\tknee"), ""),
+    "time missing": (motion(*SIZES, change=("0.05\t", "nan\t")), "line 12, column time"),
+    "angle missing": (motion(*SIZES, change=("\t0.5", "\tnan")), "line 12, column knee (q_knee)"),
+    "one cell": (motion(*SIZES, change=("\t0.5", "")), "line 12"),
+    "three cells": (motion(*SIZES, change=("\t0.5", "\t0.5\t7")), "line 12"),
+    "angle in words": (motion(*SIZES, change=("\t0.5", "\tfive")), "line 12, column knee"),
+    "nine rows": (motion(rows=9), ""),
+    "binary": (motion(*SIZES, change=("\t", "\0")), ""),
+    "empty": (b"", ""),
+}
+LOGS |= {
+    f"motion, {what}": Log(content, place, name="log.mot", columns={"q_knee": "knee"})
+    for what, (content, place) in MOTIONS.items()
+}
+
+
 @pytest.mark.parametrize("log", LOGS.values(), ids=LOGS)
 def test_a_log_that_cannot_be_read_is_refused_with_its_place(tmp_path, monkeypatch, log):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "log.csv").write_bytes(log.content)
+    (tmp_path / log.name).write_bytes(log.content)
     with pytest.raises(log.kind) as error:
-        Recording.from_file("log.csv", **log.options)
-    assert error.value.file == "log.csv"
-    assert error.value.where == ", ".join(filter(None, ("log.csv", log.place)))
+        Recording.from_file(log.name, **log.options)
+    assert error.value.file == log.name
+    assert error.value.where == ", ".join(filter(None, (log.name, log.place)))
     assert error.value.remedy
     assert "\n" not in str(error.value)
 
