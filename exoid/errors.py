@@ -94,6 +94,19 @@ class BadArgumentError(ExoidError):
 
 
 @contextmanager
+def in_file(file: str) -> Iterator[None]:
+    """Name a file in errors that are raised inside, unless they name one."""
+    try:
+        yield
+    except ExoidError as error:
+        if error.file or not file:
+            raise
+        named = error if error.where.startswith(file) else error.within(file if file.isprintable() else repr(file))
+        named.file = file
+        raise named from error.__cause__
+
+
+@contextmanager
 def within(part: str) -> Iterator[None]:
     """Name a file, group, joint or table in errors that are raised inside."""
     try:

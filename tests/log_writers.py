@@ -158,6 +158,20 @@ def write_bag1(path, content, *, compress=False):
             bag.write(connection, stamp, store.serialize_ros1(joint_state(store, stamp, *fields), JOINT_STATE))
 
 
+def write_columns(path, **columns):
+    """Write columns in the format that the ending of the file names."""
+    if path.suffix == ".npz":
+        np.savez(path, **columns)
+    elif path.suffix == ".mat":
+        scipy.io.savemat(path, columns)
+    elif path.suffix == ".parquet":
+        polars.DataFrame(columns).write_parquet(path)
+    else:
+        table, header = np.column_stack(list(columns.values())), ",".join(columns)
+        np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.17g", encoding="utf-8")
+    return path
+
+
 WRITERS = {
     "log.parquet": write_parquet,
     "log.npz": write_npz,

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, in_file
 from exoid.experiments import follow_log
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
-from exoid.signals.source import SourceLocation
 from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import DataTable, to_text
@@ -176,7 +175,8 @@ def replay_law(
         3
     """
     where = recording.source.name if recording.source else ""
-    refuse_gaps(recording.time, SourceLocation(where))
+    with in_file(where):
+        refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:
         raise BadArgumentError(
             f"a log of {recording.sample_rate:.4g} Hz for a controller at {law.rate:g} Hz",

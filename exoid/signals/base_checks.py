@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, UnreadableInputError, within
+from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.torso import TorsoMotion
 
 from . import checks
@@ -29,48 +29,42 @@ class AxisAgreement(NamedTuple):
     explained: float  # share of the power of d f̂/dt that it explains
 
 
-def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, where: str) -> None:
+def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None) -> None:
     """Refuse a base motion that does not belong to a recording, or is wrong."""
     if not isinstance(base, BaseMotion):
-        raise UnreadableInputError(
-            f"base is of type {type(base).__name__}", where=where, remedy="pass BaseMotion.from_imu(...)"
-        )
+        raise UnreadableInputError(f"base is of type {type(base).__name__}", remedy="pass BaseMotion.from_imu(...)")
     if torso is not None:
         raise UnreadableInputError(
             "the recording has a torso tilt and a base motion",
-            where=where,
             remedy="leave out torso: the accelerometer measures the tilt",
         )
     checks.refuse_shape(base.columns, (len(time), len(BASE_COLUMNS)), "the base motion")
-    refuse_wrong_base(time, base, where)
+    refuse_wrong_base(time, base)
     if base.pose is not None:
-        with within(where):
-            refuse_jumps(time, base.pose.position, base.pose.quaternion)
+        refuse_jumps(time, base.pose.position, base.pose.quaternion)
         # Over `SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad
         mean = np.einsum("nij,nj->i", base.pose.rotation, base.specific_force)
         angle = float(np.arctan2(np.linalg.norm(mean[:2]), mean[2]))
         if time[-1] - time[0] >= SHORTEST and angle > 0.35:
             raise UnreadableInputError(
                 f"by the pose of the base, gravity is {np.rad2deg(angle):.0f}° off the vertical of the laboratory",
-                where=where,
                 remedy="give the orientation of the root link as quaternions (x, y, z, w), laboratory from root link, "
                 "in a laboratory whose z axis points up (exoid.signals.turn_upright)",
             )
 
 
-def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
+def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:
     """Refuse a base motion whose units or axes are wrong."""
     # The mean specific force of a base that neither falls nor flies is gravity. Averaged over seconds, its
     # direction f̂ is that of the vertical, which turns by d f̂/dt = −ω × f̂. A regression of both, filtered
     # alike, gives 1/57 for a gyroscope in deg/s, and −1 if the axes of one sensor have the opposite sign.
     size = float(np.median(np.linalg.norm(base.specific_force, axis=1)))
     if not 0.6 <= size / STANDARD_GRAVITY <= 1.6:
-        raise _force_error(size, where)
+        raise _force_error(size)
     mean = base.specific_force.mean(axis=0)
     if mean[2] < -0.5 * np.linalg.norm(mean):  # cosine of the mean lean
         raise UnreadableInputError(
             f"the base is upside down: its accelerometer reads {mean[2]:.3g} m/s² along z on average",
-            where=where,
             remedy="give the specific force in the axes of the root link, +9.81 m/s² along z at rest: turn its axes "
             "by rotation=, or change signs by a negative scale",
             command="change signs by a negative scale: --column base_acc_z=HEADER:-1",
@@ -84,7 +78,6 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
             f"the gyroscope of the base reads {speed:.3g} rad/s (RMS)"
             + (f", and the vertical turns {1.0 / both.coefficient:.0f} times slower" if in_degrees and both else "")
             + ": it is in deg/s",
-            where=where,
             remedy="give it in rad/s, or its unit: columns={'base_gyro_x': exoid.signals.Column(..., unit='deg/s')}",
             command="give its unit: --column base_gyro_x=HEADER:deg/s, and so for y and z",
         )
@@ -92,7 +85,6 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
         if one.explained > CONCLUSIVE and one.coefficient < -0.5:
             raise UnreadableInputError(
                 f"the gyroscope of the base turns about {axis} against the vertical of its accelerometer",
-                where=where,
                 remedy="give both sensors the axes of the root link: check the mounting (rotation=) and all signs",
                 command=f"check the mounting; a negative scale changes a sign: --column base_gyro_{axis}=HEADER:-1",
             )
@@ -138,7 +130,7 @@ def _fit(x: FloatArray, y: FloatArray) -> AxisAgreement:
     return AxisAgreement(product / power, product**2 / (power * of_y))
 
 
-def _force_error(size: float, where: str) -> ExoidError:
+def _force_error(size: float) -> ExoidError:
     """Say what is wrong with the median specific force [m/s²]."""
     remedy = "give it in m/s²"
     command = remedy
@@ -148,4 +140,4 @@ def _force_error(size: float, where: str) -> ExoidError:
     elif size < 0.6 * STANDARD_GRAVITY:
         remedy = command = "give the specific force, which contains gravity: what the accelerometer reads, in m/s²"
     what = f"the accelerometer of the base reads {size:.3g} m/s² (median), and gravity alone is 9.81"
-    return UnreadableInputError(what, where=where, remedy=remedy, command=command)
+    return UnreadableInputError(what, remedy=remedy, command=command)

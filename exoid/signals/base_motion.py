@@ -12,7 +12,6 @@ from exoid.errors import BadArgumentError
 
 from . import checks, timebase
 from .base_pose import STANDARD_CUTOFF, BasePose, motion_of_pose, turn_upright
-from .source import SourceLocation
 from .timebase import Sampled, means
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
@@ -58,8 +57,8 @@ class BaseMotion(Sampled):
         checks.refuse_shape(self.angular_velocity, (samples, 3), "angular_velocity of the base")
         checks.refuse_shape(self.specific_force, (samples, 3), "specific_force of the base")
         checks.refuse_shape(self.position, (3,), "position of the sensor on the base")
-        checks.refuse_not_finite(self.columns, BASE_COLUMNS, SourceLocation())
-        checks.refuse_implausible("", self.columns, BASE_COLUMNS, SourceLocation())
+        checks.refuse_not_finite(self.columns, BASE_COLUMNS)
+        checks.refuse_implausible("", self.columns, BASE_COLUMNS)
         if not (np.abs(self.position) <= 5.0).all():  # larger ones are in another unit
             raise BadArgumentError(
                 f"the sensor of the base is at {_point(self.position)} m of the root link",

@@ -13,7 +13,6 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks, timebase
-from .source import SourceLocation
 from .timebase import Sampled, means
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
@@ -50,8 +49,8 @@ class BasePose(Sampled):
         samples = len(np.atleast_1d(self.position))
         checks.refuse_shape(self.position, (samples, 3), "position of the base")
         checks.refuse_shape(self.quaternion, (samples, 4), "quaternion")
-        checks.refuse_not_finite(self.columns, POSE_COLUMNS, SourceLocation())
-        checks.refuse_implausible("", self.columns, POSE_COLUMNS, SourceLocation())
+        checks.refuse_not_finite(self.columns, POSE_COLUMNS)
+        checks.refuse_implausible("", self.columns, POSE_COLUMNS)
         object.__setattr__(self, "quaternion", checks.as_numbers(continuous(self.quaternion), "quaternion"))
 
     @cached_property
@@ -136,11 +135,7 @@ def turn_upright(up: ArrayLike) -> FloatArray:
         >>> turn_upright((0.0, 1.0, 0.0)) @ (0.1, 1.0, 0.2)
         array([ 0.1, -0.2,  1. ])
     """
-    vertical = checks.as_numbers(up, "up")
-    checks.refuse_shape(vertical, (3,), "up")
-    if not np.isfinite(vertical).all() or not np.linalg.norm(vertical) > 1e-9:
-        raise BadArgumentError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
-    x, y, z = vertical / np.linalg.norm(vertical)
+    x, y, z = checks.as_direction(up)
     if z < -1.0 + 1e-9:
         return np.diag([1.0, -1.0, -1.0])
     # Rodrigues' formula about up × z = (y, −x, 0)
@@ -181,13 +176,13 @@ def motion_of_pose(
 ) -> PoseMotion:
     """Differentiate poses by polynomials of degree 5 over a window (Savitzky and Golay 1964)."""
     # The window has 2 m + 1 samples with m = (6 · rate / (2 cutoff) + 4.6) / 3.2 (Schafer 2011).
-    where, samples = SourceLocation(), time.size
+    samples = time.size
     checks.refuse_shape(time, (samples,), "time")
     checks.refuse_shape(position, (samples, 3), "position of the base")
     checks.refuse_shape(quaternion, (samples, 4), "quaternion")
-    checks.refuse_too_few(samples, where)
-    checks.refuse_not_finite(np.column_stack([time, position, quaternion]), ("time", *POSE_COLUMNS), where)
-    checks.refuse_time_disorder(time, where)
+    checks.refuse_too_few(samples)
+    checks.refuse_not_finite(np.column_stack([time, position, quaternion]), ("time", *POSE_COLUMNS))
+    checks.refuse_time_disorder(time)
     if not timebase.is_uniform(time):
         raise BadArgumentError(
             "time stamps of the poses are uneven", remedy="resample the poses, as motion capture does"
@@ -203,8 +198,7 @@ def motion_of_pose(
     place, acceleration = (_savgol(position, half, rate, deriv=order) for order in (0, 2))
     if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > 100.0:  # root mean square [m/s²]
         raise BadArgumentError(
-            "the poses accelerate by more than 100 m/s²",
-            remedy="give positions in m, or a lower cutoff",
+            "the poses accelerate by more than 100 m/s²", remedy="give positions in m, or a lower cutoff"
         )
     gravity = -STANDARD_GRAVITY * up / np.linalg.norm(up)
     force = np.asarray(body.inv().apply(acceleration - gravity))

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
-from exoid.leg.torso import TorsoMotion
+from exoid.errors import BadArgumentError, UnreadableInputError
 
-from .source import Evidence, SourceLocation
+from .source import ARRAY, Evidence, SourceLocation
 
 FEWEST_SAMPLES = 10
 """Smallest number of samples of a recording."""
+
+SLOWEST = 0.5
+"""Sampling interval from which on time is not in seconds [s]: 2 Hz show no motion of a leg, and are 2 kHz in ms."""
 
 LARGEST_ANGLE = 2.0 * np.pi
 """Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
@@ -31,21 +32,34 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
         numbers = np.array(raw, dtype=np.float64, order="C")
     except (TypeError, ValueError) as problem:
         raise BadArgumentError(
-            f"{name} is not an array of real numbers: {problem}",
-            remedy=f"pass {name} as a float array in SI units",
+            f"{name} is not an array of real numbers: {problem}", remedy=f"pass {name} as a float array in SI units"
         ) from None
     numbers.flags.writeable = False
     return numbers
 
 
-def as_mask(values: ArrayLike) -> BoolArray:
+def as_mask(values: ArrayLike, what: str = "mask") -> BoolArray:
     """Copy a mask to a read-only array of bools; numbers must be 0 or 1."""
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise BadArgumentError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
+        raise BadArgumentError(
+            f"{what} has values other than 0 and 1",
+            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
+            command="map a column of 0 and 1, or scale it: NAME=HEADER:SCALE (--column)",
+        )
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask
+
+
+def as_direction(up: ArrayLike) -> FloatArray:
+    """Normalise the direction against gravity, (3,)."""
+    vector = as_numbers(up, "up")
+    refuse_shape(vector, (3,), "up")
+    size = float(np.linalg.norm(vector))
+    if not 1e-9 < size < np.inf:
+        raise BadArgumentError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
+    return np.asarray(vector / size)
 
 
 def as_names(names: Sequence[str], argument: str) -> tuple[str, ...]:
@@ -96,7 +110,7 @@ def _cell(
     return float(values[row, column]), name, where.evidence(int(row), name)
 
 
-def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceLocation = ARRAY) -> None:
     """Refuse NaN and infinity."""
     bad = ~np.isfinite(values)
     if bad.any():
@@ -108,7 +122,7 @@ def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceL
         )
 
 
-def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation) -> None:
+def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation = ARRAY) -> None:
     """Refuse values that no leg has: arithmetic would overflow, currents in mA, and temperatures that are none."""
     size = np.abs(values)
     if size.size and size.max() > 1e9:
@@ -141,7 +155,7 @@ def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], w
         )
 
 
-def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where: SourceLocation) -> None:
+def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where: SourceLocation = ARRAY) -> None:
     """Refuse angles that look like degrees."""
     if not largest > 0.0:
         raise BadArgumentError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
@@ -208,7 +222,7 @@ def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: s
     raise BadArgumentError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
 
 
-def refuse_too_few(samples: int, where: SourceLocation) -> None:
+def refuse_too_few(samples: int, where: SourceLocation = ARRAY) -> None:
     """Refuse a recording of fewer than `FEWEST_SAMPLES` samples."""
     if samples < FEWEST_SAMPLES:
         raise UnreadableInputError(
@@ -219,15 +233,8 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
         )
 
 
-def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
+def refuse_time_disorder(time: FloatArray, where: SourceLocation = ARRAY) -> None:
     """Refuse time stamps that do not strictly increase, or cannot be seconds."""
-    if np.abs(time).max() > 1e11:  # 3000 years
-        raise UnreadableInputError(
-            f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
-            **where.evidence(int(np.abs(time).argmax())),
-            remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them',
-            command="give their unit: --column time=HEADER:ms, or us, or ns",
-        )
     wrong = time[1:] <= time[:-1]
     if wrong.any():
         row = int(wrong.argmax()) + 1
@@ -238,16 +245,25 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
             **where.evidence(row),
             remedy="drop repeated rows; split a log of several runs and pass the parts separately",
         )
-    if np.median(np.diff(time)) < 1e-9:
+    interval = float(np.median(np.diff(time)))
+    if interval >= SLOWEST:
         raise UnreadableInputError(
-            f"the median interval of {np.median(np.diff(time)):.3g} s is too short for a log",
-            **where.evidence(),
+            f"the median interval of {interval:.4g} s (limit {SLOWEST:g} s) is that of milli-, micro- or nanoseconds",
+            **where.evidence(column="time"),
+            remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them; '
+            "pass torques that hold a leg still as exoid.signals.Poses",
+            command="give their unit: --column time=HEADER:ms, or us, or ns",
+        )
+    if interval < 1e-9:
+        raise UnreadableInputError(
+            f"the median interval of {interval:.3g} s is too short for a log",
+            **where.evidence(column="time"),
             remedy="give time in seconds",
         )
 
 
 def refuse_velocity_in_other_unit(
-    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation
+    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation = ARRAY
 ) -> None:
     """Refuse velocities that are 180/π or π/180 times the rate of change of their angles."""
     # The check compares q with ∫v dt, because differences of a quantised angle are mostly noise. It skips
@@ -268,15 +284,4 @@ def refuse_velocity_in_other_unit(
             remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
             command="write both in rad and rad/s, or both in degrees and give --degrees",
             joints=(joint,),
-        )
-
-
-def refuse_moving_torso(torso: TorsoMotion | None) -> None:
-    """Refuse a torso that moves during a recording, as slices and filters do not apply to its motion."""
-    if torso is not None and any(
-        np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)
-    ):
-        raise NotSupportedError(
-            "the torso moves during the recording",
-            remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
         )

@@ -72,13 +72,12 @@ class Column:
         except ExoidError:  # the file may have this very header
             return Column(text, _text=text)
 
-    def read(self, name: str, cells: FloatArray, file: str = "") -> FloatArray:
+    def read(self, name: str, cells: FloatArray) -> FloatArray:
         """Convert cells to scale · (cell − zero) in SI, or in the unit of the file where the column has none.
 
         Args:
             name: Name of the exoid column, such as "tau_hip".
             cells: Cells of the file, (N,).
-            file: Path of the file, for messages.
 
         Returns:
             Values, (N,).
@@ -86,7 +85,7 @@ class Column:
         Raises:
             ExoidError: The unit does not belong to the quantity.
         """
-        factor = 1.0 if self.unit is None else refuse_other_unit(self.unit, name, file)
+        factor = 1.0 if self.unit is None else refuse_other_unit(self.unit, name)
         readings = self.scale * (cells - self.zero)
         return np.asarray(factor * (readings if self.unit is None else readings - zero_of(self.unit)))
 
@@ -104,7 +103,7 @@ def header_in(headers: Collection[str], text: str) -> str:
     return beginning if beginning in headers else text
 
 
-def column_in(headers: Collection[str], column: str | Column, name: str, file: str) -> Column:
+def column_in(headers: Collection[str], column: str | Column, name: str) -> Column:
     """Take a header as it is, or find the column of a file that a text of the command line means."""
     if isinstance(column, str):
         return Column(column)
@@ -114,7 +113,7 @@ def column_in(headers: Collection[str], column: str | Column, name: str, file: s
     try:
         return _behind(header, column._text[len(header) :].split(":")[1:], column._text)
     except ExoidError as error:
-        raise BadArgumentError(f"--column {name}={error.what}", where=file, remedy=error.remedy) from None
+        raise BadArgumentError(f"--column {name}={error.what}", remedy=error.remedy) from None
 
 
 def _behind(header: str, parts: list[str], text: str) -> Column:

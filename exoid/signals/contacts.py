@@ -52,7 +52,7 @@ def contacts_from_wrench(
             f"thresholds touch={touch} and lift={lift} of a contact",
             remedy=f"give shares of the largest force, 0 < lift < touch < 1, such as touch={TOUCH}, lift={LIFT}",
         )
-    normal = wrench.force @ _direction(up)
+    normal = wrench.force @ checks.as_direction(up)
     low, largest = np.quantile(normal, [0.01, 0.99]).tolist()  # so that an impact does not raise the thresholds
     if largest < LEAST_LOAD:
         downwards = low < -LEAST_LOAD
@@ -159,14 +159,3 @@ def _hysteresis(values: FloatArray, on: float, off: float, never: str) -> BoolAr
     last = np.maximum.accumulate(np.where(decided, np.arange(len(values)), -1))
     before = not above[int(np.argmax(decided))]
     return np.where(last >= 0, above[np.maximum(last, 0)], before)
-
-
-def _direction(up: ArrayLike) -> FloatArray:
-    vector = checks.as_numbers(up, "up")
-    checks.refuse_shape(vector, (3,), "up")
-    size = float(np.linalg.norm(vector))
-    if not np.isfinite(size) or size == 0.0:
-        raise BadArgumentError(
-            "up has no direction", remedy="pass the direction away from the ground, such as (0, 0, 1)"
-        )
-    return np.asarray(vector / size)

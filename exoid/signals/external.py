@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypedDict, TypeVar
 
 import numpy as np
 
-from exoid._typing import ArrayLike, BoolArray, FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 
-from . import checks, timebase
+from . import checks
 from .wrench import Wrench
 
 V = TypeVar("V")
@@ -39,103 +39,63 @@ class External(TypedDict):
     contacts: Mapping[str, BoolArray]  # samples at which a link is fixed to the ground, by link
 
 
-def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> External:  # noqa: ANN401 - not yet checked
+def as_external(wrenches: Any, contacts: Any, samples: int) -> External:  # noqa: ANN401 - not yet checked
     """Check and freeze wrenches and contacts."""
-    measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}', where)
+    measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}')
     for link, wrench in measured.items():
         if not isinstance(wrench, Wrench):
             raise BadArgumentError(
-                f"the wrench on {link} is of type {type(wrench).__name__}",
-                where=where,
-                remedy="pass exoid.Wrench(force, moment)",
+                f"the wrench on {link} is of type {type(wrench).__name__}", remedy="pass exoid.Wrench(force, moment)"
             )
-        _refuse_length(len(wrench), samples, f"the wrench on {link}", where)
-    touching = _mapping(contacts, "contacts", '{"left_foot": bools}', where)
-    return {
-        "wrenches": ReadOnlyDict(measured),
-        "contacts": ReadOnlyDict({link: _contact(values, link, samples, where) for link, values in touching.items()}),
+        _refuse_length(len(wrench), samples, f"the wrench on {link}")
+    touching = {
+        link: checks.as_mask(values, f"the contact of {link}")
+        for link, values in _mapping(contacts, "contacts", '{"left_foot": bools}').items()
     }
+    for link, contact in touching.items():
+        _refuse_length(len(contact) if contact.ndim == 1 else contact.shape, samples, f"the contact of {link}")
+    return {"wrenches": ReadOnlyDict(measured), "contacts": ReadOnlyDict(touching)}
 
 
-def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: bool, where: str) -> None:
+def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: bool) -> None:
     """Refuse wrenches in axes of the laboratory where nothing says how the base stands in it."""
     for link, wrench in wrenches.items():
         if wrench.axes == "world" and not has_pose:
             raise BadArgumentError(
                 f"the wrench on {link} is in axes of the laboratory, and an IMU does not give the pose of the base",
-                where=where,
                 remedy="record the pose, BaseMotion.from_pose(...) or from_imu(..., pose=BasePose(...)), or give the "
                 'wrench in axes of the link (axes="link")',
                 command="add the columns base_x…z, base_qx…w of a pose, or give the wrench in axes of the link",
             )
 
 
-def select_rows(external: External, rows: slice | BoolArray) -> External:
-    """Select samples."""
-    return {
-        "wrenches": {link: wrench.rows(rows) for link, wrench in external["wrenches"].items()},
-        "contacts": {link: contact[rows] for link, contact in external["contacts"].items()},
-    }
-
-
-def interpolate(
-    external: External, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)
+def each_link(
+    external: External, wrench: Callable[[Wrench], Wrench], contact: Callable[[BoolArray], BoolArray]
 ) -> External:
-    """Interpolate at other time stamps; a new sample is in contact if both of its neighbours are."""
+    """Change every wrench and every contact."""
     return {
-        "wrenches": {link: one.interpolated(time[rows], grid, rows) for link, one in external["wrenches"].items()},
-        "contacts": {link: timebase.interpolate_mask(time, one, grid) for link, one in external["contacts"].items()},
+        "wrenches": {link: wrench(one) for link, one in external["wrenches"].items()},
+        "contacts": {link: contact(one) for link, one in external["contacts"].items()},
     }
 
 
-def average(external: External, size: int) -> External:
-    """Average neighbouring samples; a group is in contact if all of its samples are."""
-    return {
-        "wrenches": {link: one.averaged(size) for link, one in external["wrenches"].items()},
-        "contacts": {
-            link: np.asarray(one[: len(one) // size * size].reshape(-1, size).all(axis=1))
-            for link, one in external["contacts"].items()
-        },
-    }
-
-
-def _mapping(values: Any, argument: str, example: str, where: str) -> dict[str, Any]:  # noqa: ANN401
+def _mapping(values: Any, argument: str, example: str) -> dict[str, Any]:  # noqa: ANN401
     """Check the names of links."""
     if values is None:
         return {}
     if not isinstance(values, Mapping):
-        raise BadArgumentError(
-            f"{argument} is of type {type(values).__name__}", where=where, remedy=f"pass {argument}={example}"
-        )
+        raise BadArgumentError(f"{argument} is of type {type(values).__name__}", remedy=f"pass {argument}={example}")
     checks.refuse_names(tuple(values), "link")
     return dict(values)
 
 
-def _contact(values: ArrayLike, link: str, samples: int, where: str) -> BoolArray:
-    raw = np.asarray(values)
-    if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
-        raise BadArgumentError(
-            f"the contact of {link} has values other than 0 and 1",
-            where=where,
-            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
-        )
-    _refuse_length(raw.shape[0] if raw.ndim == 1 else raw.shape, samples, f"the contact of {link}", where)
-    contact = np.array(raw, dtype=np.bool_)
-    contact.flags.writeable = False
-    return contact
-
-
-def _refuse_length(length: int | tuple[int, ...], samples: int, what: str, where: str) -> None:
+def _refuse_length(length: int | tuple[int, ...], samples: int, what: str) -> None:
     if length != samples:
         shape = f"{length} samples" if isinstance(length, int) else f"shape {length}"
-        raise BadArgumentError(
-            f"{what} has {shape}, and the recording {samples}", where=where, remedy="give one row per time stamp"
-        )
+        raise BadArgumentError(f"{what} has {shape}, and the recording {samples}", remedy="give one row per time stamp")
 
 
-def refuse_contradictions(
-    time: FloatArray, wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray], where: str = ""
-) -> None:
+def refuse_contradictions(time: FloatArray, wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> None:
     """Refuse contacts that contradict the wrench on the same link.
 
     It is meant for whole logs, and readers of files call it: in a short slice around one mislabelled step the contact
@@ -145,16 +105,15 @@ def refuse_contradictions(
         time: Time stamps [s], (N,).
         wrenches: Wrenches by link.
         contacts: Contacts by link, (N,) each.
-        where: Name of the file.
 
     Raises:
         ExoidError: A contact is inverted or never there while the link is loaded, or the force is in kN.
     """
     for link in (link for link in contacts if link in wrenches):
-        _refuse_contradiction(link, contacts[link], np.linalg.norm(wrenches[link].force, axis=1), time, where)
+        _refuse_contradiction(link, contacts[link], np.linalg.norm(wrenches[link].force, axis=1), time)
 
 
-def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time: FloatArray, where: str) -> None:
+def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time: FloatArray) -> None:
     # A link is certainly loaded beyond 50 N, and nobody stands on it below a median of 5 N. A load of less than 1 s
     # without any contact may be touch-down and lift-off.
     with_contact = float(np.median(force[contact])) if contact.any() else np.nan
@@ -163,21 +122,18 @@ def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time
     if not contact.any() and missed > 1.0:
         raise UnreadableInputError(
             f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
-            where=where,
             remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
         )
     if without > 50.0 and with_contact < 0.2 * without:
         raise UnreadableInputError(
             f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
             f"{without:.3g} N where it is 0",
-            where=where,
             remedy="invert it: contacts={...: ~contact}",
             command=f"invert it: --column contact_{link}=HEADER:-1:1",
         )
     if with_contact < 5.0:
         raise UnreadableInputError(
             f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: its force looks like kN",
-            where=where,
             remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",
             command=f"give its unit: --column wrench_{link}_fx=HEADER:kN, and so for the others",
         )

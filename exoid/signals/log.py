@@ -31,15 +31,15 @@ def read_log(
     table: Table, joint_names: Sequence[str] | None, columns: Mapping[str, str | Column] | None, options: ReadOptions
 ) -> dict[str, Any]:
     """Take the fields of a recording from a table, and check them; see `Recording.from_file`."""
-    given = {name: column_in(table.header, column, name, table.file) for name, column in (columns or {}).items()}
+    given = {name: column_in(table.header, column, name) for name, column in (columns or {}).items()}
     headers = _own_names(table, {name: column.header for name, column in given.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     left_out = {f"tau_{joint}" for joint in checks.as_joints(options.get("unmeasured", ()), joints, "unmeasured")}
     headers = {name: header for name, header in headers.items() if name not in left_out}
     of_joints = _of_joints(table, headers, joints)
-    of_base, of_links = part_columns(table, headers)
+    of_base, of_links = part_columns(headers)
     names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
-    where = SourceLocation(table.file, table.lines, headers, table.row_name)
+    where = SourceLocation(table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
     degrees = options.get("angle_unit") == "deg" or getattr(table, "in_degrees", False)
     numbers = _numbers(table, names, headers, given, degrees)
@@ -95,15 +95,14 @@ def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload,
             return as_payloads(given)
         remedy = f"{error.remedy}; or pass payloads=, () for none"
         command = f"{error.remedy}; or give --payload"
-        where = f"{table.file}, line '{PAYLOAD}'"
-        raise UnreadableInputError(error.what, where=where, remedy=remedy, command=command, file=table.file) from None
+        where = f"line '{PAYLOAD}'"
+        raise UnreadableInputError(error.what, where=where, remedy=remedy, command=command) from None
     if given is None:
         return found
     payloads = as_payloads(given)
     if found and found != payloads:
         raise UnreadableInputError(
             f"the file names other payloads ({', '.join(map(str, found))}) than were given",
-            where=table.file,
             remedy="leave out payloads, or correct the line '# payload:' of the file",
             command="leave out --payload, or correct the line '# payload:' of the file",
         )
@@ -117,7 +116,7 @@ def read_mask(table: Table, column: str) -> BoolArray:
         missing.remedy, missing.command = "name a column of 0 and 1 as mask", ""
         raise missing
     values = table.numbers([column])[:, 0]
-    with within(f"{table.file}, column {column}"):
+    with within(f"column {column}"):
         return checks.as_mask(values)
 
 
@@ -127,7 +126,6 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
         if not _is_of_no_joint(name) and not name.startswith(tuple(f"{each.prefix}_" for each in QUANTITIES)):
             raise UnreadableInputError(
                 f"a header is given for {name!r}, which is not an exoid column",
-                where=table.file,
                 remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>, i_<joint>, f_<joint>, "
                 f"tm_<joint>, qm_<joint>, temp_<joint>, {', '.join(BASE_COLUMNS)}, wrench_<link>_fx, …, "
                 "wrench_<link>_mz, contact_<link>",
@@ -138,7 +136,6 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
         if len(rivals) > 1 and not _may_share(rivals):
             raise UnreadableInputError(
                 f"column {header!r} is to be read as {' and '.join(rivals)}",
-                where=table.file,
                 remedy="map each exoid column to a different header",
             )
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
@@ -160,7 +157,6 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
         if name != header and not _is_of_no_joint(name) and name.partition("_")[2] not in joints:
             raise UnreadableInputError(
                 f"columns names {name!r}, but no column gives the angle of that joint",
-                where=table.file,
                 remedy=f"joints with an angle are {', '.join(joints)}; map q_<joint> too",
                 command=f"joints with an angle are {', '.join(joints)}; give q_<joint>=HEADER to --column too",
             )
@@ -211,9 +207,9 @@ def _numbers(
     for place, name in enumerate(names):
         column = given.get(name) or Column(headers[name])
         if column.is_plain and name in given:
-            refuse_silent_unit(column.header, name, table.file, degrees=degrees)
+            refuse_silent_unit(column.header, name, degrees=degrees)
         if not column.is_plain:
-            numbers[:, place] = column.read(name, numbers[:, place], table.file)
+            numbers[:, place] = column.read(name, numbers[:, place])
         is_in_m = getattr(table, "in_degrees", False) and column.header.removesuffix("/value").endswith(TRANSLATIONS)
         if degrees and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
             numbers[:, place] = np.deg2rad(numbers[:, place])
@@ -236,11 +232,9 @@ def _missing(column: str, why: str, table: Table, name: str | None = None) -> Ex
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
     return UnreadableInputError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
-        where=table.file,
         remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
         if name is None
         else "pass columns={exoid's name: <header in the file>}",
-        file=table.file,
         column=name or column,
         command=f"rename it in the file or give its header: --column {name or column}=HEADER",
     )

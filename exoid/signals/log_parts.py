@@ -8,15 +8,16 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import ExoidError, UnreadableInputError, within
+from exoid.errors import UnreadableInputError, within
 
+from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
 from .external import External
 from .readers import Table
 from .readers.text import BASE_POSITION, WRENCH
-from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, as_frames, frame_of_link
+from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, frame_of_link
 
 POINT_PARTS = ("px", "py", "pz")
 """Coordinates of a point that moves, in the laboratory [m]."""
@@ -33,27 +34,26 @@ def is_external(name: str) -> bool:
     return WRENCH_COLUMN.fullmatch(name) is not None or (name.startswith(CONTACT) and name != CONTACT)
 
 
-def part_columns(table: Table, headers: Mapping[str, str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def part_columns(headers: Mapping[str, str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Find the columns of the base (those of an IMU, of a pose, or of both), and those of wrenches and contacts."""
     of_base: list[str] = []
     for names in (BASE_COLUMNS, POSE_COLUMNS):
-        if _has_all(names, headers, "the motion of the base", table.file):
+        if _has_all(names, headers, "the motion of the base"):
             of_base += names
     external = tuple(name for name in headers if is_external(name))
     for link in _links(external):
         for parts in (WRENCH_PARTS, POINT_PARTS):
             of_link = tuple(f"wrench_{link}_{part}" for part in parts)
-            _has_all(of_link, external, f"the wrench on {link}", table.file, needed=parts is WRENCH_PARTS)
+            _has_all(of_link, external, f"the wrench on {link}", needed=parts is WRENCH_PARTS)
     return tuple(of_base), external
 
 
-def _has_all(names: Sequence[str], there: Iterable[str], what: str, file: str, *, needed: bool = False) -> bool:
+def _has_all(names: Sequence[str], there: Iterable[str], what: str, *, needed: bool = False) -> bool:
     """Whether all columns of something are there; some of them alone are refused."""
     absent = [name for name in names if name not in there]
     if absent and (needed or len(absent) < len(names)):
         raise UnreadableInputError(
             f"{what} lacks {', '.join(absent)}",
-            where=file,
             remedy=f"give all of {', '.join(names)}; a column of zeros says that a component is none",
             command=f"give their headers: --column {absent[0]}=HEADER",
         )
@@ -80,7 +80,6 @@ def read_base(
         if position is not None:
             raise UnreadableInputError(
                 "a position of the base's sensor, and no motion of the base",
-                where=table.file,
                 remedy=f"give columns {', '.join(BASE_COLUMNS)}, or leave out base_position",
                 command=f"give headers of {', '.join(BASE_COLUMNS)} to --column, or leave out --base-position",
             )
@@ -88,19 +87,17 @@ def read_base(
     if position is not None and said is not None and tuple(position) != said:
         raise UnreadableInputError(
             f"the file puts the base's sensor at {said} m, and not at {tuple(position)} m",
-            where=table.file,
             remedy="leave out base_position, or correct the line '# base position:' of the file",
             command="leave out --base-position, or correct the line '# base position:' of the file",
         )
     place = position if position is not None else said or (0.0, 0.0, 0.0)
     values = np.column_stack(list(columns.values()))
     imu, pose = values[:, :-7], values[:, -7:]
-    with within(table.file):
-        if tuple(columns) == BASE_COLUMNS:
-            return BaseMotion.from_imu(values[:, :3], values[:, 3:], position=place)
-        if tuple(columns) == POSE_COLUMNS:
-            return BaseMotion.from_pose(pose[:, :3], pose[:, 3:], time, at=place)
-        return BaseMotion.from_imu(imu[:, :3], imu[:, 3:], position=place, pose=BasePose(pose[:, :3], pose[:, 3:]))
+    if tuple(columns) == BASE_COLUMNS:
+        return BaseMotion.from_imu(values[:, :3], values[:, 3:], position=place)
+    if tuple(columns) == POSE_COLUMNS:
+        return BaseMotion.from_pose(pose[:, :3], pose[:, 3:], time, at=place)
+    return BaseMotion.from_imu(imu[:, :3], imu[:, 3:], position=place, pose=BasePose(pose[:, :3], pose[:, 3:]))
 
 
 def _said_position(table: Table) -> tuple[float, ...] | None:
@@ -114,7 +111,7 @@ def _said_position(table: Table) -> tuple[float, ...] | None:
     except ValueError:
         raise UnreadableInputError(
             f"{' and '.join(texts)} is no position of the base's sensor",
-            where=f"{table.file}, line of a base position",
+            where="line of a base position",
             remedy="write one line '# base position: x,y,z' in m",
         ) from None
     return x, y, z
@@ -133,16 +130,16 @@ def read_external(
 ) -> External:
     """Make the wrenches and contacts of a log."""
     said = _said_frames(table)
-    try:
-        given = as_frames(given_frames or {})
-    except ExoidError as error:
-        raise UnreadableInputError(f"wrench_frames: {error.what}", remedy=error.remedy) from None
+    with within("wrench_frames"):
+        given = {
+            link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
+            for link, frame in (given_frames or {}).items()
+        }
     links = _links(columns)
     for link, frame in given.items():
         if link not in links:
             raise UnreadableInputError(
                 f"axes of the wrench on {link}, which the log does not have",
-                where=table.file,
                 remedy=f"links with a wrench are {', '.join(links) or 'none'}: name one of them",
                 command=f"links with a wrench are {', '.join(links) or 'none'}; map its columns, e.g. "
                 f"--column wrench_{link}_fx=HEADER, or leave out --wrench {link}:…",
@@ -150,7 +147,6 @@ def read_external(
         if said.get(link, frame) != frame:
             raise UnreadableInputError(
                 f"the file gives the wrench on {link} as {said[link]}, and not as {frame}",
-                where=table.file,
                 remedy="leave out wrench_frames, or correct the line '# wrench:' of the file",
                 command="leave out --wrench, or correct the line '# wrench:' of the file",
             )
@@ -159,15 +155,12 @@ def read_external(
     # laboratory.
     wrenches: dict[str, Wrench] = {}
     for link in links:
-        try:
+        with within(f"wrench on {link}"):
             wrenches[link] = _wrench(link, columns, frames.get(link))
-        except ExoidError as error:
-            raise error.within(", ".join(filter(None, (table.file, f"wrench on {link}")))) from None
-    contacts = {
-        name.removeprefix(CONTACT): _contact(name, values, table.file)
-        for name, values in columns.items()
-        if name.startswith(CONTACT)
-    }
+    contacts: dict[str, BoolArray] = {}
+    for name in (name for name in columns if name.startswith(CONTACT)):
+        with within(f"column {name}"):
+            contacts[name.removeprefix(CONTACT)] = checks.as_mask(columns[name], "a contact")
     return {"wrenches": wrenches, "contacts": contacts}
 
 
@@ -175,14 +168,12 @@ def _said_frames(table: Table) -> dict[str, WrenchFrame]:
     """Axes and points that lines of a text file give."""
     found: dict[str, WrenchFrame] = {}
     for text in getattr(table, "said", {}).get(WRENCH, ()):
-        try:
+        with within(f"line '{WRENCH}'"):
             link, frame = frame_of_link(text)
-        except ExoidError as error:
-            raise error.within(f"{table.file}, line '{WRENCH}'") from None
         if found.setdefault(link, frame) != frame:
             raise UnreadableInputError(
                 f"two frames of the wrench on {link}: {found[link]} and {frame}",
-                where=f"{table.file}, line '{WRENCH}'",
+                where=f"line '{WRENCH}'",
                 remedy="write one line for each link",
             )
     return found
@@ -201,20 +192,6 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
         )
     point_columns = np.column_stack([columns[name] for name in names])
     return Wrench(values[:, :3], values[:, 3:], point_columns, "world")
-
-
-def _contact(name: str, values: FloatArray, file: str) -> BoolArray:
-    if not np.isin(values, (0.0, 1.0)).all():
-        first = int(np.argmax(~np.isin(values, (0.0, 1.0))))
-        raise UnreadableInputError(
-            f"a contact of {values[first]:.6g} in sample {first}, which is neither 0 nor 1",
-            where=", ".join(filter(None, (file, f"column {name}"))),
-            remedy="write 0 and 1; exoid.signals.contacts_from_switch and contacts_from_wrench find contacts of a "
-            "pressure or a force",
-            command="map a column of 0 and 1, or scale it by --column "
-            f"{name}=HEADER:SCALE; a pressure or a force needs exoid.signals.contacts_from_switch in Python",
-        )
-    return values.astype(np.bool_)
 
 
 def log_of_external(wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> LogPart:

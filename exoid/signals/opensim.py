@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, UnreadableInputError
+from exoid.errors import UnreadableInputError, in_file
 
 from . import timebase
 from .base_motion import BaseMotion
@@ -88,22 +88,19 @@ def read_opensim(
     if (forces is None) != (not links):
         raise UnreadableInputError(
             "forces and links belong together",
-            where=os.fsdecode(path),
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
         )
     recording = Recording.from_file(path, None, columns, **options)
-    table = open_table(path)
-    if pelvis is None:
-        pelvis = set(PELVIS_TURNS + PELVIS_PLACES) <= set(table.header)
-    if pelvis:
-        pose = _pelvis_of(table)
-        try:
+    with in_file(os.fsdecode(path)):
+        table = open_table(path)
+        if pelvis is None:
+            pelvis = set(PELVIS_TURNS + PELVIS_PLACES) <= set(table.header)
+        if pelvis:
+            pose = _pelvis_of(table)
             base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=at, cutoff=cutoff)
-        except ExoidError as error:
-            raise error.within(table.file) from error
-        if not np.array_equal(pose.time, recording.time):
-            base = base.interpolated(pose.time, recording.time)
-        recording = replace(recording, base=base)
+            if not np.array_equal(pose.time, recording.time):
+                base = base.interpolated(pose.time, recording.time)
+            recording = replace(recording, base=base)
     if forces is not None and links:
         recording = read_opensim_forces(forces).attached_to(recording, links)
     return recording
@@ -126,34 +123,27 @@ def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
     Raises:
         ExoidError: A column is missing, or does not hold numbers.
     """
-    return _pelvis_of(open_table(path))
+    with in_file(os.fsdecode(path)):
+        return _pelvis_of(open_table(path))
 
 
 def _pelvis_of(table: Table) -> PelvisPose:
     for name in ("time", *PELVIS_TURNS, *PELVIS_PLACES):
         if name not in table.header:
             raise UnreadableInputError(
-                f"no column {name!r}",
-                where=table.file,
-                remedy="export all six coordinates of the pelvis, or leave it out: pelvis=False",
+                f"no column {name!r}", remedy="export all six coordinates of the pelvis, or leave it out: pelvis=False"
             )
     numbers = table.numbers(["time", *PELVIS_TURNS, *PELVIS_PLACES])
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers).all(axis=1)))
-        raise UnreadableInputError(
-            f"{table.row_name} {row} of the pelvis has no number", where=table.file, remedy="fill the gap"
-        )
+        raise UnreadableInputError(f"{table.row_name} {row} of the pelvis has no number", remedy="fill the gap")
     degrees = getattr(table, "in_degrees", False)
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))
-    pose = PelvisPose(time, upright.apply(position), (upright * turns * upright.inv()).as_quat())
-    return pose if timebase.is_uniform(time) else _evenly(pose)
-
-
-def _evenly(pose: PelvisPose) -> PelvisPose:
-    """Interpolate a pose at even time stamps."""
-    grid = timebase.even_grid(pose.time, timebase.sampling_rate(pose.time))
-    position = timebase.interpolate(pose.time, pose.position, grid, smooth=True)
-    turns = scipy.spatial.transform.Slerp(pose.time, scipy.spatial.transform.Rotation.from_quat(pose.quaternion))
-    return PelvisPose(grid, position, turns(grid).as_quat())
+    place, rotation = upright.apply(position), upright * turns * upright.inv()
+    if timebase.is_uniform(time):
+        return PelvisPose(time, place, rotation.as_quat())
+    grid = timebase.even_grid(time, timebase.sampling_rate(time))
+    even = timebase.interpolate(time, place, grid, smooth=True)
+    return PelvisPose(grid, even, scipy.spatial.transform.Slerp(time, rotation)(grid).as_quat())

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import UnreadableInputError, within
+from exoid.errors import UnreadableInputError, in_file
 
 from . import checks, timebase
 from .base_pose import turn_upright
@@ -55,20 +55,19 @@ class GroundForces:
         Raises:
             ExoidError: There is no such plate, a link is named twice, or the forces do not cover the recording.
         """
-        for plate in links:
-            if plate not in self.wrenches:
+        with in_file(self.file):
+            for plate in links:
+                if plate not in self.wrenches:
+                    raise UnreadableInputError(
+                        f"no plate {plate!r}", remedy=f"plates of the file are {', '.join(self.wrenches)}"
+                    )
+            if len(set(links.values())) < len(links) or set(links.values()) & set(recording.wrenches):
                 raise UnreadableInputError(
-                    f"no plate {plate!r}", where=self.file, remedy=f"plates of the file are {', '.join(self.wrenches)}"
+                    f"a link has two wrenches: {', '.join(links.values())}", remedy="name one link for each plate"
                 )
-        if len(set(links.values())) < len(links) or set(links.values()) & set(recording.wrenches):
-            raise UnreadableInputError(
-                f"a link has two wrenches: {', '.join(links.values())}",
-                where=self.file,
-                remedy="name one link for each plate",
-            )
-        grid = self._within(recording.time)
-        own = {link: self._resampled(self.wrenches[plate], grid) for plate, link in links.items()}
-        return replace(recording, wrenches={**recording.wrenches, **own})
+            grid = self._within(recording.time)
+            own = {link: self._resampled(self.wrenches[plate], grid) for plate, link in links.items()}
+            return replace(recording, wrenches={**recording.wrenches, **own})
 
     def _within(self, time: FloatArray) -> FloatArray:
         """Time stamps of a recording, of which those at its ends may be half a sample beyond the forces."""
@@ -77,7 +76,6 @@ class GroundForces:
             raise UnreadableInputError(
                 f"forces from {self.time[0]:g} s to {self.time[-1]:g} s do not cover the recording, from "
                 f"{time[0]:g} s to {time[-1]:g} s",
-                where=self.file,
                 remedy="give both files of one trial, or cut the recording: recording.between(start, stop)",
             )
         return np.clip(time, self.time[0], self.time[-1])
@@ -115,26 +113,23 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
     Raises:
         ExoidError: There are no such columns, some of a plate are missing, or numbers are.
     """
-    table = open_table(path)
-    if "time" not in table.header:
-        raise UnreadableInputError(
-            "no column 'time'", where=table.file, remedy="name the column of the time stamps 'time'"
-        )
-    plates = plates_in(table)
-    names = [name for columns in plates.values() for of_part in columns.values() for name in of_part]
-    numbers = table.numbers(["time", *names])
-    checks.refuse_too_few(len(numbers), SourceLocation(table.file))
-    by_name = dict(zip(("time", *names), numbers.T, strict=True))
-    for columns in plates.values():
-        unloaded = np.all([by_name[name] == 0.0 for name in columns["force"]], axis=0)
-        for name in columns["point"]:  # a plate without a force has no centre of pressure
-            by_name[name] = np.where(unloaded & np.isnan(by_name[name]), 0.0, by_name[name])
-    where = SourceLocation(table.file, table.lines, {}, table.row_name)
-    checks.refuse_not_finite(np.column_stack([by_name[name] for name in ("time", *names)]), ("time", *names), where)
-    checks.refuse_time_disorder(by_name["time"], where)
-    with within(table.file):
+    with in_file(os.fsdecode(path)):
+        table = open_table(path)
+        if "time" not in table.header:
+            raise UnreadableInputError("no column 'time'", remedy="name the column of the time stamps 'time'")
+        plates = plates_in(table)
+        names = ["time", *(name for columns in plates.values() for of_part in columns.values() for name in of_part)]
+        by_name = dict(zip(names, table.numbers(names).T, strict=True))
+        checks.refuse_too_few(len(by_name["time"]))
+        for columns in plates.values():
+            unloaded = np.all([by_name[name] == 0.0 for name in columns["force"]], axis=0)
+            for name in columns["point"]:  # a plate without a force has no centre of pressure
+                by_name[name] = np.where(unloaded & np.isnan(by_name[name]), 0.0, by_name[name])
+        where = SourceLocation(table.lines, {}, table.row_name)
+        checks.refuse_not_finite(np.column_stack([by_name[name] for name in names]), names, where)
+        checks.refuse_time_disorder(by_name["time"], where)
         wrenches = {plate: _wrench(by_name, columns) for plate, columns in plates.items()}
-    return GroundForces(by_name["time"], wrenches, table.file)
+        return GroundForces(by_name["time"], wrenches, table.file)
 
 
 def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
@@ -147,14 +142,12 @@ def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
             if axis in found.setdefault(plate, {}).setdefault(part, {}):
                 raise UnreadableInputError(
                     f"{found[plate][part][axis]} and {name} are both {part} {axis} of plate {plate!r}",
-                    where=table.file,
                     remedy="rename one of them",
                 )
             found[plate][part][axis] = name
     if not found:
         raise UnreadableInputError(
             f"no ground reaction forces; the file has: {', '.join(table.header[:20])}",
-            where=table.file,
             remedy="name the columns as OpenSim does: ground_force_1_vx, ground_force_1_px, ground_torque_1_x, …",
         )
     for plate, parts in found.items():
@@ -163,7 +156,6 @@ def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
             if absent:
                 raise UnreadableInputError(
                     f"plate {plate!r} has no {part} {', '.join(absent)}",
-                    where=table.file,
                     remedy="export force (vx, vy, vz), centre of pressure (px, py, pz) and free moment of each plate",
                 )
     return {

@@ -12,7 +12,7 @@ from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
 from . import checks
-from .source import Source, SourceLocation
+from .source import Source
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +49,7 @@ class Poses:
         for name in ("q", "tau"):
             array = checks.as_numbers(getattr(self, name), name)
             checks.refuse_shape(array, shape, name)
-            checks.refuse_not_finite(array, [f"{name}_{joint}" for joint in self.joint_names], SourceLocation())
+            checks.refuse_not_finite(array, [f"{name}_{joint}" for joint in self.joint_names])
             object.__setattr__(self, name, array)
 
     def __len__(self) -> int:

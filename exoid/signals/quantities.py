@@ -107,7 +107,7 @@ def quantity_of(name: str) -> str:
     return name if name == "time" else name.partition("_")[0]
 
 
-def refuse_other_unit(unit: str, name: str, where: str) -> float:
+def refuse_other_unit(unit: str, name: str) -> float:
     """Find the factor of a column's unit, or refuse a unit that does not belong to its quantity."""
     quantity = quantity_of(name)
     factor = factor_of(unit, quantity)
@@ -121,12 +121,10 @@ def refuse_other_unit(unit: str, name: str, where: str) -> float:
         aim = "N" if quantity == "f" else "N·m"
         remedy = f'read it as current, columns={{"i_{joint}": ...}}, or give the scale in {aim} per A'
         command = f"read it as current (i_{joint}=HEADER:{unit}), or give {aim} per A: {name}=HEADER:{scale}"
-    raise UnreadableInputError(
-        f"{unit!r} is not a unit of {meaning} ({name})", where=where, remedy=remedy, command=command
-    )
+    raise UnreadableInputError(f"{unit!r} is not a unit of {meaning} ({name})", remedy=remedy, command=command)
 
 
-def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> None:
+def refuse_silent_unit(header: str, name: str, *, degrees: bool) -> None:
     """Refuse a header that names a unit which the column is not read in, or a current that is read as torque."""
     quantity = quantity_of(name)
     written = BRACKETED.search(header)
@@ -139,7 +137,6 @@ def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> 
             si = next(iter(FACTORS[quantity][1]), "1") if not in_degrees else "degrees"
             raise UnreadableInputError(
                 f"column {header!r} says {unit}, and would be read as {name} in {si}",
-                where=where,
                 remedy=f'say its unit or its scale: columns={{"{name}": exoid.signals.Column({header!r}, unit=...)}}',
                 command=f"say its unit or its scale: --column '{name}={header}:UNIT' or ':SCALE'",
             )
@@ -148,7 +145,6 @@ def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> 
         joint = name.partition("_")[2]
         raise UnreadableInputError(
             f"column {header!r} is to be {name} [{aim}], and its name says that it is a current",
-            where=where,
             remedy=f'give Column({header!r}, scale=...) in {aim} per A, map it to "i_{joint}", or say unit="{aim}"',
             command=f"give {aim} per A ({name}={header}:0.118), map it to i_{joint}, or say its unit "
             f"({name}={header}:{aim})",

@@ -5,19 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, in_file
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
 from .column import Column
 from .csv_writer import LogPart, write_parts
-from .external import interpolate, refuse_contradictions, select_rows
+from .external import each_link, refuse_contradictions
 from .log import read_log
 from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
@@ -26,7 +26,6 @@ from .readers.formats import open_table
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns
-from .source import SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -205,7 +204,8 @@ class Recording(RecordingData):
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
         mask = None if self.mask is None else self.mask[start:stop]
         base = None if self.base is None else self.base.rows(slice(start, stop))
-        external = select_rows(self._external, slice(start, stop))
+        rows = slice(start, stop)
+        external = each_link(self._external, lambda wrench: wrench.rows(rows), lambda contact: contact[rows])
         return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
@@ -300,18 +300,21 @@ class Recording(RecordingData):
                 f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
                 remedy="keep the rate: a lower one aliases fast signals",
             )
-        timebase.refuse_gaps(self.time, SourceLocation())
-        rows = timebase.uncrowded(self.time)
+        timebase.refuse_gaps(self.time)
+        # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates
+        intervals = np.diff(self.time, prepend=-np.inf)
+        rows = intervals >= 0.25 * np.median(intervals)
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
         arrays = {
-            field: timebase.interpolate_measured(time, values[rows], grid, smooth=smooth[field])
+            field: timebase.interpolate(time, values[rows], grid, smooth=smooth[field])
             for field, values in self._arrays().items()
         }
-        mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
+        carried_over = partial(timebase.interpolate_mask, self.time, grid=grid)
+        mask = None if self.mask is None else carried_over(self.mask)
         base = None if self.base is None else self.base.interpolated(time, grid, rows)
-        external = interpolate(self._external, self.time, grid, rows)
+        external = each_link(self._external, lambda wrench: wrench.interpolated(time, grid, rows), carried_over)
         return self._with(time=grid, mask=mask, base=base, **arrays, **external)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -424,12 +427,13 @@ class Recording(RecordingData):
         options: ReadOptions,
         kind: str | None = None,
     ) -> Recording:
-        refuse_unknown_options(options)
         headers = {
             name: column if isinstance(column, str) else (column._text or column.header)  # as the command line wrote it
             for name, column in (columns or {}).items()
         }
-        table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
-        recording = cls(**read_log(table, joint_names, columns, options))
-        refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
-        return recording.resampled() if options.get("resample", True) else recording
+        with in_file(os.fsdecode(path)):
+            refuse_unknown_options(options)
+            table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            recording = cls(**read_log(table, joint_names, columns, options))
+            refuse_contradictions(recording.time, recording.wrenches, recording.contacts)
+            return recording.resampled() if options.get("resample", True) else recording

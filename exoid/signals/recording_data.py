@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
+from exoid.errors import NotSupportedError, in_file
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -17,7 +18,7 @@ from .base_checks import refuse_unfit_base
 from .base_motion import BaseMotion
 from .external import External, as_external, refuse_world_axes_without_pose
 from .quantities import QUANTITIES
-from .source import Source, SourceLocation
+from .source import Source
 from .wrench import Wrench
 
 
@@ -49,8 +50,9 @@ class RecordingData:
     contacts: Mapping[str, BoolArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._freeze()
-        self._check()
+        with in_file(self._file):
+            self._freeze()
+            self._check()
 
     def _freeze(self) -> None:
         joints = checks.as_names(self.joint_names, "joint_names")
@@ -70,34 +72,40 @@ class RecordingData:
             frozen["mask"] = checks.as_mask(self.mask)
         if self.payloads != ():
             frozen["payloads"] = as_payloads(self.payloads)
-        for name, value in {**frozen, **as_external(self.wrenches, self.contacts, samples, self._file)}.items():
+        for name, value in {**frozen, **as_external(self.wrenches, self.contacts, samples)}.items():
             object.__setattr__(self, name, value)
 
     def _check(self) -> None:
-        where, names, samples = SourceLocation(), self.joint_names, self.time.size
+        names, samples = self.joint_names, self.time.size
         checks.refuse_names(names)
         checks.refuse_shape(self.time, (samples,), "time")
         for quantity, values in self._arrays().items():
             checks.refuse_shape(values, (samples, len(names)), quantity)
-        checks.refuse_too_few(samples, where)
+        checks.refuse_too_few(samples)
         if self.mask is not None:
             checks.refuse_shape(self.mask, (samples,), "mask")
-        checks.refuse_not_finite(self.time[:, np.newaxis], ("time",), where)
+        checks.refuse_not_finite(self.time[:, np.newaxis], ("time",))
         for each in QUANTITIES:
             values = getattr(self, each.field)
             if values is not None:
                 there = ~absent_columns(values) if each.partial else np.ones(len(names), dtype=np.bool_)
                 columns = [f"{each.prefix}_{name}" for name, is_there in zip(names, there, strict=True) if is_there]
-                checks.refuse_not_finite(values[:, there], columns, where)
-                checks.refuse_implausible(each.field, values[:, there], columns, where)
-        checks.refuse_time_disorder(self.time, where)
-        checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
-        checks.refuse_moving_torso(self.torso)
+                checks.refuse_not_finite(values[:, there], columns)
+                checks.refuse_implausible(each.field, values[:, there], columns)
+        checks.refuse_time_disorder(self.time)
+        checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle)
+        if self.torso is not None and any(  # slices and filters do not apply to its motion
+            np.ndim(getattr(self.torso, each.name)) > (each.name == "hip_acceleration") for each in fields(self.torso)
+        ):
+            raise NotSupportedError(
+                "the torso moves during the recording",
+                remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
+            )
         if self.base is not None:
-            refuse_unfit_base(self.time, self.base, self.torso, self._file)
-        refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None, self._file)
+            refuse_unfit_base(self.time, self.base, self.torso)
+        refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None)
         if self.v is not None:
-            checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names, where)
+            checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names)
 
     @property
     def _file(self) -> str:

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError
 
-from .source import SourceLocation
+from .source import ARRAY, SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -42,7 +41,7 @@ def sampling_rate(time: FloatArray) -> float:
     return float(1.0 / np.median(np.diff(time)))
 
 
-def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
+def refuse_gaps(time: FloatArray, where: SourceLocation = ARRAY) -> None:
     """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals."""
     intervals = np.diff(time)
     limit = float(np.clip(0.02, 10.0 * np.median(intervals), 100.0 * np.median(intervals)))
@@ -56,14 +55,6 @@ def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
         )
 
 
-def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
-    """Select the rows to interpolate from: all but those that follow another within a quarter of the median."""
-    # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
-    intervals = np.diff(time, prepend=-np.inf)
-    crowded = intervals < 0.25 * np.median(intervals)
-    return ~crowded if crowded.any() else slice(None)
-
-
 def even_grid(time: FloatArray, rate: float) -> FloatArray:
     """Make uniform time stamps within the range of others."""
     steps = int(np.floor((time[-1] - time[0]) * rate * (1.0 + 1e-12)))
@@ -72,19 +63,12 @@ def even_grid(time: FloatArray, rate: float) -> FloatArray:
 
 
 def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate columns at other time stamps."""
+    """Interpolate columns at other time stamps; those that were not measured stay NaN."""
+    out = np.full((len(grid), values.shape[1]), np.nan)
+    there = ~np.isnan(values[0])  # a column is NaN throughout or nowhere
+    values = values[:, there]
     curve = scipy.interpolate.CubicSpline(time, values) if smooth else scipy.interpolate.PchipInterpolator(time, values)
-    columns: FloatArray = np.ascontiguousarray(curve(grid))
-    return columns
-
-
-def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate the columns that were measured; the others stay NaN."""
-    there = np.asarray(~np.isnan(values).all(axis=0))
-    if there.all():
-        return interpolate(time, values, grid, smooth=smooth)
-    out = np.full((len(grid), len(there)), np.nan)
-    out[:, there] = interpolate(time, values[:, there], grid, smooth=smooth)
+    out[:, there] = curve(grid)
     return out
 
 

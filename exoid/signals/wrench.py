@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -12,7 +11,6 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 from . import checks, timebase
-from .source import SourceLocation
 from .timebase import Sampled, means
 
 WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -71,8 +69,8 @@ class Wrench(Sampled):
                 remedy="give one point (3,), and the moment about it: moment + np.cross(points - point, force)",
             )
         checks.refuse_shape(self.point, (samples, 3) if self.moving_point else (3,), "point of a wrench")
-        checks.refuse_not_finite(self.columns, WRENCH_PARTS, SourceLocation())
-        checks.refuse_not_finite(np.atleast_2d(self.point), ("px", "py", "pz"), SourceLocation())
+        checks.refuse_not_finite(self.columns, WRENCH_PARTS)
+        checks.refuse_not_finite(np.atleast_2d(self.point), ("px", "py", "pz"))
         refuse_wrong_units(self.force, self.moment, self.point, self.axes)
 
     @property
@@ -226,14 +224,6 @@ class WrenchFrame(NamedTuple):
 
     def __str__(self) -> str:
         return self.axes if self.point is None else f"{self.axes}@{','.join(repr(float(x)) for x in self.point)}"
-
-
-def as_frames(frames: Mapping[str, WrenchFrame | str]) -> dict[str, WrenchFrame]:
-    """Read the frames that are given as text."""
-    return {
-        link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
-        for link, frame in frames.items()
-    }
 
 
 def frame_of_link(text: str) -> tuple[str, WrenchFrame]:

@@ -97,8 +97,13 @@ def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
     """Refuse to write a file that is read, or that lies in a folder that is read."""
     if not os.path.exists(path):  # noqa: PTH110 - False, not an error, below a folder that cannot be read
         return
+    target = Path(path)
     for name in inputs:
-        if _reads(name, Path(path)):
+        source, reads = Path(name), False
+        with suppress(OSError, ValueError):  # not a file, such as the name of a leg; or reading it has a better message
+            inside = source.is_dir() and any(parent.samefile(source) for parent in target.resolve().parents)
+            reads = inside or source.samefile(target)
+        if reads:
             raise BadArgumentError(
                 f"is an input ({name}), which the output would replace" if str(name) != str(path) else REPLACES,
                 where=str(path),
@@ -135,17 +140,6 @@ def make_folder(folder: str | os.PathLike[str]) -> Path:
         where=str(folder),
         remedy="name a new folder, or one with write permission",
     )
-
-
-def _reads(name: str | os.PathLike[str], path: Path) -> bool:
-    """Tell whether an input is a file, or a folder that contains it."""
-    source = Path(name)
-    try:
-        if source.samefile(path):
-            return True
-        return source.is_dir() and any(parent.samefile(source) for parent in path.resolve().parents)
-    except (OSError, ValueError):  # not a file, such as the name of a leg; or reading it has a better message
-        return False
 
 
 def _target(path: str | os.PathLike[str]) -> Path:

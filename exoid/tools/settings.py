@@ -61,7 +61,10 @@ def named_from_json(
     kind = registry.find(name, origin)
     settings = {field: value for field, value in data.items() if field not in (key, ORIGIN)}
     try:
-        _refuse_no_numbers(kind, settings)
+        for field in fields(kind):  # type: ignore[arg-type]
+            value = settings.get(field.name, 0.0)
+            if field.type in (int, float, "int", "float") and type(value) not in (int, float):
+                raise TypeError(f"{field.name} is no number")
         return kind(**{field: _value_from_json(value, nested) for field, value in settings.items()})
     except TypeError as error:
         known = ", ".join(field.name for field in fields(kind) if field.init) or "none"  # type: ignore[arg-type]
@@ -70,14 +73,6 @@ def named_from_json(
             f"the {registry.what} {name!r} does not take {settings} ({error})",
             remedy=f"its settings are {known}{version}",
         ) from error
-
-
-def _refuse_no_numbers(kind: type, settings: Mapping[str, Any]) -> None:
-    """Refuse anything but a number for a setting that is declared as one."""
-    for field in fields(kind):
-        value = settings.get(field.name, 0.0)
-        if field.type in (int, float, "int", "float") and type(value) not in (int, float):
-            raise TypeError(f"{field.name} is no number")
 
 
 def _settings(thing: Any, nested: type | None) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
@@ -97,22 +92,17 @@ def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa:
         return [_value_to_json(item, nested, where) for item in value]
     if isinstance(value, float) and math.isfinite(value):
         return float(value)
-    if value is None or type(value) in (bool, int) or (type(value) is str and _is_unicode(value)):
+    if (
+        value is None
+        or type(value) in (bool, int)
+        or (type(value) is str and value.encode(errors="ignore").decode() == value)
+    ):
         return value
     beside = "" if nested is None else f", {nested.__name__}"
     raise BadArgumentError(
         f"{where}{reprlib.repr(value)}) cannot be written to a file",
         remedy=f"let settings be finite numbers, text, True, False, None{beside}, or tuples of these",
     )
-
-
-def _is_unicode(text: str) -> bool:
-    """Tell text from the bytes of a file's name, which Python keeps as half characters."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def _value_from_json(value: Any, nested: type[Any] | None) -> Any:  # noqa: ANN401

@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from log_writers import write_columns
 from scipy.spatial.transform import Rotation
 from walking import IMU, Walk
 
@@ -123,32 +124,18 @@ def test_a_csv_log_keeps_the_base_and_where_its_sensor_is(tmp_path):
         Recording.from_csv(tmp_path / "walk.csv", base_position=(0.0, 0.0, 0.0))
 
 
-def arrays_of(recording):
-    return {
-        "time": recording.time,
-        "q": recording.q,
-        "tau": recording.tau,
-        "joint_names": np.array(recording.joint_names),
-        "base_gyro": recording.base.angular_velocity,
-        "base_acc": recording.base.specific_force,
-    }
-
-
 def test_other_formats_have_the_base_as_columns_or_matrices(tmp_path):
     recording = walk().recording()
-    np.savez(tmp_path / "walk.npz", **arrays_of(recording))
+    base = {"base_gyro": recording.base.angular_velocity, "base_acc": recording.base.specific_force}
+    joints = {"q": recording.q, "joint_names": np.array(recording.joint_names)}
+    np.savez(tmp_path / "walk.npz", time=recording.time, **joints, **base)
     read = Recording.from_file(tmp_path / "walk.npz", base_position=IMU)
     assert np.array_equal(read.base.columns, recording.base.columns)
     assert np.array_equal(read.base.position, IMU)
-    polars = pytest.importorskip("polars")
     names = ["time", *(f"q_{joint}" for joint in recording.joint_names), *BASE_COLUMNS]
     table = np.column_stack([recording.time, recording.q, recording.base.columns])
-    polars.DataFrame(table, schema=names).write_parquet(tmp_path / "walk.parquet")
+    write_columns(tmp_path / "walk.parquet", **dict(zip(names, table.T, strict=True)))
     assert np.array_equal(Recording.from_file(tmp_path / "walk.parquet").base.columns, recording.base.columns)
-
-
-def write(path, names, table):
-    path.write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in table.tolist())]) + "\n")
 
 
 def test_columns_may_have_other_headers_units_and_signs(tmp_path):
@@ -157,7 +144,7 @@ def test_columns_may_have_other_headers_units_and_signs(tmp_path):
     logged = np.column_stack([recording.time, recording.q, np.rad2deg(base[:, :3]), base[:, 3:] / 9.80665])
     logged[:, 4] *= -1.0
     names = ["time", "q_left_hip", "q_left_knee", "gx", "gy", "gz", "ax", "ay", "az"]
-    write(tmp_path / "log.csv", names, logged)
+    write_columns(tmp_path / "log.csv", **dict(zip(names, logged.T, strict=True)))
     columns = {f"base_gyro_{axis}": Column(f"g{axis}", unit="deg/s") for axis in "xz"}
     columns |= {f"base_acc_{axis}": Column(f"a{axis}", unit="g") for axis in "xyz"}
     columns["base_gyro_y"] = Column("gy", scale=-1.0, unit="deg/s")
@@ -170,7 +157,8 @@ def test_a_log_may_have_the_pose_of_the_base(tmp_path):
     recording = walked.recording()
     position, turn = walked.pose
     names = ["time", "q_left_hip", "q_left_knee", "base_x", "base_y", "base_z", *(f"base_q{axis}" for axis in "xyzw")]
-    write(tmp_path / "log.csv", names, np.column_stack([recording.time, recording.q, position, turn.as_quat()]))
+    table = np.column_stack([recording.time, recording.q, position, turn.as_quat()])
+    write_columns(tmp_path / "log.csv", **dict(zip(names, table.T, strict=True)))
     read = Recording.from_csv(tmp_path / "log.csv")
     assert np.array_equal(read.base.columns, BaseMotion.from_pose(position, turn.as_quat(), walked.time).columns)
 

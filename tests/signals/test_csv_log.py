@@ -39,13 +39,6 @@ def refused(path, match, **options):
     return str(caught.value)
 
 
-def changed(line, text):
-    """The good log with one line (counted from 1) replaced."""
-    lines = [HEADER, *ROWS]
-    lines[line - 1] = text
-    return lines
-
-
 # --- what is read -------------------------------------------------------------------------------------------
 
 
@@ -136,7 +129,7 @@ def recordings(draw):
         "tau": st.floats(-1e8, 1e8),
     }
     wanted = ["q", *draw(st.sets(st.sampled_from(["v", "a", "tau"])))]
-    intervals = draw(hnp.arrays(np.float64, samples, elements=st.floats(1e-4, 10.0)))
+    intervals = draw(hnp.arrays(np.float64, samples, elements=st.floats(1e-4, 0.4)))
     made = {name: draw(hnp.arrays(np.float64, (samples, len(joints)), elements=floats[name])) for name in wanted}
     try:
         return Recording(time=np.cumsum(intervals), **made, joint_names=joints)
@@ -190,12 +183,6 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monk
 # --- what is refused: the file ------------------------------------------------------------------------------
 
 
-def test_a_missing_file_a_directory_and_a_device_are_refused(tmp_path):
-    refused(tmp_path / "none.csv", r"none\.csv: no such file.*check the path")
-    refused(tmp_path, "is a directory, not a file")
-    refused("a\0b.csv", "cannot be read")
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
@@ -215,15 +202,13 @@ def test_a_missing_time_or_angle_column_is_refused_with_the_closest_and_with_wha
     message = refused(log(lines), r"log\.csv: no column 'time' .*closest: Time; the file has: Time, q_hip, q_knee,")
     assert "columns={'time': <header in the file>}" in message
     refused(log([HEADER, *ROWS]), r"no column 'q_ankle'.*columns=\{'q_ankle'", joint_names=("hip", "ankle"))
-    refused(log([HEADER.replace("q_", "pos_"), *ROWS]), r"no column 'q_<joint>'.*the file has: time, pos_hip")
 
 
 # --- what is refused: the cells -----------------------------------------------------------------------------
 
 
 def test_a_column_with_a_foreign_header_is_named_by_both(log):
-    lines = changed(5, "0.06,0.1,nan,1,0.1")
-    lines[0] = HEADER.replace("q_knee", "pos2")
+    lines = [HEADER.replace("q_knee", "pos2"), *ROWS[:3], "0.06,0.1,nan,1,0.1", *ROWS[4:]]
     refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
 
 
@@ -249,17 +234,14 @@ def read_or_refuse(data):
     return recording
 
 
-@given(data=st.binary(max_size=300))
-@settings(max_examples=150, deadline=None)
+TEXTS = st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass"))
+
+
+@given(data=st.one_of(st.binary(max_size=300), TEXTS))
+@settings(max_examples=300, deadline=None)
+@example(b"time\tq_a\n" + b'"\n' * 12)
 def test_any_bytes_are_read_or_refused(data):
     read_or_refuse(data)
-
-
-@given(text=st.text(max_size=200))
-@settings(max_examples=150, deadline=None)
-@example("time\tq_a\n" + '"\n' * 12)
-def test_any_text_is_read_or_refused(text):
-    read_or_refuse(text.encode("utf-8", "surrogatepass"))
 
 
 CELLS = st.one_of(

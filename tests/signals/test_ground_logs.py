@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from log_writers import write_columns
 from scipy.io import savemat
 from walking import Walk
 
@@ -118,12 +119,10 @@ def test_each_format_has_wrenches_as_columns_or_matrices_and_contacts_as_bools_o
     elif ending == "mat":
         savemat(path, {**arrays(), "joint_names": np.array(["knee"], dtype=object)})
     else:
-        polars = pytest.importorskip("polars")
         columns = {name: values for name, values in arrays().items() if values.ndim == 1 and len(values) == N}
         columns |= {"q_knee": arrays()["q"][:, 0], "contact_left_foot": STANCE if ending == "parquet" else STANCE + 0}
         foot = dict(zip((f"wrench_left_foot_{part}" for part in PARTS), np.hstack([FORCE, MOMENT]).T, strict=True))
-        frame = polars.DataFrame({**columns, **foot})
-        (frame.write_parquet if ending == "parquet" else frame.write_csv)(path)
+        write_columns(path, **columns, **foot)
     read = Recording.from_file(path, wrench_frames=FRAMES)
     assert set(read.wrenches) == {"left_foot", "rail"}
     same(read, recording({link: EXPECTED["wrenches"][link] for link in read.wrenches}, EXPECTED["contacts"]))
@@ -136,8 +135,7 @@ def test_headers_units_and_signs_of_wrenches_are_mapped(tmp_path):
     point = np.tile([500.0, 20.0, 0.0], (N, 1))
     force = FORCE * (1.0, 1.0, 1e-3)
     table = np.column_stack([TIME, 0.2 * np.sin(TIME), force, 1e3 * MOMENT, point, 5.0 * STANCE])
-    path = tmp_path / "plate.csv"
-    np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.17g")
+    path = write_columns(tmp_path / "plate.csv", **dict(zip(names, table.T, strict=True)))
     columns = {
         "wrench_left_foot_fx": "Fx",
         "wrench_left_foot_fy": "Fy",
@@ -161,20 +159,10 @@ def test_headers_units_and_signs_of_wrenches_are_mapped(tmp_path):
 # --- Mistakes ---------------------------------------------------------------------------------------------------------
 
 
-def write(path, **changes):
-    """Write a log; a column that is None is left out."""
-    foot = dict(zip((f"wrench_left_foot_{part}" for part in PARTS), np.hstack([FORCE, MOMENT]).T, strict=True))
-    columns = {"time": TIME, "q_knee": 0.1 * TIME, **foot, "contact_left_foot": STANCE + 0.0, **changes}
-    comment = columns.pop("comment", None)
-    there = {name: values for name, values in columns.items() if values is not None}
-    lines = [",".join(there), *(",".join(map(repr, row)) for row in np.column_stack(list(there.values())).tolist())]
-    path.write_text("\n".join([*([comment] if comment else []), *lines]) + "\n", encoding="utf-8")
-    return path
-
-
 def test_a_moving_point_belongs_to_the_laboratory(tmp_path):
     points = dict.fromkeys(("wrench_left_foot_px", "wrench_left_foot_py", "wrench_left_foot_pz"), 0.1 * TIME)
-    path = write(tmp_path / "log.csv", **points)
+    foot = dict(zip((f"wrench_left_foot_{part}" for part in PARTS), np.hstack([FORCE, MOMENT]).T, strict=True))
+    path = write_columns(tmp_path / "log.csv", time=TIME, q_knee=0.1 * TIME, **foot, **points)
     assert Recording.from_csv(path, wrench_frames={"left_foot": "world"}).wrenches["left_foot"].moving_point
     for frame in ("link", "world@0,0,0"):
         with pytest.raises(ExoidError, match="the point of the wrench is given by columns wrench_left_foot_px"):

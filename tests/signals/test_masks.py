@@ -1,7 +1,6 @@
 """A recording of which only some samples count."""
 
 import numpy as np
-import pytest
 
 from exoid import Recording
 from exoid.signals import Recordings
@@ -29,15 +28,6 @@ def test_segments_of_segments_are_what_both_have_in_common():
 
 def test_overlapping_segments_are_one():
     assert len(walk().segments([(0.1, 0.3), (0.2, 0.6)]).segment_times) == 1
-
-
-def test_a_mask_is_copied_and_read_only():
-    given = TIME < 1.0
-    masked = walk(mask=given)
-    given[:] = False
-    assert masked.mask.sum() == 100
-    with pytest.raises(ValueError, match="read-only"):
-        masked.mask[0] = False
 
 
 def test_slices_and_selections_keep_the_mask():

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from log_writers import write_opensim
 
 import exoid
@@ -80,62 +78,6 @@ def test_degrees_are_converted_once_whoever_says_so(tmp_path):
         Recording.from_file(tmp_path / "a.mot", columns={"q_knee": Column("knee", unit="deg")}),
     ):
         np.testing.assert_allclose(other.q, plain.q, rtol=1e-15)
-
-
-def content(rows=12, *, header=("nRows=12", "nColumns=2", "inDegrees=no"), end="endheader", names="time\tknee"):
-    lines = ["Coordinates", *header, end, names, *(f"{k / 100}\t{k / 10}" for k in range(rows))]
-    return "\n".join(lines) + "\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "match"),
-    [
-        (content(11), r"states nrows '12', but 11 rows follow"),
-        (content(13), r"states nrows '12', but 13 rows follow"),
-        (content(header=("datarows 13",)), r"states datarows '13', but 12 rows follow"),
-        (content(header=("nColumns=3",)), r"states ncolumns '3', but 2 columns follow"),
-        (content(header=("nRows=99999999999999999999",)), r"but 12 rows follow"),
-        (content(header=("nRows=twelve",)), r"but 12 rows follow"),
-        (content(header=("nRows=12", "nRows=13")), r"states nRows twice"),
-        (content(header=("inDegrees=perhaps",)), r"inDegrees is 'perhaps'.*write inDegrees=yes"),
-        (content(header=("inDegrees=no", "Angles are in degrees.")), r"both that angles are in degrees and"),
-        (content(end="nRows=12"), r"no line 'endheader'"),
-        ("Coordinates\nendheader\n", r"nothing follows 'endheader'"),
-        (content(names="knee\tknee"), r"2 columns are headed 'knee'"),
-        (content(names="t\tknee"), r"no column 'time'"),
-        (content().replace("0.05\t", "nan\t"), r"line 12, column time: nan is not a finite number"),
-        (content().replace("\t0.5", "\tnan"), r"line 12, column knee .*nan is not a finite number"),
-        (content().replace("\t0.5", ""), r"line \d+: 1 cells, but the header has 2"),
-        (content().replace("\t0.5", "\t0.5\t7"), r"line \d+: 3 cells, but the header has 2"),
-        (content().replace("\t0.5", "\tfive"), r"'five' is not a number"),
-        (content(9, header=()), r"9 samples|too few"),
-        (content().replace("\t", "\0"), r"binary"),
-        ("", r"empty"),
-    ],
-)
-def test_a_broken_file_ends_in_one_line(tmp_path, text, match):
-    (tmp_path / "bad.mot").write_text(text, encoding="utf-8")
-    with pytest.raises(ExoidError, match=match) as error:
-        Recording.from_file(tmp_path / "bad.mot", columns={"q_knee": "knee"})
-    assert "\n" not in str(error.value)
-    assert "bad.mot" in str(error.value)
-
-
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(
-    angles=st.lists(st.floats(-3.0, 3.0), min_size=10, max_size=30),
-    degrees=st.booleans(),
-    separator=st.sampled_from(["\t", " ", "  \t"]),
-    size=st.booleans(),
-)
-def test_written_angles_are_read_back(tmp_path, angles, degrees, separator, size):
-    time, q = np.arange(len(angles)) / 64.0, np.array(angles)
-    header = None if size else ["version=3", f"inDegrees={'yes' if degrees else 'no'}"]
-    columns = {"knee": np.rad2deg(q) if degrees else q, "other": q}
-    write_opensim(tmp_path / "a.mot", time, columns, degrees=degrees, header=header, separator=separator)
-    read = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"})
-    np.testing.assert_array_equal(read.time, time)
-    np.testing.assert_allclose(read.q[:, 0], q, rtol=1e-15, atol=0.0)
 
 
 @pytest.mark.parametrize(
@@ -345,9 +287,3 @@ def test_a_trial_says_what_is_missing(tmp_path):
     write_opensim(tmp_path / "mm.mot", TIME, columns, degrees=True)
     with pytest.raises(ExoidError, match=r"mm.mot.*position of the base jumps"):
         read_opensim(tmp_path / "mm.mot", {"q_knee": "knee"})
-
-
-def test_millions_of_blank_lines_are_refused(tmp_path):
-    (tmp_path / "blank.sto").write_text("a\n" + "\n" * 1_100_000 + "endheader\ntime\tknee\n", encoding="utf-8")
-    with pytest.raises(ExoidError, match="blank lines"):
-        Recording.from_file(tmp_path / "blank.sto", columns={"q_knee": "knee"})

@@ -80,10 +80,3 @@ def test_samples_that_do_not_count_are_zero():
         np.hstack([silence, x * counted, silence]), range(parallel.reach, parallel.reach + x.shape[1], rows.step)
     )
     np.testing.assert_allclose(parallel.among_zeros(x, rows, counted), padded, atol=1e-13)
-
-
-def test_it_is_linear():
-    parallel, x = ParallelFilter(200.0, 8.0, 4), signals(2)
-    rows = range(0, 20_011, parallel.stride)
-    both = parallel(np.array([2.0 * x[0] - 3.0 * x[1]]), rows)[0]
-    np.testing.assert_allclose(both, [2.0, -3.0] @ parallel(x, rows), atol=1e-12)

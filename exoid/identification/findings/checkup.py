@@ -27,6 +27,7 @@ from .physics import (
     impossible_leg,
     large_residuals,
     negative_friction,
+    time_unit,
     torque_scale,
     turned_segment,
 )
@@ -108,9 +109,9 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
 
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
-    found: list[Finding] = []
+    found = list(time_unit(checked))
     explained = False  # impossible parameters
-    if not broken:
+    if not broken and not found:
         if (checked.nrmse > POOR).any() or checked.below.any():
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))

@@ -16,7 +16,7 @@ from exoid.estimate.model_error import AlternativeFriction
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
-from exoid.signals.external import average
+from exoid.signals.external import each_link
 from exoid.torques import Motion, TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
@@ -93,9 +93,16 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
         for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature")
         if (of_all := getattr(one, name)) is not None
     }
-    mask = None if one.mask is None else np.asarray(one.mask[:count].reshape(-1, size).all(axis=1))
+
+    def of_groups(samples: BoolArray) -> BoolArray:
+        """Whether all samples of each group count."""
+        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))
+
+    mask = None if one.mask is None else of_groups(one.mask)
     base = None if one.base is None else one.base.averaged(size)
-    external = average({"wrenches": one.wrenches, "contacts": one.contacts}, size)
+    external = each_link(
+        {"wrenches": one.wrenches, "contacts": one.contacts}, lambda wrench: wrench.averaged(size), of_groups
+    )
     return replace(one, **means, mask=mask, base=base, **external)
 
 

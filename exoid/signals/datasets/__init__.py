@@ -1,7 +1,6 @@
 """Example data: real legs and arms (downloaded once), a virtual leg (part of the package), and gait norms."""
 
-from .bleex_swing import bleex_swing
-from .dataset import Dataset
+from .dataset import Dataset, bleex_swing
 from .dfki import dfki_double_pendulum
 from .gait_norms import GaitNorm, gait_norm
 from .sydney import sydney_swing_leg

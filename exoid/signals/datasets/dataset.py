@@ -1,4 +1,4 @@
-"""Example data of one leg, whose files are found in ``$EXOID_DATA_DIR`` or downloaded once."""
+"""Example data of one leg: part of the package, or found in ``$EXOID_DATA_DIR``, or downloaded once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from exoid.errors import UnreadableInputError
+from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.signals.recording import Recording
 
@@ -49,3 +50,21 @@ def find_or_download(url: str, sha256: str, file: str) -> Path:
             where=url,
             remedy=f"download it to $EXOID_DATA_DIR/{file}",
         ) from error
+
+
+def bleex_swing() -> Dataset:
+    """Load encoder angles and noisy torques of a virtual BLEEX leg, the left one, at 100 Hz, 30 s and 15 s.
+
+    ``scripts/make_bleex_swing.py`` wrote the files.
+
+    Returns:
+        Leg with CAD inertias, which differ from the simulated ones, a recording for identification and one for
+        validation.
+    """
+    folder = Path(__file__).resolve().parent
+    leg = load_leg("bleex", side="left", inertias="cad")
+    train, test = (
+        Recording.from_csv(folder / name, leg.joint_names) for name in ("bleex_swing.csv", "bleex_swing_test.csv")
+    )
+    citation = "simulated by exoid: BLEEX left leg, Tables II-IV of document 1, with assumed sensor noise"
+    return Dataset(leg, train, test, citation)

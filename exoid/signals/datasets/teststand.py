@@ -106,20 +106,14 @@ def teststand_leg() -> ForceDataset:
     listed = "".join(f"{log.sha256}  {log.name}\n" for log in sorted(LOGS, key=lambda log: log.name))
     source = Source(LOG_NAME, hashlib.sha256(listed.encode()).hexdigest())
     time = np.arange(len(q)) / RATE
-    wrenches = {FOOT: _on_foot(q, force)}
+    cos, sin = np.cos(q.sum(axis=1)), np.sin(q.sum(axis=1))  # both joints turn about y
+    x, y, z = force.T
+    on_foot = np.stack([cos * x - sin * z, y, sin * x + cos * z], axis=1)
+    wrenches = {FOOT: Wrench(on_foot, np.zeros_like(on_foot))}  # no moment was logged
     recording = Recording(time, q, tau=tau, joint_names=JOINTS, source=source, wrenches=wrenches)
     half = len(recording) // 2
     force.flags.writeable = False
     return ForceDataset(leg, recording.slice(None, half), recording.slice(half, None), CITATION, recording, force)
-
-
-def _on_foot(q: FloatArray, force: FloatArray) -> Wrench:
-    """Turn readings into the axes of the foot: both joints turn about y, and no moment was logged."""
-    turn = q.sum(axis=1)
-    cos, sin = np.cos(turn), np.sin(turn)
-    x, y, z = force.T
-    on_foot = np.stack([cos * x - sin * z, y, sin * x + cos * z], axis=1)
-    return Wrench(on_foot, np.zeros_like(on_foot))
 
 
 def aligned(*logs: FloatArray) -> tuple[FloatArray, ...]:

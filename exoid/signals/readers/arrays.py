@@ -32,13 +32,13 @@ REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[..
 def read_npz(file: str, request: ReadRequest) -> ArrayTable:
     """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file."""
     path = Path(file)
-    with reading(file, "a NumPy archive", REMEDY):
+    with reading("a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:
-            refuse_columns(len(archive.infolist()), file)
-            refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)
+            refuse_columns(len(archive.infolist()))
+            refuse_expansion(sum(member.file_size for member in archive.infolist()), path)
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: np.asarray(data[name]) for name in data.files}
-        return ArrayTable(file, Source.of(path), to_columns(arrays, file, request))
+        return ArrayTable(file, Source.of(path), to_columns(arrays, request))
 
 
 MATLAB_REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
@@ -46,7 +46,7 @@ MATLAB_REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_
 
 def read_mat(file: str, request: ReadRequest) -> ArrayTable:
     """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
-    with reading(file, "a MATLAB file", MATLAB_REMEDY):
+    with reading("a MATLAB file", MATLAB_REMEDY):
         columns = read_in_child(mat_columns, file, request=as_json(request)).arrays
         rows = len(next(iter(columns.values())))
         return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
@@ -54,26 +54,24 @@ def read_mat(file: str, request: ReadRequest) -> ArrayTable:
 
 def mat_columns(file: str, request: ReadRequest) -> Content:
     """Read the columns in this process, which scipy's compiled reader may end."""
-    with reading(file, "a MATLAB file", MATLAB_REMEDY), warnings.catch_warnings():
+    with reading("a MATLAB file", MATLAB_REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         content = scipy.io.loadmat(file, appendmat=False, simplify_cells=True, chars_as_strings=True)
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
-        refuse_expansion(
-            sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), Path(file), file
-        )
+        refuse_expansion(sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), Path(file))
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        return Content(to_columns(_flat(variables, file), file, request))
+        return Content(to_columns(_flat(variables), request))
 
 
-def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
+def _flat(variables: Mapping[str, Any], depth: int = 0) -> dict[str, NDArray[Any]]:
     """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
     if depth > 20:
-        raise UnreadableInputError("structs are nested more than 20 deep", where=file, remedy=MATLAB_REMEDY)
+        raise UnreadableInputError("structs are nested more than 20 deep", remedy=MATLAB_REMEDY)
     found: dict[str, NDArray[Any]] = {}
     for name, value in variables.items():
         if isinstance(value, dict):
-            inner = _flat(value, file, depth + 1)
+            inner = _flat(value, depth + 1)
             found.update({f"{name}.{field}": array for field, array in inner.items()})
             continue
         array = np.asarray(value) if not isinstance(value, list) else np.array(value, dtype=object)
@@ -84,7 +82,7 @@ def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, 
     return found
 
 
-def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, request: ReadRequest) -> dict[str, NDArray[Any]]:
+def to_columns(arrays: Mapping[str, NDArray[Any]], request: ReadRequest) -> dict[str, NDArray[Any]]:
     """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples."""
     # A matrix q becomes `q_<joint>`, with the joints of the array `joint_names` or of the caller. Any other matrix
     # becomes `name[0]`, `name[1]`, …. Arrays of another length are left out.
@@ -93,47 +91,41 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, request: ReadReque
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
         raise UnreadableInputError(
             f"no array {time!r} of time stamps; the file has: {exists}",
-            where=file,
             remedy="rename it in the file or pass columns={'time': <name in the file>}",
             command="rename it in the file or give its name: --column time=NAME",
         )
     samples = arrays[time].size
     if samples != max(arrays[time].shape, default=1):
-        raise UnreadableInputError(
-            f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample"
-        )
+        raise UnreadableInputError(f"{time} has shape {arrays[time].shape}", remedy="give one time stamp per sample")
     if not samples:
-        raise UnreadableInputError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
-    refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()), file)
+        raise UnreadableInputError(f"{time} is empty", remedy="check that the logger closed the file")
+    refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()))
     named = arrays.get("joint_names")
     if named is not None and named.dtype.kind != "U":
         raise UnreadableInputError(
-            f"joint_names holds {named.dtype}, not text", where=file, remedy="write an array of strings, one per joint"
+            f"joint_names holds {named.dtype}, not text", remedy="write an array of strings, one per joint"
         )
     joints = None if named is None else tuple(str(name).strip() for name in np.atleast_1d(named).reshape(-1))
     for name, prefix, *_ in QUANTITIES:
         if name != prefix and {name, prefix} <= arrays.keys() and arrays[name].ndim == arrays[prefix].ndim == 2:
-            raise UnreadableInputError(f"both {name} and {prefix} are there", where=file, remedy="write one of them")
+            raise UnreadableInputError(f"both {name} and {prefix} are there", remedy="write one of them")
     columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
     for name, values in arrays.items():
         matrix = values[:, np.newaxis] if values.ndim == 1 else values
         if name in (time, "joint_names") or matrix.ndim != 2 or samples not in matrix.shape or not matrix.size:
             continue
         matrix = matrix if len(matrix) == samples else matrix.T
-        labels = _labels(name, matrix.shape[1], joints, request.get("joint_names"), file)
+        labels = _labels(name, matrix.shape[1], joints, request.get("joint_names"))
         columns.update(zip(labels, matrix.T, strict=True))
     return columns
 
 
-def _labels(
-    name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None, file: str
-) -> Sequence[str]:
+def _labels(name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None) -> Sequence[str]:
     """Names of the columns of one array."""
     if name in MATRICES:
         if named is not None and len(named) != width and not MATRICES[name].of_drive:
             raise UnreadableInputError(
                 f"{name} has {width} columns, but joint_names has {len(named)}: {', '.join(named[:20])}",
-                where=file,
                 remedy="give every joint one column, (samples, joints)",
             )
         joints = named if named is not None else asked

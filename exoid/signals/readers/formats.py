@@ -120,33 +120,30 @@ def register_format(ending: str, reader: AnyReader | None = None) -> AnyReader |
 def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None, kind: str | None = None) -> Table:
     """Open a log of any kind that exoid reads, or that :func:`register_format` registered."""
     request, file = request or {}, os.fsdecode(path)
-    kind, stamps = kind or kind_of(Path(file), file), request.get("stamps", "header")
+    kind, stamps = kind or kind_of(Path(file)), request.get("stamps", "header")
     if kind not in BAGS and (request.get("topic") is not None or stamps != "header"):
         what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
-        raise BadArgumentError(what, where=file, remedy="leave them out", command=command)
+        raise BadArgumentError(what, remedy="leave them out", command=command)
     if kind not in TEXT and request.get("names") is not None:
         what, command = "names are those of a text file without a header line", "leave out --names"
-        raise BadArgumentError(what, where=file, remedy="leave them out: this file names its columns", command=command)
+        raise BadArgumentError(what, remedy="leave them out: this file names its columns", command=command)
     if stamps not in ("header", "received"):
         raise BadArgumentError(f"stamps is {stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:
         what, remedy = REFUSED[kind]
-        raise NotSupportedError(what, where=file, remedy=remedy, file=file)
-    if kind in BUILT_IN:
-        return in_si(BUILT_IN[kind](file, request), request)
+        raise NotSupportedError(what, remedy=remedy)
     remedy = "check that the file is complete, and of the format that the reader expects"
-    with reading(file, f"a log of the format {kind!r}", remedy):
+    with reading(f"a log of the format {kind!r}", remedy):
         table = READERS.find(kind)(file, request)
     if not isinstance(table, Table):
         raise NotSupportedError(
             f"the reader of the format {kind!r} returned {type(table).__name__}",
-            where=file,
             remedy="let it return exoid.signals.readers.ArrayTable(file, Source.of(Path(file)), columns)",
         )
     return in_si(table, request)
 
 
-def kind_of(path: Path, file: str) -> str:
+def kind_of(path: Path) -> str:
     """Tell the kind of a log: its ending if that was registered, else its first bytes, else its ending."""
     # Registered endings of other packages are checked before the first bytes, because formats may be based on zip or
     # HDF5. Endings of exoid are checked after them: they decide for damaged files, and for MATLAB files of version 4.
@@ -156,9 +153,7 @@ def kind_of(path: Path, file: str) -> str:
             if (path / "metadata.yaml").is_file():
                 return "bag"
             raise UnreadableInputError(
-                "is a directory, not a file",
-                where=file,
-                remedy="name a file in it; a folder is a log only if it is a rosbag2",
+                "is a directory, not a file", remedy="name a file in it; a folder is a log only if it is a rosbag2"
             )
         if not path.is_file():
             return "csv"

@@ -87,7 +87,6 @@ def in_si(table: Table, request: ReadRequest) -> Table:
             return table
         raise UnreadableInputError(
             f"the format {asked!r} is that of a text file",
-            where=table.file,
             remedy="leave it out: this file says what it is",
             command="leave out --format",
         )
@@ -105,7 +104,6 @@ def in_si(table: Table, request: ReadRequest) -> Table:
     if missing:
         raise UnreadableInputError(
             f"no column {', '.join(missing)} of the format {logger.name!r}",
-            where=table.file,
             remedy="leave out the format, and map the columns",
             command="leave out --format, and map the columns with --column",
         )
@@ -119,7 +117,6 @@ def _recognised(table: Table) -> Logger | None:
         names = " or ".join(each.name for each in found)
         raise UnreadableInputError(
             f"the header is that of {names}",
-            where=table.file,
             remedy=f'name one, with the joint: format="{found[0].name}:ankle"',
             command=f"name one, with the joint: --format {found[0].name}:ankle",
         )
@@ -133,7 +130,6 @@ def _only_joint(table: Table, logger: Logger, request: ReadRequest) -> str:
         return requested[0]
     raise UnreadableInputError(
         f"a log of one actuator ({logger.name}) whose joint is not named",
-        where=table.file,
         remedy=f'name the joint: format="{logger.name}:knee"',
         command=f"name the joint: --format {logger.name}:knee",
     )

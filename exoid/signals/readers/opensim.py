@@ -32,21 +32,20 @@ def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
     # and `inDegrees`. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs
     # or spaces.
     text, source = read_text(file)
-    content, _ = split_lines(text, file)
+    content, _ = split_lines(text)
     end = next((k for k, (_, line) in enumerate(content) if line.strip().lower() == "endheader"), None)
     if end is None or end + 1 == len(content):
         raise UnreadableInputError(
             "no line 'endheader'" if end is None else "nothing follows 'endheader'",
-            where=file,
             remedy="check that the file is complete, and OpenSim's; name other logs .csv",
         )
-    entries, degrees = _header_entries([line for _, line in content[:end]], file)
+    entries, degrees = _header_entries([line for _, line in content[:end]])
     header = _cells(content[end + 1][1])
-    refuse_columns(len(header), file)
-    refuse_repeated(header, file)
+    refuse_columns(len(header))
+    refuse_repeated(header)
     rows = content[end + 2 :]
-    _refuse_other_size(entries, COLUMNS, len(header), "columns follow", file)
-    _refuse_other_size(entries, ROWS, len(rows), "rows follow", file)
+    _refuse_other_size(entries, COLUMNS, len(header), "columns follow")
+    _refuse_other_size(entries, ROWS, len(rows), "rows follow")
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     cells = ["\t".join(line.split()) for _, line in rows]
     return TextTable(file, source, tuple(header), cells, lines, "\t", in_degrees=degrees)
@@ -57,7 +56,7 @@ def _cells(line: str) -> list[str]:
     return [name.strip() for name in line.strip().split("\t")] if "\t" in line.strip() else line.split()
 
 
-def _header_entries(lines: Sequence[str], file: str) -> tuple[dict[str, str], bool]:
+def _header_entries(lines: Sequence[str]) -> tuple[dict[str, str], bool]:
     """Take entries by name in lower case, and whether angles are in degrees."""
     entries: dict[str, str] = {}
     said: set[bool] = set()
@@ -69,32 +68,26 @@ def _header_entries(lines: Sequence[str], file: str) -> tuple[dict[str, str], bo
             name, value = entry.group(1).lower(), entry.group(2)
             if name == "indegrees":
                 if value.lower() not in ("yes", "no", "true", "false", "1", "0"):
-                    raise UnreadableInputError(
-                        f"inDegrees is {value!r}", where=file, remedy="write inDegrees=yes or inDegrees=no"
-                    )
+                    raise UnreadableInputError(f"inDegrees is {value!r}", remedy="write inDegrees=yes or inDegrees=no")
                 said.add(value.lower() in ("yes", "true", "1"))
             elif entries.setdefault(name, value) != value and name in ROWS + COLUMNS:
                 raise UnreadableInputError(
-                    f"the header states {entry.group(1)} twice",
-                    where=file,
-                    remedy="write the file again, or correct its header",
+                    f"the header states {entry.group(1)} twice", remedy="write the file again, or correct its header"
                 )
     if len(said) > 1:
         raise UnreadableInputError(
             "the header says both that angles are in degrees and that they are in radians",
-            where=file,
             remedy="write the file again, or correct its header",
         )
     return entries, True in said
 
 
-def _refuse_other_size(entries: dict[str, str], names: Sequence[str], size: int, what: str, file: str) -> None:
+def _refuse_other_size(entries: dict[str, str], names: Sequence[str], size: int, what: str) -> None:
     """Refuse a size that differs from what the header states."""
     for name in names:
         stated = entries.get(name)
         if stated is not None and not (stated.isdecimal() and stated.lstrip("0") == str(size).lstrip("0")):
             raise UnreadableInputError(
                 f"the header states {name} {stated[:20]!r}, but {size} {what}",
-                where=file,
                 remedy="check that the file is complete, and correct its header if it is",
             )

@@ -39,22 +39,20 @@ class ParquetTable:
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Read columns; empty cells become NaN."""
-        with reading(self.file, "Parquet", REMEDY):
-            refuse_expansion(8 * self.length * len(columns), Path(self.file), self.file)
+        with reading("Parquet", REMEDY):
+            refuse_expansion(8 * self.length * len(columns), Path(self.file))
             arrays = read_in_child(parquet_columns, self.file, names=list(columns)).arrays
             table = np.column_stack([arrays[name] for name in columns])
         if len(table) != self.length:
-            raise UnreadableInputError(
-                f"{len(table)} rows, but {self.length} before", where=self.file, remedy="read it again"
-            )
+            raise UnreadableInputError(f"{len(table)} rows, but {self.length} before", remedy="read it again")
         return table
 
 
 def read_parquet(file: str, request: ReadRequest) -> ParquetTable:
     """Read the header of a Parquet file."""
     if find_spec("polars") is None:
-        raise needs("polars", "Parquet", file)
-    with reading(file, "Parquet", REMEDY):
+        raise needs("polars", "Parquet")
+    with reading("Parquet", REMEDY):
         facts = read_in_child(parquet_header, file).facts
         return ParquetTable(file, Source.of(Path(file)), tuple(facts["names"]), int(facts["rows"]))
 
@@ -63,9 +61,9 @@ def parquet_header(file: str) -> Content:
     """Read the header in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
-    with reading(file, "Parquet", REMEDY):
+    with reading("Parquet", REMEDY):
         names = list(polars.read_parquet_schema(file))
-        refuse_columns(len(names), file)
+        refuse_columns(len(names))
         rows = polars.scan_parquet(file, glob=False, hive_partitioning=False).select(polars.len()).collect().item()
         return Content({}, {"names": names, "rows": int(rows)})
 
@@ -74,18 +72,21 @@ def parquet_columns(file: str, names: Sequence[str]) -> Content:
     """Read columns in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
-    with reading(file, "Parquet", REMEDY):
+    with reading("Parquet", REMEDY):
         frame = polars.read_parquet(file, columns=list(names), glob=False, hive_partitioning=False)
-        return Content({name: _column(frame[name], f"{file}, column {name}") for name in names})
+        return Content({name: _column(frame[name], name) for name in names})
 
 
-def _column(series: Any, where: str) -> FloatArray:  # noqa: ANN401 - a polars.Series
+def _column(series: Any, name: str) -> FloatArray:  # noqa: ANN401 - a polars.Series
     import polars  # noqa: PLC0415 - an extra
 
     if series.dtype.is_decimal() or series.dtype == polars.Boolean:
         series = series.cast(polars.Float64)
     if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
         raise UnreadableInputError(
-            f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units"
+            f"holds {series.dtype}, not real numbers",
+            where=f"column {name}",
+            column=name,
+            remedy="write numbers in SI units",
         )
-    return as_column(series.to_numpy(), where)
+    return as_column(series.to_numpy(), name)

@@ -47,8 +47,8 @@ def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
     # requested joint are skipped. A field that is empty or NaN in all messages was not measured. Message
     # definitions stored in the bag are ignored.
     if find_spec("rosbags") is None:
-        raise needs("rosbags", "bags", file)
-    with reading(file, "a bag", REMEDY):
+        raise needs("rosbags", "bags")
+    with reading("a bag", REMEDY):
         columns = dict(read_in_child(bag_columns, file, request=as_json(request)).arrays)
         numbers = columns.pop(NUMBER)
         return ArrayTable(file, Source.of(Path(file)), columns, numbers, "message")
@@ -56,21 +56,21 @@ def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
 
 def bag_columns(file: str, request: ReadRequest) -> Content:
     """Read the columns in this process, whose memory a compressed bag may fill."""
-    with reading(file, "a bag", REMEDY):
-        messages = list(_messages(Path(file), file, request))
+    with reading("a bag", REMEDY):
+        messages = list(_messages(Path(file), request))
     if not messages:
-        raise UnreadableInputError("no joint states in the topic", where=file, remedy="choose another topic")
-    joints, messages = _common_joints(messages, file, request)
+        raise UnreadableInputError("no joint states in the topic", remedy="choose another topic")
+    joints, messages = _common_joints(messages, request)
     numbers = np.array([message.number for message in messages])
-    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, file, request)}
+    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, request)}
     for symbol, field in FIELDS.items():
-        values = _matrix(messages, joints, field, file)
+        values = _matrix(messages, joints, field)
         if values is not None:
             columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
     return Content(columns)
 
 
-def _messages(path: Path, file: str, request: ReadRequest) -> Iterator[_Message]:
+def _messages(path: Path, request: ReadRequest) -> Iterator[_Message]:
     """Joint states of the topic, numbered from 0."""
     from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
@@ -79,15 +79,13 @@ def _messages(path: Path, file: str, request: ReadRequest) -> Iterator[_Message]
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     decode = store.deserialize_ros1 if first else store.deserialize_cdr
     with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
-        topic = _topic(
-            {connection.topic: connection.msgtype for connection in bag.connections}, file, request.get("topic")
-        )
+        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, request.get("topic"))
         chosen = [connection for connection in bag.connections if connection.topic == topic]
         size, room = 0, most_memory(size_on_disk(path))
         for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
             size += len(raw)
             if size > room:
-                refuse_expansion(size, path, file)
+                refuse_expansion(size, path)
             state: Any = decode(raw, JOINT_STATE)
             stamp = state.header.stamp
             since = received if request["stamps"] == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
@@ -95,30 +93,30 @@ def _messages(path: Path, file: str, request: ReadRequest) -> Iterator[_Message]
             yield _Message(number, since, tuple(state.name), *fields)
 
 
-def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
+def _topic(kinds: Mapping[str, str], asked: str | None) -> str:
     """Select the requested topic, or the only one of joint states."""
     fit = [topic for topic, kind in kinds.items() if kind == JOINT_STATE]
     listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(kinds.items())[:20]) or "no topics"
     if asked is not None and asked not in fit:
         raise UnreadableInputError(
-            f"no topic {asked!r} of {JOINT_STATE}; the bag has: {listed}", where=file, remedy="name one of those"
+            f"no topic {asked!r} of {JOINT_STATE}; the bag has: {listed}", remedy="name one of those"
         )
     if asked is None and len(fit) != 1:
         what = f"{len(fit)} topics of joint states: {', '.join(fit)}" if fit else f"no joint states, but: {listed}"
         record = f"record a topic of {JOINT_STATE}"
         remedy, command = ('choose with topic="..." (--topic)', "choose with --topic") if fit else (record, record)
-        raise UnreadableInputError(what, where=file, remedy=remedy, command=command)
+        raise UnreadableInputError(what, remedy=remedy, command=command)
     return asked if asked is not None else fit[0]
 
 
-def _common_joints(messages: list[_Message], file: str, request: ReadRequest) -> tuple[tuple[str, ...], list[_Message]]:
+def _common_joints(messages: list[_Message], request: ReadRequest) -> tuple[tuple[str, ...], list[_Message]]:
     """Joints to read, and the messages with these joints."""
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
         if len(set(joints)) < len(joints):
             raise UnreadableInputError(
                 f"a joint is named twice: {', '.join(joints)}",
-                where=f"{file}, message {number}",
+                where=f"message {number}",
                 remedy="correct the publisher",
             )
     if request["joint_names"] is None:
@@ -126,7 +124,6 @@ def _common_joints(messages: list[_Message], file: str, request: ReadRequest) ->
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise UnreadableInputError(
                 f"messages hold different joints: {found[:300]}",
-                where=file,
                 remedy="choose some with joint_names",
                 command="record the joints of one publisher, or choose its topic with --topic",
             )
@@ -143,26 +140,25 @@ def _common_joints(messages: list[_Message], file: str, request: ReadRequest) ->
         if missing:
             raise UnreadableInputError(
                 f"no {', '.join(missing)} beside {', '.join(message.joints)}",
-                where=f"{file}, message {message.number}",
+                where=f"message {message.number}",
                 remedy="choose joints that one publisher sends together",
             )
     return joints, kept
 
 
-def _seconds(messages: Sequence[_Message], file: str, request: ReadRequest) -> FloatArray:
+def _seconds(messages: Sequence[_Message], request: ReadRequest) -> FloatArray:
     """Time since the first message [s]."""
     stamps = np.array([message.stamp for message in messages], dtype=np.int64)
     if request["stamps"] == "header" and not stamps.any():
         raise UnreadableInputError(
             "the headers have no time stamps",
-            where=file,
             remedy='pass stamps="received" (--received) to take the time at which the bag received each message',
             command="give --received to take the time at which the bag received each message",
         )
     return np.asarray((stamps - stamps[0]) / 1e9)
 
 
-def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, file: str) -> FloatArray | None:
+def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str) -> FloatArray | None:
     """One field of all messages, (N, n), joints in one order; None if no message has it."""
     given = np.array([len(getattr(message, field)) > 0 for message in messages])
     if not given.any():
@@ -171,7 +167,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
         number = messages[int((~given).argmax())].number
         raise UnreadableInputError(
             f"{field} is empty, but not in all messages",
-            where=f"{file}, message {number}",
+            where=f"message {number}",
             remedy="choose a topic that always has it",
         )
     out = np.empty((len(messages), len(joints)))
@@ -181,7 +177,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
         if len(values) != len(message.joints):
             raise UnreadableInputError(
                 f"{len(values)} values of {field} for {len(message.joints)} joints",
-                where=f"{file}, message {message.number}",
+                where=f"message {message.number}",
                 remedy="correct the publisher",
             )
         if message.joints not in columns:

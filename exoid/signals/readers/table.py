@@ -22,11 +22,11 @@ MOST_BLANK_LINES = 1_000_000
 """Largest number of blank lines and comments beyond one for each line with data."""
 
 
-def refuse_columns(count: int, file: str) -> None:
+def refuse_columns(count: int) -> None:
     """Refuse a file with more columns than any log has."""
     if count > MOST_COLUMNS:
         raise UnreadableInputError(
-            f"{count} columns, more than {MOST_COLUMNS}", where=file, remedy="write the columns of one leg's joints"
+            f"{count} columns, more than {MOST_COLUMNS}", remedy="write the columns of one leg's joints"
         )
 
 
@@ -99,7 +99,7 @@ class ArrayTable:
         if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
             found = ", ".join(f"{name} {values.shape}" for name, values in list(columns.items())[:20])
             raise UnreadableInputError(
-                f"columns are not of one length: {found}", where=self.file, remedy="give each one number a sample"
+                f"columns are not of one length: {found}", remedy="give each one number a sample"
             )
         object.__setattr__(self, "columns", columns)
 
@@ -114,11 +114,11 @@ class ArrayTable:
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Read columns; dates become seconds since the first one."""
         if Path(self.file).exists():
-            refuse_expansion(8 * len(self) * len(columns), Path(self.file), self.file)
-        return np.column_stack([as_column(self.columns[name], f"{self.file}, column {name}") for name in columns])
+            refuse_expansion(8 * len(self) * len(columns), Path(self.file))
+        return np.column_stack([as_column(self.columns[name], name) for name in columns])
 
 
-def as_column(values: NDArray[Any], where: str) -> FloatArray:
+def as_column(values: NDArray[Any], name: str) -> FloatArray:
     """Convert an array of any real type, or of dates or durations, to float64; dates become seconds since the first."""
     if values.dtype.kind in "mM":
         ticks, missing = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), np.isnat(values)
@@ -126,13 +126,14 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
         return np.where(missing, np.nan, (ticks - first) / 1e9)
     if values.dtype.kind not in "biuf":
         raise UnreadableInputError(
-            f"holds {values.dtype}, not real numbers", where=where, remedy="write numbers in SI units"
+            f"holds {values.dtype}, not real numbers",
+            where=f"column {name}",
+            column=name,
+            remedy="write numbers in SI units",
         )
     return np.asarray(values, dtype=np.float64)
 
 
-def needs(package: str, kind: str, file: str) -> NotSupportedError:
+def needs(package: str, kind: str) -> NotSupportedError:
     """Make the error about a package that is not installed."""
-    return NotSupportedError(
-        f"reading {kind} needs {package}", where=file, remedy="pip install 'exoid[io]', or convert to CSV"
-    )
+    return NotSupportedError(f"reading {kind} needs {package}", remedy="pip install 'exoid[io]', or convert to CSV")

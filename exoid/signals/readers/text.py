@@ -49,7 +49,7 @@ class TextTable:
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Parse columns; other columns may hold text. A column without any entry is NaN throughout."""
-        refuse_repeated([name for name in self.header if name in columns], self.file)
+        refuse_repeated([name for name in self.header if name in columns])
         self._refuse_ragged()
         places = [self.header.index(column) for column in columns]
         try:
@@ -60,30 +60,25 @@ class TextTable:
         try:
             out[:, [place in filled for place in places]] = self._parsed([place for place in places if place in filled])
         except ValueError as problem:
-            raise UnreadableInputError(
-                f"unreadable: {problem}", where=self.file, remedy="write plain decimal numbers", file=self.file
-            ) from None
+            raise UnreadableInputError(f"unreadable: {problem}", remedy="write plain decimal numbers") from None
         return out
 
     def _parsed(self, places: Sequence[int]) -> FloatArray:
         quote = '"' if any('"' in row for row in self.rows) else None
         table = np.loadtxt(self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote)
         if len(table) != len(self.rows):
-            raise UnreadableInputError(
-                "a quotation mark opens and does not close", where=self.file, remedy="remove the quotes", file=self.file
-            )
+            raise UnreadableInputError("a quotation mark opens and does not close", remedy="remove the quotes")
         return np.asarray(table, dtype=np.float64)
 
     def _refuse_ragged(self) -> None:
         for line, row in zip(self.lines, self.rows, strict=True):
-            where = f"{self.file}, line {line}"
+            where = f"line {line}"
             width = len(_cells(row, self.delimiter, where)) if '"' in row else row.count(self.delimiter) + 1
             if width != len(self.header):
                 raise UnreadableInputError(
                     f"{width} cells, but the header has {len(self.header)} columns",
                     where=where,
                     remedy="correct or drop that row (decimal commas split cells: write 0.5, not 0,5)",
-                    file=self.file,
                 )
 
     def _filled(self, places: Sequence[int]) -> set[int]:
@@ -91,7 +86,7 @@ class TextTable:
         filled: set[int] = set()
         wrong: dict[int, tuple[int, int, str]] = {}
         for line, row in zip(self.lines.tolist(), self.rows, strict=True):
-            cells = _cells(row, self.delimiter, f"{self.file}, line {line}")
+            cells = _cells(row, self.delimiter, f"line {line}")
             filled.update(place for place in places if cells[place])
             for order, place in enumerate(places):
                 if place not in wrong and not _is_number(cells[place]):
@@ -105,8 +100,8 @@ class TextTable:
             elif _is_number(cell.replace(",", ".")):
                 remedy = "write numbers with a decimal point"
             name = self.header[places[order]]
-            where = f"{self.file}, line {line}, column {name}"
-            raise UnreadableInputError(what, where=where, remedy=remedy, file=self.file, column=name)
+            where = f"line {line}, column {name}"
+            raise UnreadableInputError(what, where=where, remedy=remedy, column=name)
         return filled
 
 
@@ -116,13 +111,11 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
     # first line has only numbers, the `#` line before it with the same number of cells is the header.
     names = request.get("names")
     text, source = read_text(file)
-    content, comments = split_lines(text, file)
+    content, comments = split_lines(text)
     if not content:
-        raise UnreadableInputError(
-            "no lines with data", where=file, remedy="a log has a header line, then one line per sample", file=file
-        )
+        raise UnreadableInputError("no lines with data", remedy="a log has a header line, then one line per sample")
     number, first = content[0]
-    where = f"{file}, line {number}"
+    where = f"line {number}"
     delimiter = max((",", ";", "\t"), key=lambda mark: len(_cells(first, mark, where)))
     if delimiter not in first and all(map(_is_number, first.split())):
         content = [(number, _commas(line)) for number, line in content]
@@ -132,7 +125,7 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
     if names is not None:
         header = _given_names(names, header, where)
     elif all(map(_is_number, header)):
-        header = _cells(comments[-1].lstrip("# \t"), delimiter, file) if comments else []
+        header = _cells(comments[-1].lstrip("# \t"), delimiter, "") if comments else []
         if len(header) != first.count(delimiter) + 1:
             raise UnreadableInputError(
                 "no header line: the first line holds only numbers",
@@ -141,11 +134,10 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
                 "a line of column names first",
                 command="give the names of its columns: --names time,q_<joint>,tau_<joint>, nothing between two commas "
                 "for a column that is not read",
-                file=file,
             )
     else:
         content = content[1:]
-    refuse_columns(len(header), file)
+    refuse_columns(len(header))
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     said = {}
@@ -158,13 +150,11 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
     return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, said)
 
 
-def refuse_repeated(header: Sequence[str], file: str) -> None:
+def refuse_repeated(header: Sequence[str]) -> None:
     """Refuse two columns of one name; such as are not read may have one ("Unused")."""
     for name, count in Counter(header).items():
         if name and count > 1:
-            raise UnreadableInputError(
-                f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one", file=file, column=name
-            )
+            raise UnreadableInputError(f"{count} columns are headed {name!r}", remedy="rename or drop one", column=name)
 
 
 def _commas(line: str) -> str:
@@ -195,12 +185,12 @@ def _given_names(names: Sequence[str], first: Sequence[str], where: str) -> list
 
 def read_text(file: str) -> tuple[str, Source]:
     """Read a file of UTF-8 text; line ends become single characters."""
-    data = _read_bytes(Path(file), file)
-    text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
+    data = _read_bytes(Path(file))
+    text = _decode(data).replace("\r\n", "\n").replace("\r", "\n")
     return text, Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
 
 
-def split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
+def split_lines(text: str) -> tuple[list[tuple[int, str]], list[str]]:
     """Split text into numbered lines with data, and the comments before the first of them."""
     content: list[tuple[int, str]] = []
     comments: list[str] = []
@@ -218,7 +208,6 @@ def split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]
         if number - len(content) > MOST_BLANK_LINES + len(content):
             raise UnreadableInputError(
                 f"{number - len(content)} blank lines and comments among the first {number} lines",
-                where=file,
                 remedy="check that the logger wrote the file; remove these lines",
             )
     return content, comments
@@ -233,44 +222,39 @@ def _blocks(text: str) -> Iterator[tuple[int, int]]:
         start = stop
 
 
-def _read_bytes(path: Path, file: str) -> bytes:
+def _read_bytes(path: Path) -> bytes:
     try:
         if path.is_dir():
             os.stat(os.path.join(path, "."))  # noqa: PTH116, PTH118 - an error if the folder cannot be read
-            raise UnreadableInputError("is a directory, not a file", where=file, remedy="name the CSV file in it")
+            raise UnreadableInputError("is a directory, not a file", remedy="name the CSV file in it")
         if path.exists() and not path.is_file():
-            raise UnreadableInputError("is not a regular file", where=file, remedy="copy the log into a file first")
+            raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
         return path.read_bytes()
     except FileNotFoundError:
-        raise UnreadableInputError(
-            "no such file", where=file, remedy=f"check the path; looked in {path.parent}"
-        ) from None
+        raise UnreadableInputError("no such file", remedy=f"check the path; looked in {path.parent}") from None
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
-        where = file if file.isprintable() else repr(file)
-        raise UnreadableInputError(
-            f"cannot be read ({reason})", where=where, remedy="check the path and its rights"
-        ) from None
+        raise UnreadableInputError(f"cannot be read ({reason})", remedy="check the path and its rights") from None
 
 
-def _decode(data: bytes, file: str) -> str:
+def _decode(data: bytes) -> str:
     if not data.strip():
-        raise UnreadableInputError("the file is empty", where=file, remedy="check that the logger closed it")
+        raise UnreadableInputError("the file is empty", remedy="check that the logger closed it")
     if b"\0" in data:
-        raise UnreadableInputError("the file is binary, not text", where=file, remedy="export it as CSV in UTF-8")
+        raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise UnreadableInputError(
             f"byte {data[problem.start]:#04x} is not UTF-8 text",
-            where=f"{file}, line {line}",
+            where=f"line {line}",
             remedy="save it as UTF-8",
         ) from None
 
 
 def _cells(line: str, delimiter: str, where: str) -> list[str]:
-    refuse_columns(line.count(delimiter) + 1, where)
+    refuse_columns(line.count(delimiter) + 1)
     try:
         cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     except csv.Error as problem:

@@ -38,7 +38,7 @@ def most_seconds(size: int) -> float:
     return 15.0 + size / SLOWEST
 
 
-def refuse_expansion(memory: int, path: Path, file: str) -> None:
+def refuse_expansion(memory: int, path: Path) -> None:
     """Refuse a file whose content is far larger than the file, which may be made to fill the memory."""
     if memory <= MOST_MEMORY:
         return
@@ -46,22 +46,19 @@ def refuse_expansion(memory: int, path: Path, file: str) -> None:
     if memory > most_memory(size):
         raise UnreadableInputError(
             f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
-            where=file,
             remedy="check where the file comes from; write it without compression if it is valid",
         )
 
 
 @contextmanager
-def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
+def reading(kind: str, remedy: str) -> Iterator[None]:
     """Turn any exception that a library raises on a damaged file into one line."""
     try:
         yield
     except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except MemoryError:
-        raise UnreadableInputError(
-            f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy
-        ) from None
+        raise UnreadableInputError(f"too large for the memory, or a damaged {kind}", remedy=remedy) from None
     except BaseException as problem:  # panics of polars are not of class Exception
         what = " ".join(str(problem).split())[:200] or type(problem).__name__
-        raise UnreadableInputError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
+        raise UnreadableInputError(f"cannot be read as {kind}: {what}", remedy=remedy) from None

@@ -22,7 +22,7 @@ from typing import IO, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.errors import ExoidError, UnreadableInputError
+from exoid.errors import ExoidError, UnreadableInputError, in_file
 
 from .bounds import READER_MEMORY, most_memory, most_seconds, size_on_disk
 from .memory import MOST_KEPT, Watch
@@ -60,8 +60,8 @@ def read_in_child(reader: Callable[..., Content], file: str, **arguments: Any) -
         "folder": _folder(),
         "memory": READER_MEMORY + most_memory(size),
     }
-    with _LOCK:
-        return _child(reader.__module__).ask(request, file, most_seconds(size))
+    with in_file(file), _LOCK:
+        return _child(reader.__module__).ask(request, most_seconds(size))
 
 
 class Child:
@@ -92,7 +92,7 @@ class Child:
         with Watch(self._process, 120.0):
             self.usable = bool(self._replies.readline())
 
-    def ask(self, request: Mapping[str, Any], file: str, seconds: float) -> Content:
+    def ask(self, request: Mapping[str, Any], seconds: float) -> Content:
         """Send a request and wait for its reply."""
         whole, self.usable = self.usable, False  # until the reply has been read to its end
         reply: Mapping[str, Any] = {}
@@ -112,7 +112,7 @@ class Child:
                 self.end()
                 raise
         if watch.killed or not whole:
-            raise self._death(file, seconds, watch.killed)
+            raise self._death(seconds, watch.killed)
         self.usable = bool(reply["stays"])
         if "error" in reply:
             what, where, remedy, command = reply["error"]
@@ -137,14 +137,12 @@ class Child:
             raise ValueError("the reply ends early")
         return np.frombuffer(data, kind).reshape(shape)
 
-    def _death(self, file: str, seconds: float, killed: str | None) -> ExoidError:
+    def _death(self, seconds: float, killed: str | None) -> ExoidError:
         """Say how the process died."""
         self.end()
         code = self._process.returncode
         if killed == "memory":
-            return UnreadableInputError(
-                "too large for the memory, or damaged", where=file, remedy="check that it is complete"
-            )
+            return UnreadableInputError("too large for the memory, or damaged", remedy="check that it is complete")
         if killed == "time":
             what = f"its reader has not ended within {seconds:.0f} s"
         else:
@@ -152,7 +150,6 @@ class Child:
             what = f"its reader died ({signal.Signals(-code).name if known else f'status {code}'})"
         return UnreadableInputError(
             f"{what}: the file is damaged, or made to crash programs",
-            where=file,
             remedy="check where it comes from; write the log again, or as CSV",
         )
 

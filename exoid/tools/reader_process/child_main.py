@@ -44,7 +44,7 @@ def _answer(request: Mapping[str, Any], replies: IO[bytes]) -> bool:
             os.chdir(request["folder"])
         module, _, name = request["reader"].partition(":")
         reader = getattr(import_module(module), name)
-        with reading(request["file"], "a log", REMEDY), limited_memory(request["memory"]):
+        with reading("a log", REMEDY), limited_memory(request["memory"]):
             content: Content = reader(request["file"], **request["arguments"])
             arrays = {name: np.ascontiguousarray(values) for name, values in content.arrays.items()}
     except ExoidError as error:

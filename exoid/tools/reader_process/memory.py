@@ -1,24 +1,23 @@
 """Bounds on the memory of the process that reads files: by the system, and by its caller, which looks at its size.
 
 On Linux the system bounds data (RLIMIT_DATA), not addresses: allocators and threads of polars reserve far more of these
-than they use. Other systems of the POSIX family have a bound on addresses (RLIMIT_AS), which macOS accepts and ignores.
-So elsewhere than on Linux the caller also looks at the resident size, a few times a second. Where no size is known (a
-container without /proc and ps), only the time is bounded.
+than they use. On other systems of the POSIX family, of which macOS accepts bounds and ignores them, the caller looks at
+the resident size a few times a second. Where no size is known (a container without /proc and ps), only the time is
+bounded.
 """
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
-if sys.platform != "win32":
+if sys.platform == "linux":
     import resource
 
 
@@ -35,25 +34,19 @@ MOST_KEPT = 2**28
 @contextmanager
 def limited_memory(room: int) -> Iterator[None]:
     """Let the system bound the memory that is used in addition, if it can."""
-    if sys.platform == "win32":
+    if sys.platform != "linux":
         yield
         return
-    if sys.platform == "linux":
-        kind, present = resource.RLIMIT_DATA, _pages(DATA) * resource.getpagesize()
-    else:
-        kind, present = resource.RLIMIT_AS, size_of_process(None, "vsz")
-    before = resource.getrlimit(kind)
+    present, before = _pages(DATA) * resource.getpagesize(), resource.getrlimit(resource.RLIMIT_DATA)
     limit = present + room
     if before[1] != resource.RLIM_INFINITY:
         limit = min(limit, before[1])
-    with suppress(OSError, ValueError):  # a system that has the name of the bound only
-        if present:
-            resource.setrlimit(kind, (limit, before[1]))
+    if present:
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, before[1]))
     try:
         yield
     finally:
-        with suppress(OSError, ValueError):
-            resource.setrlimit(kind, before)
+        resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
 def keeps_little() -> bool:
@@ -64,9 +57,9 @@ def keeps_little() -> bool:
     return _pages(1) * resource.getpagesize() < MOST_KEPT
 
 
-def size_of_process(pid: int | None, kind: str = "rss") -> int:
-    """Ask ps for the size of a process."""
-    command = ["ps", "-o", f"{kind}=", "-p", str(os.getpid() if pid is None else pid)]
+def size_of_process(pid: int) -> int:
+    """Ask ps for the resident size of a process."""
+    command = ["ps", "-o", "rss=", "-p", str(pid)]
     try:
         # Longest time for which ps is waited for [s]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=5.0)

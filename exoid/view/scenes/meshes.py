@@ -61,7 +61,7 @@ def mesh_arrays(file: str, scale: list[float]) -> Content:
     from trimesh.graph import smooth_shade  # noqa: PLC0415
 
     arrays: dict[str, NDArray[Any]] = {}
-    with reading(file, "a mesh", "export it again, as STL, OBJ, DAE or GLB"):
+    with reading("a mesh", "export it again, as STL, OBJ, DAE or GLB"):
         parts = _simplified(_parts(file, scale))
         for k, part in enumerate(parts.values()):
             # Crease angle [rad]: faces that meet at a larger angle keep a sharp edge.
