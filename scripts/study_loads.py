@@ -93,7 +93,7 @@ class Walker:
         """Angles and torques of a motion, with friction and noise."""
         model, (q, v, a) = pin.buildModelFromXML(self.text), motion
         if load:
-            body = pin.Inertia(load, np.array(PLACE), 1e-3 * load * np.eye(3))
+            body = pin.Inertia(load, np.array(PLACE), np.zeros((3, 3)))
             model.appendBodyToJoint(model.getJointId("knee"), body, pin.SE3.Identity())
         data, unbounded = model.createData(), np.stack([np.cos(q), np.sin(q)], axis=2).reshape(len(q), -1)
         tau = np.array([pin.rnea(model, data, *sample).copy() for sample in zip(unbounded, v, a, strict=True)])
@@ -147,12 +147,14 @@ def summary(every: list[Found]) -> str:
     if not known:
         return "not determined"
     error, std, delay = (np.array([getattr(one, name) for one in known]) for name in ("error", "std", "delay"))
+    after = delay[np.isfinite(delay)]
     wrong = [one for one in every if set(one.names) - {"load at knee"}]
     narrow = sum(abs(one.error) > max(0.1, 4.0 * one.std) and not one.warned for one in known)
     return (
         f"P95 of errors {np.quantile(np.abs(error), 0.95):6.3f} kg, std {np.median(std):6.3f} kg, within 1.96 std "
         f"{np.mean(np.abs(error) < 1.96 * std):4.0%}, determined {len(known):2} of {len(every)}, named "
-        f"{np.isfinite(delay).sum():2}, wrongly {len(wrong)}, after {np.nanmedian(delay):.1f} s, wrong and narrow {narrow}"
+        f"{len(after):2}, wrongly {len(wrong)}, after "
+        f"{np.median(after) if len(after) else np.nan:.1f} s, wrong and narrow {narrow}"
     )
 
 

@@ -103,8 +103,7 @@ def _suspect(recursion: Recursion, state: State, rows: Rows) -> State:
     if blocks * settings.block_time <= DECISION * settings.window + settings.delay:
         return state
     root = _root(settings, state._replace(weights=detector.weights), _oldest(state))
-    windows = detector.settled * settings.block_time / settings.window
-    verdict = judge(recursion.detection, windows, detector, inflations(settings, state.correlation), root)
+    verdict = judge(recursion.detection, detector, inflations(settings, state.correlation), root)
     if verdict.torn:  # a second change: all that may have changed is what the rows from now on say
         state = _given_up(settings, state, np.eye(settings.count), collected=False)
         return state._replace(detector=_emptied(detector)._replace(crossing=0, named=-1, candidates=()))

@@ -31,10 +31,7 @@ from exoid.torques import Armature, Offset, Stiffness, Term, TorqueModel
 
 from .rows import Rows
 from .settings import Settings
-from .state import Detector
-
-WARM_UP = range(5, 21)
-"""Windows of rows from which on changes are detected, and from which on the threshold no longer falls."""
+from .state import WARM_UP, Detector
 
 SPANNED = 1e-6
 """Singular values below this part of the largest count as zero."""
@@ -88,7 +85,7 @@ class Detection(NamedTuple):
     """What the change detection tests."""
 
     hypotheses: tuple[Hypothesis, ...]  # the hypotheses, C of them
-    limits: FloatArray  # thresholds of their statistics over the mean, by windows of `WARM_UP`, (16, C)
+    limits: FloatArray  # thresholds of their statistics over the mean, (C,); infinite for no detection
     dimensions: NDArray[np.intp]  # dimension d of each, (C,)
     # places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d)
     bases: tuple[tuple[NDArray[np.intp], FloatArray], ...]
@@ -100,21 +97,17 @@ class Detection(NamedTuple):
         dimensions = np.array([one.basis.shape[1] for one in hypotheses])
         places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
         bases = tuple((of_one, np.array([hypotheses[k].basis for k in of_one])) for of_one in places)
-        limits = np.full((len(WARM_UP), len(hypotheses)), np.inf)
+        limits = np.full(len(hypotheses), np.inf)
         if settings.false_alarms > 0.0 and settings.forgetting != "none":
-            # at most ten independent looks in a window, of each hypothesis; ν: windows in the mean, at most 20
+            # at most ten independent looks in a window, of each hypothesis, and ν ≥ 20
             rare = settings.false_alarms * settings.window / (10.0 * 3600.0 * len(hypotheses))
-            limits = np.asarray(scipy.stats.f.isf(rare, dimensions, np.array(WARM_UP)[:, None]), dtype=np.float64)
+            limits = np.asarray(scipy.stats.f.isf(rare, dimensions, 20.0), dtype=np.float64)
         return cls(hypotheses, limits, dimensions, bases)
 
     @property
     def on(self) -> bool:
         """Whether changes are detected."""
         return bool(np.isfinite(self.limits).all())
-
-    def limits_after(self, windows: float) -> FloatArray:
-        """Thresholds behind so many windows, (C,)."""
-        return np.asarray(self.limits[min(max(int(windows) - WARM_UP.start, 0), len(WARM_UP) - 1)])
 
     def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
         """Likelihood ratio of each hypothesis over its dimension, (C,)."""
@@ -167,20 +160,15 @@ def look(
     energy = discount * before.energy + W.T @ W
     statistics = (1.0 + discount) * detection.statistics(score, energy)
     duration = before.settled * settings.block_time / window
-    level, looks, mean = before.level, before.looks, before.mean
-    if duration > WARM_UP.start:
-        # the mean is that of sixty windows; a statistic enters by three times the mean at most
-        slow = math.exp(-settings.block_time / (60.0 * window))
-        most = 3.0 * mean if duration > 0.5 * WARM_UP[-1] else np.full(len(mean), np.inf)
-        level, looks = slow * level + np.minimum(statistics, most), slow * looks + 1.0
-        mean = np.maximum(1.0, level / looks)
-    limits = detection.limits_after(duration)
-    above = duration > WARM_UP.start and bool((statistics > before.mean * limits).any())
+    above = duration > WARM_UP and bool((statistics > before.mean * detection.limits).any())
+    # The mean is that of sixty windows; a statistic enters by three times the mean at most, a change hardly so
+    slow = math.exp(-settings.block_time / (60.0 * window))
+    level = slow * before.level + np.minimum(statistics, 3.0 * before.mean)
     return before._replace(
         score=score,
         energy=energy,
         level=level,
-        looks=looks,
+        looks=slow * before.looks + 1.0,
         crossing=0 if above else -1,
         settled=before.settled + 1,
         weights=followed,
@@ -197,7 +185,7 @@ class Verdict(NamedTuple):
     torn: bool  # whether no parameters explain the rows, which are then of several changes
 
 
-def judge(detection: Detection, windows: float, detector: Detector, inflation: FloatArray, root: FloatArray) -> Verdict:
+def judge(detection: Detection, detector: Detector, inflation: FloatArray, root: FloatArray) -> Verdict:
     """Compare the hypotheses on the rows since a suspicion."""
     collected, precision = detector.collected, detector.weights / np.sqrt(inflation)
     table = (collected.R[:-1] * precision[:, None, None]).reshape(-1, collected.R.shape[2])
@@ -211,8 +199,7 @@ def judge(detection: Detection, windows: float, detector: Detector, inflation: F
     left = max(float(e @ e) - everything, 0.0) / max(independent - len(moving), 1.0)
     # An F statistic, times what errors of the model raise it by in this motion
     unit = max(1.0, left) * float(detector.mean.mean())
-    limits = detection.limits_after(windows)
-    ratios = statistics / (detector.mean * limits)
+    ratios = statistics / (detector.mean * detection.limits)
     # A further parameter has to bring five times the mean statistic
     worth = np.where(ratios > 1.0, (statistics - 5.0 * unit) * detection.dimensions, -np.inf)
     best = int(np.argmax(worth)) if (ratios > 1.0).any() else -1
