@@ -104,9 +104,10 @@ def _suspect(recursion: Recursion, state: State, rows: Rows) -> State:
         return state
     root = _root(settings, state._replace(weights=detector.weights), _oldest(state))
     verdict = judge(recursion.detection, detector, inflations(settings, state.correlation), root)
-    if verdict.torn:  # a second change: all that may have changed is what the rows from now on say
+    if verdict.torn:  # a second change, or none: everything may have changed, and rows from now on say what
         state = _given_up(settings, state, np.eye(settings.count), collected=False)
-        return state._replace(detector=_emptied(detector)._replace(crossing=0, named=-1, candidates=()))
+        every = tuple(range(len(recursion.detection.hypotheses)))
+        return state._replace(detector=_emptied(detector)._replace(crossing=0, named=-1, candidates=every))
     if verdict.best < 0:  # whatever it was, it is over: the change is taken back
         held = state.information if not detector.candidates else _oldest(state)
         changes = state.changes[: len(state.changes) - (detector.named >= 0)]

@@ -206,17 +206,28 @@ class RecursiveEstimator:
             return []
         possible = [self._recursion.detection.hypotheses[k] for k in state.candidates]
         names = dict.fromkeys(name for one in possible for name in one.parameters)
+        if len(possible) == len(self._recursion.detection.hypotheses):
+            message = "torques that no single change explains: all that was known is given up until they are over"
+            return [Finding("change-unexplained", "", 1.0, "", "warning", message, LOOK, parameters=tuple(names))]
         text = " or ".join(f"{one.kind} at {one.joint}" for one in possible)
         message = f"something changed, and the motion does not yet tell {text} apart"
         return [Finding("change-ambiguous", "", 1.0, "", "warning", message, WAIT, parameters=tuple(names))]
 
     def _contradicted(self) -> list[Finding]:
-        """Joints whose residuals are ten times those that they were before, which intervals do not contain."""
+        """Residuals of joints and innovations along parameters that the intervals do not contain."""
         state, found = self._state, []
         for joint, now, best in zip(self.settings.model.joint_names, state.weights, state.sharpest, strict=True):
             if best > FALLEN * now:
                 message = f"residuals of {joint} are {best / now:.3g} times what they were"
                 found.append(Finding("residuals-grew", joint, best / now, "", "warning", message, LOOK))
+        mean = state.detector.mean
+        for k in np.flatnonzero(mean > CONTRADICTED):
+            one = self._recursion.detection.hypotheses[k]
+            message = (
+                f"torques contradict {', '.join(one.parameters)}: errors are {mean[k] ** 0.5:.3g} times the intervals'"
+            )
+            kind, names = "intervals-contradicted", one.parameters
+            found.append(Finding(kind, one.joint, float(mean[k]), "", "warning", message, LOOK, parameters=names))
         return found
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -285,6 +296,9 @@ LOOK = "look for what no parameter explains: contact, slip of a sensor, a person
 
 FALLEN = 10.0
 """Ratio of residuals to the smallest so far from which on they contradict the intervals."""
+
+CONTRADICTED = 3.0
+"""Mean statistic of a minute from which on it is reported; 1 while only noise, and what is not yet known, errs."""
 
 
 def _changed(kind: str, one: Change | Drift, parameters: tuple[str, ...], text: str, remedy: str) -> Finding:
