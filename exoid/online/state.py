@@ -154,9 +154,9 @@ class State(NamedTuple):
     drifts: tuple[Drift, ...]
 
 
-def begin(settings: Settings, hypotheses: int) -> State:
-    """Make the state before the first sample."""
-    n, P = settings.n, settings.count
+def begin(settings: Settings) -> State:
+    """Make the state before the first sample, which knows nothing."""
+    n, P, hypotheses = settings.n, settings.count, len(settings.detection.hypotheses)
     R, rows = np.zeros((n + 1, P + 1, P + 1)), np.zeros(n + 1)
     lags = (np.zeros((LAGS, n)),) * 2 + (np.zeros((LAGS + 1, n)),) * 2
     looks = WARM_UP * settings.window / settings.block_time
@@ -189,6 +189,11 @@ def begin(settings: Settings, hypotheses: int) -> State:
         drifts=(),
     )
     return restarted(settings, state)
+
+
+def oldest(state: State) -> Information:
+    """Information of the oldest checkpoint."""
+    return Information(*(kept[-1] for kept in state.checkpoints))
 
 
 def checkpoints_of(information: Information) -> Information:
