@@ -13,7 +13,7 @@ from exoid.signals import FiniteDifference
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 from exoid.torques.motion import random_motion
 
-from .model import ControlModel, ModelSource
+from .model import ControlModel, ModelSource, completed
 
 ROWS = 400
 """Samples at which the torques of model and estimate agree."""
@@ -21,7 +21,7 @@ ROWS = 400
 
 def as_estimate(source: ModelSource, torque_std: float) -> Estimate:
     """Convert the source of a model to an estimate of bodies, springs, friction and rotors."""
-    return _reduced(source) if isinstance(source, Estimate) else _known(ControlModel.of(source), torque_std)
+    return _reduced(completed(source)) if isinstance(source, Estimate) else _known(ControlModel.of(source), torque_std)
 
 
 def _reduced(source: Estimate) -> Estimate:

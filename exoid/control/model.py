@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -55,7 +56,8 @@ class ControlModel:
         """Make the model of an estimate, a leg or a plant.
 
         Args:
-            source: An estimate, a leg (bodies only), a plant of one rig (its true parameters), or such a model.
+            source: An estimate, a leg (bodies only), a plant of one rig (its true parameters), or such a model. What
+                an estimate leaves open by more than all torque of a joint is that of the leg as it was given.
 
         Returns:
             The model.
@@ -66,7 +68,12 @@ class ControlModel:
         if isinstance(source, ControlModel):
             return source
         if isinstance(source, Estimate):
-            return cls.of_parameters(source.model, source.values)
+            known = completed(source)
+            if known is not source:
+                open_ = [name for name, x, y in zip(source.names, source.std, known.std, strict=True) if y < 0.5 * x]
+                what = "not determined by the recordings, and taken from the leg as it was given"
+                warnings.warn(f"{what}: {', '.join(open_)}", UserWarning, stacklevel=2)
+            return cls.of_parameters(source.model, known.values)
         if isinstance(source, Leg):
             nothing = np.zeros(len(source.joint_names))
             return cls(source, nothing[None], nothing, nothing, nothing)
@@ -335,3 +342,21 @@ def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, Fl
 
 ModelSource = Estimate | Leg | Plant | ControlModel
 """Source of a controller's model: an estimate, a leg (bodies only), or a plant of one rig (its true parameters)."""
+
+
+def completed(source: Estimate) -> Estimate:
+    """Take what an estimate leaves open by more than all torque of a joint from the leg as it was given."""
+    # Bayes' rule with a prior β₀ ± s of these parameters alone, s the size that explains all torque of a joint. What
+    # the recordings say of their combinations stays, so the torque in the recorded motion does not change.
+    given = np.zeros(len(source.names))
+    given[: len(source.model.leg.parameters)] = source.model.leg.parameters
+    size = np.where(source.parameter_scale > 0.0, source.parameter_scale, np.abs(given))
+    free = np.flatnonzero((source.std > size) & (size > 0.0))
+    if not len(free):
+        return source
+    C, std = source.covariance, np.hypot(source.std, size)[free]
+    correlation = (C[np.ix_(free, free)] + np.diag(size[free] ** 2)) / np.outer(std, std)
+    gain = np.linalg.solve(correlation, (C[:, free] / std).T).T / std
+    covariance = C - gain @ C[free]
+    values = source.values + gain @ (given - source.values)[free]
+    return replace(source, values=values, covariance=0.5 * (covariance + covariance.T))

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.estimate import Estimate
-from exoid.online.advance import Recursion, advance
+from exoid.online.advance import advance
 from exoid.online.rows import Block
 from exoid.online.settings import Settings
 from exoid.online.solution import belief, estimate_of, started
 from exoid.online.state import State as OnlineState
+from exoid.online.state import begin as begin_online
 from exoid.rig import Target
 
 from .known_leg import as_estimate
@@ -62,7 +63,7 @@ class SelfTuning:
     cone: ParameterCone  # set of the parameters
     source: Estimate  # initial estimate, with the parameters of the recursive one; other terms keep their coefficients
     covariance: FloatArray  # P₀ of all of these, (R, R)
-    recursion: Recursion  # settings of the recursive estimator
+    settings: Settings  # of the recursive estimator
     time_constant: float  # time constant with which β̂ approaches β* [s]
     slew: float  # largest rate of each parameter, in standard deviations of P₀ [1/s]
     bound: float  # largest distance of each parameter from β₀, in standard deviations of P₀
@@ -108,7 +109,7 @@ class SelfTuning:
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
         """Estimate of what the recursive estimator of one leg knows, without the prior."""
-        return estimate_of(self.recursion.settings, memory.online[leg], ())
+        return estimate_of(self.settings, memory.online[leg], ())
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
         """Complete the previous sample by the torque that was held behind it; a complete block goes on."""
@@ -125,7 +126,7 @@ class SelfTuning:
             complete = np.array([before[0], before[1], moved])
             pending = np.concatenate([pending, complete[None]])
         memory = memory._replace(pending=pending, before=now)
-        return memory if len(pending) < self.recursion.settings.block else self._refreshed(memory)
+        return memory if len(pending) < self.settings.block else self._refreshed(memory)
 
     def _refreshed(self, memory: SelfTuningMemory) -> SelfTuningMemory:
         """Take the samples that wait in, and compute β* of each leg."""
@@ -134,7 +135,7 @@ class SelfTuning:
         online, aims = [], []
         for leg, before in enumerate(memory.online):
             q, v, torque = memory.pending[..., leg].transpose(1, 0, 2)
-            after = advance(self.recursion, before, Block(q, v, nothing, torque, of_torque))
+            after = advance(self.settings, before, Block(q, v, nothing, torque, of_torque))
             online.append(after)
             aims.append(self._posterior(after))
         aim = np.transpose(aims).reshape(memory.aim.shape)
@@ -142,7 +143,7 @@ class SelfTuning:
 
     def _posterior(self, online: OnlineState) -> FloatArray:
         """β* of one leg, (P,)."""
-        table = np.vstack([belief(self.recursion.settings, online)[:, self._order], self._prior])
+        table = np.vstack([belief(self.settings, online)[:, self._order], self._prior])
         factor = np.asarray(np.linalg.qr(table, mode="r"))
         others = len(self.source.names) - len(self.names)
         root, z = factor[others:-1, others:-1], factor[others:-1, -1]
@@ -181,7 +182,7 @@ class SelfTuning:
     def _start(self) -> OnlineState:
         """State of the recursive estimator before the first sample."""
         loose = replace(self.source, covariance=100.0 * self.covariance)  # so that the prior counts once
-        return started(self.recursion.settings, self.recursion.begin(), loose)
+        return started(self.settings, begin_online(self.settings), loose)
 
 
 def self_tuning(
@@ -252,7 +253,7 @@ def self_tuning(
         cone=cone.above(floor),
         source=estimate,
         covariance=covariance,
-        recursion=Recursion.of(settings),
+        settings=settings,
         time_constant=time_constant,
         slew=slew,
         bound=bound,

@@ -12,7 +12,7 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 
 from .friction import WIDTH
-from .model import ControlModel, ModelSource
+from .model import ControlModel, ModelSource, completed
 from .parameter_change import ExpectedChange, payload_covariance
 
 
@@ -55,7 +55,7 @@ class SlotineLiModel:
             classes = dict(zip(source.names, source.identifiability, strict=True))
             known = np.flatnonzero([classes.get(name, "not") != "not" for name in names])
             own = [source.names.index(names[k]) for k in known]
-            covariance[np.ix_(known, known)] += source.covariance[np.ix_(own, own)]
+            covariance[np.ix_(known, known)] += completed(source).covariance[np.ix_(own, own)]
         if not np.isfinite(covariance).all() or not (np.diagonal(covariance) > 0.0).any():
             raise BadArgumentError(
                 "no parameter may change, or its covariance is not finite",

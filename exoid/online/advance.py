@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from exoid._typing import FloatArray
 
-from .changes import SPANNED, Detection, Verdict, judge, look
-from .drift import drift_limit, follow_epochs
+from .changes import Verdict, judge, look
+from .drift import follow_epochs
+from .hypotheses import SPANNED
 from .information import absorb
 from .rows import Block, Rows, rows_of
 from .settings import Settings
-from .solution import belief, current, follow_residuals, inflations, inverse_of
-from .state import REMEMBERED, Change, Detector, Information, State, begin, checkpoints_of, no_epochs
+from .solution import belief, follow_residuals, inflations, solved
+from .state import REMEMBERED, Change, Detector, Information, State, checkpoints_of, no_epochs, oldest
 
 SETTLED = 20.0
 """Rows for each parameter from which on innovations are noise, not errors of the first values."""
@@ -26,113 +25,79 @@ PROBATION = 20.0
 """Time over the window for which rows are collected after a suspicion: a wrong name is found out, and taken back."""
 
 
-class Recursion(NamedTuple):
-    """What a step needs beside state and samples."""
-
-    settings: Settings
-    detection: Detection  # hypotheses of the change detection with their thresholds
-    drift_limit: float  # threshold of slow changes
-
-    @classmethod
-    def of(cls, settings: Settings) -> Recursion:
-        """Prepare the recursion."""
-        return cls(settings, Detection.of(settings), drift_limit(settings))
-
-    def begin(self) -> State:
-        """Make the state before the first sample, which knows nothing."""
-        return begin(self.settings, len(self.detection.hypotheses))
-
-
-def advance(recursion: Recursion, state: State, block: Block) -> State:
+def advance(settings: Settings, state: State, block: Block) -> State:
     """Take a block of samples in: as many as ``settings.block``; without a filter, any number."""
-    settings, detection = recursion.settings, recursion.detection
     rows, state = rows_of(settings, state, block)
     state = state._replace(samples=state.samples + len(block.q))
+    suspected = state.detector.crossing >= 0
     if not rows.used.any():
-        return _with_residuals(settings, state, rows)
-    if state.detector.crossing >= 0:
-        return _suspect(recursion, state, rows)
+        return state if suspected else _with_residuals(settings, state, rows)
+    if suspected:
+        return _suspect(settings, state, rows)
     known = np.isfinite(state.std[0]) and state.information.rows.sum() > SETTLED * settings.count
-    if known and detection.on:
-        inflation, innovations = inflations(settings, state.correlation), rows.tau - rows.W @ state.values
-        root = _root(settings, state, state.information)
-        detector = look(settings, detection, state.detector, rows, innovations, state.weights, inflation, root)
+    if known and settings.detection.on:
+        detector = look(settings, state, rows)
         state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))
-    if state.detector.crossing >= 0:
-        return _begin_suspicion(settings, state)
-    state = _solved(settings, state, absorb(settings, state.information, rows, state.weights))
+        if detector.crossing >= 0:  # the estimate holds; the oldest checkpoint is what was known before the change
+            before = solved(settings, state._replace(weights=detector.weights), oldest(state))
+            return state._replace(detector=_emptied(detector)._replace(values=before.values))
+    state = solved(settings, state, absorb(settings, state.information, rows, state.weights))
     state = _with_residuals(settings, state, rows)
-    if known and np.isfinite(recursion.drift_limit):
-        state = follow_epochs(settings, recursion.drift_limit, state, rows)
+    if known and np.isfinite(settings.drift_limit):
+        state = follow_epochs(settings, state, rows)
     if state.detector.settled % max(1, round(settings.window / settings.block_time)):
         return state
     pairs = zip(state.information, state.checkpoints, strict=True)
     return state._replace(checkpoints=Information(*(np.concatenate([now[None], old[:-1]]) for now, old in pairs)))
 
 
-def _solved(settings: Settings, state: State, information: Information) -> State:
-    """Solve for values, standard deviations and weights, as soon as they are determined."""
-    state = state._replace(information=information)
-    found = current(settings, information, state.weights, inflations(settings, state.correlation))
-    return state if found is None else state._replace(**found._asdict())
-
-
 def _with_residuals(settings: Settings, state: State, rows: Rows) -> State:
-    """Add the residuals to their autocorrelation, once values are known, and not beside a suspicion."""
-    if state.detector.crossing >= 0:
-        return state
+    """Add the residuals to their autocorrelation, once values are known."""
     used = rows.used & np.isfinite(state.std[0])
     residuals = (rows.tau - rows.W @ state.values) * used
     return state._replace(correlation=follow_residuals(settings, state.correlation, residuals, used))
 
 
-def _begin_suspicion(settings: Settings, state: State) -> State:
-    """Hold the estimate; the oldest checkpoint is what was known before the change."""
-    before = current(settings, _oldest(state), state.detector.weights, inflations(settings, state.correlation))
-    values = state.values if before is None else before.values
-    return state._replace(detector=_emptied(state.detector)._replace(values=values, named=-1, candidates=()))
-
-
-def _suspect(recursion: Recursion, state: State, rows: Rows) -> State:
+def _suspect(settings: Settings, state: State, rows: Rows) -> State:
     """Collect rows, and go on from before the change without what the candidates may have changed."""
-    settings, detector = recursion.settings, state.detector._replace(crossing=state.detector.crossing + 1)
-    blocks = detector.crossing
-    if blocks * settings.block_time > 2.0 * settings.delay:  # rows behind the filters are of one leg alone
-        detector = detector._replace(collected=_stacked(detector.collected, rows))
+    detector = state.detector._replace(crossing=state.detector.crossing + 1)
+    since = detector.crossing * settings.block_time
+    if since > 2.0 * settings.delay:  # rows behind the filters are of one leg alone
+        number = np.append(rows.used.sum(axis=0), 0)
+        detector = detector._replace(collected=_joined(detector.collected, rows.table, number))
     state = state._replace(detector=detector)
-    if blocks * settings.block_time <= DECISION * settings.window + settings.delay:
+    if since <= DECISION * settings.window + settings.delay:
         return state
-    root = _root(settings, state._replace(weights=detector.weights), _oldest(state))
-    verdict = judge(recursion.detection, detector, inflations(settings, state.correlation), root)
-    if verdict.torn:  # a second change: all that may have changed is what the rows from now on say
-        state = _given_up(settings, state, np.eye(settings.count), collected=False)
-        return state._replace(detector=_emptied(detector)._replace(crossing=0, named=-1, candidates=()))
+    verdict = judge(settings, state)
+    if verdict.torn:  # a second change, or none: everything may have changed, and rows from now on say what
+        emptied = _emptied(detector)
+        every = tuple(range(len(settings.detection.hypotheses)))
+        state = _given_up(settings, state._replace(detector=emptied), np.eye(settings.count))
+        return state._replace(detector=emptied._replace(crossing=0, candidates=every))
     if verdict.best < 0:  # whatever it was, it is over: the change is taken back
-        held = state.information if not detector.candidates else _oldest(state)
+        held = oldest(state) if detector.candidates else state.information
         changes = state.changes[: len(state.changes) - (detector.named >= 0)]
-        kept = Information(*(x.copy() for x in held))
-        kept = _stacked_factors(kept, detector.collected)
-        state = _solved(settings, state._replace(changes=changes, weights=detector.weights), kept)
-        return _settle(settings, state)
-    bases = [recursion.detection.hypotheses[k].basis for k in verdict.candidates]
-    basis = _union(bases) if verdict.complete else np.eye(settings.count)
+        state = state._replace(changes=changes, weights=detector.weights)
+        return _settle(solved(settings, state, _joined(held, detector.collected.R[:-1], detector.collected.rows)))
+    basis = np.eye(settings.count)
+    if verdict.complete:  # all that the candidates may change
+        bases = [settings.detection.hypotheses[k].basis for k in verdict.candidates]
+        U, sizes, _ = np.linalg.svd(np.hstack(bases), full_matrices=False)
+        basis = U[:, sizes > SPANNED * sizes[0]]
     state = _given_up(settings, state, basis)
-    over = blocks * settings.block_time > PROBATION * settings.window
-    if len(verdict.candidates) == 1 or over:
-        state = _named(recursion, state, verdict)
+    over = since > PROBATION * settings.window
+    if verdict.best != detector.named and (over or len(verdict.candidates) == 1):
+        state = _named(settings, state, verdict)
     state = state._replace(detector=state.detector._replace(candidates=verdict.candidates))
-    return _settle(settings, state) if over else state
+    return _settle(state) if over else state
 
 
-def _named(recursion: Recursion, state: State, verdict: Verdict) -> State:
+def _named(settings: Settings, state: State, verdict: Verdict) -> State:
     """Report a change, in place of another name that was reported for the same rows."""
-    detector = state.detector
-    if verdict.best == detector.named:
-        return state
-    one = recursion.detection.hypotheses[verdict.best]
+    detector, one = state.detector, settings.detection.hypotheses[verdict.best]
     change = Change(
         sample=state.samples,
-        time=state.samples / recursion.settings.rate,
+        time=state.samples / settings.rate,
         kind=one.kind,
         joint=one.joint,
         parameters=one.parameters,
@@ -143,70 +108,37 @@ def _named(recursion: Recursion, state: State, verdict: Verdict) -> State:
     return state._replace(
         detector=detector._replace(named=verdict.best),
         changes=(*earlier, change)[-REMEMBERED:],
-        epochs=no_epochs(recursion.settings),
+        epochs=no_epochs(settings),
     )
 
 
-def _settle(settings: Settings, state: State) -> State:
+def _settle(state: State) -> State:
     """End a suspicion; the mean of the statistics stays that of this motion."""
     detector = _emptied(state.detector)
-    nothing = {name: np.zeros_like(getattr(detector, name)) for name in ("score", "energy")}
-    detector = detector._replace(**nothing, crossing=-1, named=-1, candidates=())
+    score, energy = np.zeros_like(detector.score), np.zeros_like(detector.energy)
+    detector = detector._replace(score=score, energy=energy, crossing=-1)
     return state._replace(detector=detector, checkpoints=checkpoints_of(state.information))
 
 
-def _given_up(settings: Settings, state: State, basis: FloatArray, *, collected: bool = True) -> State:
-    """Go on from the oldest checkpoint without what was known of some parameters, and with the rows since."""
-    detector = state.detector
-    state = state._replace(weights=detector.weights)
-    information = _freed(settings, state, _oldest(state), basis)
-    if collected:
-        information = _stacked_factors(information, detector.collected)
-    return _solved(settings, state, information)
-
-
-def _root(settings: Settings, state: State, information: Information) -> FloatArray:
-    """L of the covariance P = L Lᵀ of what is known; of hardly anything where parameters are not determined."""
-    R = belief(settings, state._replace(information=information))
-    inverse = inverse_of(R)
-    return 1e6 * np.eye(len(R) - 1) if inverse is None else inverse
-
-
-def _oldest(state: State) -> Information:
-    return Information(*(kept[-1] for kept in state.checkpoints))
-
-
 def _emptied(detector: Detector) -> Detector:
-    """Forget the rows since the suspicion."""
-    return detector._replace(collected=Information(*(np.zeros_like(x) for x in detector.collected)))
+    """Forget the rows since the suspicion, and what they said."""
+    nothing = Information(*(np.zeros_like(x) for x in detector.collected))
+    return detector._replace(collected=nothing, named=-1, candidates=())
 
 
-def _stacked(information: Information, rows: Rows) -> Information:
-    """Take rows in without forgetting."""
-    R, number = information.R.copy(), information.rows + np.append(rows.used.sum(axis=0), 0)
-    R[:-1] = np.linalg.qr(np.concatenate([R[:-1], rows.table], axis=1), mode="r")
-    return Information(R, number)
-
-
-def _stacked_factors(information: Information, more: Information) -> Information:
-    """Join two sets of rows of each joint."""
+def _joined(information: Information, table: FloatArray, number: FloatArray) -> Information:
+    """Take rows of each joint in without forgetting."""
     R = information.R.copy()
-    R[:-1] = np.linalg.qr(np.concatenate([R[:-1], more.R[:-1]], axis=1), mode="r")
-    return Information(R, information.rows + more.rows)
+    R[:-1] = np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")
+    return Information(R, information.rows + number)
 
 
-def _union(bases: list[FloatArray]) -> FloatArray:
-    """Orthonormal basis of all that some hypotheses may change."""
-    U, sizes, _ = np.linalg.svd(np.hstack(bases), full_matrices=False)
-    return np.asarray(U[:, sizes > SPANNED * sizes[0]])
-
-
-def _freed(settings: Settings, state: State, information: Information, basis: FloatArray) -> Information:
-    """Forget what is known of some parameters, and keep what is known of all others."""
+def _given_up(settings: Settings, state: State, basis: FloatArray) -> State:
+    """Go on from the oldest checkpoint without what was known of some parameters, and with the rows since."""
     # In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows,
     # and one with b last that on b alone.
-    R = belief(settings, state._replace(information=information))
-    count, freedom = basis.shape
+    state = state._replace(weights=state.detector.weights, information=oldest(state))
+    R, (count, freedom) = belief(settings, state), basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]
     first = np.asarray(np.linalg.qr(np.hstack([root @ basis, root @ others, z]), mode="r"))
@@ -215,8 +147,9 @@ def _freed(settings: Settings, state: State, information: Information, basis: Fl
     alone = last[count - freedom : count]
     # Factor of what is known of a parameter that changed: its standard deviation grows a thousandfold
     loose = 1e-3 * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
-    out, samples = np.zeros_like(information.R), np.zeros_like(information.rows)
-    out[-1] = np.linalg.qr(np.vstack([kept, loose, np.zeros((1, count + 1))]), mode="r")
-    independent = information.rows[:-1] / inflations(settings, state.correlation)
-    samples[-1] = independent.sum() + information.rows[-1]
-    return Information(out, samples)
+    freed, samples = np.zeros_like(state.information.R), np.zeros_like(state.information.rows)
+    freed[-1] = np.linalg.qr(np.vstack([kept, loose, np.zeros((1, count + 1))]), mode="r")
+    known = state.information.rows
+    samples[-1] = (known[:-1] / inflations(settings, state.correlation)).sum() + known[-1]
+    collected = state.detector.collected
+    return solved(settings, state, _joined(Information(freed, samples), collected.R[:-1], collected.rows))

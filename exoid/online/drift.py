@@ -15,7 +15,6 @@ each test has the level F / (h P).
 from __future__ import annotations
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
@@ -28,15 +27,7 @@ FIRST = 3
 """Number of epochs of the reference."""
 
 
-def drift_limit(settings: Settings) -> float:
-    """Compute the threshold of the statistic by the rate of false alarms."""
-    if not settings.false_alarms > 0.0 or settings.forgetting == "none":
-        return np.inf
-    level = settings.false_alarms * settings.epoch / 3600.0 / settings.count
-    return float(scipy.stats.t.isf(0.5 * min(level, 1.0), 20.0))  # at least 20 degrees of freedom
-
-
-def follow_epochs(settings: Settings, limit: float, state: State, rows: Rows) -> State:
+def follow_epochs(settings: Settings, state: State, rows: Rows) -> State:
     """Take the rows of a block into the epoch, and compare epochs at its end."""
     epochs = state.epochs
     epochs = epochs._replace(
@@ -50,7 +41,7 @@ def follow_epochs(settings: Settings, limit: float, state: State, rows: Rows) ->
     emptied = epochs._replace(R=np.zeros_like(epochs.R), rows=np.zeros_like(epochs.rows), time=0.0)
     if found is None:  # rows that do not determine all parameters after ten epochs are given up
         return state._replace(epochs=emptied if epochs.time >= 10.0 * settings.epoch else epochs)
-    return _compared(settings, limit, state, _with_epoch(emptied, *found))
+    return _compared(settings, state, _with_epoch(emptied, *found))
 
 
 def _of_epoch(settings: Settings, epochs: Epochs, state: State) -> tuple[FloatArray, FloatArray] | None:
@@ -88,7 +79,7 @@ def _with_epoch(epochs: Epochs, values: FloatArray, variances: FloatArray) -> Ep
     )
 
 
-def _compared(settings: Settings, limit: float, state: State, epochs: Epochs) -> State:
+def _compared(settings: Settings, state: State, epochs: Epochs) -> State:
     """Compare the last epochs with the reference; where a parameter drifted, they are its new reference."""
     if epochs.number < FIRST + len(epochs.values):
         return state._replace(epochs=epochs)
@@ -97,7 +88,7 @@ def _compared(settings: Settings, limit: float, state: State, epochs: Epochs) ->
     recent, reference = sums / precision, epochs.score / epochs.precision
     scatter = np.maximum(1.0, epochs.scatter / max(epochs.bends, 1.0))
     std = np.sqrt(scatter * (1.0 / precision + 1.0 / epochs.precision))
-    ratio = np.abs(recent - reference) / (std * limit)
+    ratio = np.abs(recent - reference) / (std * settings.drift_limit)
     moved = (ratio > 1.0) & (epochs.behind >= len(epochs.values))
     drifts = tuple(
         Drift(

@@ -11,17 +11,18 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .advance import Recursion, advance
+from .advance import advance
 from .file import Memory, read_memory, write_memory
+from .findings import findings_of
 from .rows import Block
 from .settings import Settings
 from .solution import estimate_of, started
-from .state import Change, Drift, State, restarted
-from .stream import Sample, Stream, as_table, findings_of, one_sample, take
+from .state import Change, Drift, State, begin, restarted
+from .stream import Sample, Stream, as_table, one_sample, take
 
 
 class RecursiveEstimator:
@@ -94,8 +95,8 @@ class RecursiveEstimator:
             window=window,
             epoch=epoch,
         )
-        self.settings, self._recursion = settings, Recursion.of(settings)
-        state, self._stream, self._pending = self._recursion.begin(), Stream(), list[Sample]()
+        self.settings = settings
+        state, self._stream, self._pending = begin(settings), Stream(), list[Sample]()
         self._state = state if start is None else started(settings, state, start)
 
     def __repr__(self) -> str:
@@ -186,38 +187,8 @@ class RecursiveEstimator:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Faults of the stream, and changes that were detected, the worst first."""
-        changed = [
-            _changed(f"changed-{one.kind}", one, one.parameters, f"changed at {one.time:.2f} s", GIVEN_UP)
-            for one in self.changes
-        ]
-        changed += [
-            _changed("changed-slowly", one, (one.parameter,), text, WORN_IN)
-            for one in self.drifts
-            for text in [f"drifted from {one.before:.4g} to {one.after:.4g} until {one.time:.0f} s"]
-        ]
-        changed += [*self._ambiguous(), *self._contradicted()]
-        return ordered((*changed, *findings_of(self._stream)))
-
-    def _ambiguous(self) -> list[Finding]:
-        """Changes that the rows do not yet tell apart."""
-        state = self._state.detector
-        if len(state.candidates) < 2:
-            return []
-        possible = [self._recursion.detection.hypotheses[k] for k in state.candidates]
-        names = dict.fromkeys(name for one in possible for name in one.parameters)
-        text = " or ".join(f"{one.kind} at {one.joint}" for one in possible)
-        message = f"something changed, and the motion does not yet tell {text} apart"
-        return [Finding("change-ambiguous", "", 1.0, "", "warning", message, WAIT, parameters=tuple(names))]
-
-    def _contradicted(self) -> list[Finding]:
-        """Joints whose residuals are ten times those that they were before, which intervals do not contain."""
-        state, found = self._state, []
-        for joint, now, best in zip(self.settings.model.joint_names, state.weights, state.sharpest, strict=True):
-            if best > FALLEN * now:
-                message = f"residuals of {joint} are {best / now:.3g} times what they were"
-                found.append(Finding("residuals-grew", joint, best / now, "", "warning", message, LOOK))
-        return found
+        """Faults of the stream, changes that were detected, and what contradicts the estimate, the worst first."""
+        return findings_of(self.settings, self._state, self._stream)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write settings and state as JSON, whole or not at all; see :meth:`resume`.
@@ -246,7 +217,7 @@ class RecursiveEstimator:
         """
         settings, memory = read_memory(path, leg)
         resumed = cls.__new__(cls)
-        resumed.settings, resumed._recursion = settings, Recursion.of(settings)
+        resumed.settings = settings
         resumed._state, resumed._stream, resumed._pending = memory.state, memory.stream, list(memory.pending)
         return resumed
 
@@ -269,28 +240,11 @@ class RecursiveEstimator:
         with_v, with_a = self._stream.given or (True, True)
         nothing = np.full_like(q, math.nan)
         block = Block(q, v if with_v else nothing, a if with_a else nothing, tau, marks > 0.0)
-        return advance(self._recursion, self._state, block)
+        return advance(self.settings, self._state, block)
 
     def _settled(self) -> State:
         """State with all samples that can be used."""
         return self._advanced() if self._pending and self.settings.cutoff is None else self._state
-
-
-GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
-WORN_IN = "seals wear in, and grease warms up; the estimate follows within the memory"
-
-
-WAIT = "move all joints, both ways; until then what was known of all of these parameters is given up"
-LOOK = "look for what no parameter explains: contact, slip of a sensor, a person who pushes; begin anew without it"
-
-FALLEN = 10.0
-"""Ratio of residuals to the smallest so far from which on they contradict the intervals."""
-
-
-def _changed(kind: str, one: Change | Drift, parameters: tuple[str, ...], text: str, remedy: str) -> Finding:
-    """Describe a change as a finding."""
-    message = f"{', '.join(parameters)} {text}"
-    return Finding(kind, one.joint, one.statistic, "", "info", message, remedy, parameters=parameters)
 
 
 def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:

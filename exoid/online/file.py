@@ -18,7 +18,6 @@ from exoid.tools.files import write_whole
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 
-from .changes import hypotheses_of
 from .settings import Settings
 from .state import Change, Drift, State, begin
 from .stream import Sample, Stream
@@ -110,8 +109,8 @@ def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
     sample = (0.0,)
     changes = (Change(0, 0.0, "", "", ("",), 0.0, (0.0,)),)
     drifts = (Drift(0, 0.0, "", "", 0.0, 0.0, 0.0, 0.0),)
-    count = len(hypotheses_of(settings.model))
-    state = begin(settings, count)._replace(changes=changes, drifts=drifts)
+    count = len(settings.detection.hypotheses)
+    state = begin(settings)._replace(changes=changes, drifts=drifts)
     state = state._replace(detector=state.detector._replace(candidates=(0,)))
     memory: Memory = _like(Memory(state, Stream((True,), sample, counts=(0,)), (sample,)), data)
     lengths = {len(sample) for sample in memory.pending} | {len(memory.stream.last) or 5 * settings.n}

@@ -15,7 +15,7 @@ from exoid.leg.payload import Payload
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques.payloads import payload_parameters
 
-from .changes import SPANNED
+from .hypotheses import SPANNED
 
 
 class LoadChange(NamedTuple):

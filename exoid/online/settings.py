@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -14,8 +13,9 @@ from numpy.typing import NDArray
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg_data import refuse_floating_base
-from exoid.signals import FiniteDifference, Preparation, ZeroPhase
 from exoid.torques import DryFriction, TorqueModel
+
+from .hypotheses import Detection
 
 NARROWEST = 1.2
 """Smallest standard deviation in samples for which the derivatives of a Gaussian kernel are accurate to 1 %."""
@@ -52,10 +52,8 @@ class Settings:
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",
                 )
-        for name, options in {
-            "forgetting": ("none", "exponential", "directional"),
-            "estimator": ("wls", "ols"),
-        }.items():
+        choices = {"forgetting": ("none", "exponential", "directional"), "estimator": ("wls", "ols")}
+        for name, options in choices.items():
             if getattr(self, name) not in options:
                 raise BadArgumentError(f"{name}={getattr(self, name)!r}", remedy=f"use one of {', '.join(options)}")
         for name in ("rate", "memory", "window", "epoch"):
@@ -67,8 +65,7 @@ class Settings:
         if self.estimator == "ols" and self.forgetting != "none":
             what = "ols does not weigh rows, which forgetting needs"
             raise BadArgumentError(what, remedy="use wls, or forgetting='none'")
-        none = np.full(self.n, math.inf)
-        limits = none if self.torque_limits is None else np.asarray(self.torque_limits, dtype=np.float64)
+        limits = np.asarray(np.full(self.n, math.inf) if self.torque_limits is None else self.torque_limits, np.float64)
         if limits.shape != (self.n,) or not (limits > 0.0).all():
             what = f"torque limits of shape {limits.shape} for {self.n} joints, or not positive"
             raise BadArgumentError(what, remedy="pass one number in N·m for each joint")
@@ -85,11 +82,6 @@ class Settings:
     def count(self) -> int:
         """Number of parameters P."""
         return len(self.model.names)
-
-    @property
-    def preparation(self) -> Preparation:
-        """Preparation of a batch identification that passes the same frequencies."""
-        return FiniteDifference() if self.cutoff is None else ZeroPhase(cutoff=self.cutoff)
 
     @cached_property
     def stride(self) -> int:
@@ -118,20 +110,16 @@ class Settings:
         return self.block / self.rate
 
     @cached_property
-    def kernels(self) -> tuple[Kernels, Kernels]:
+    def kernels(self) -> tuple[FloatArray, FloatArray]:
         """First filter, from which velocity and acceleration come, and second one, of columns and torque."""
         assert self.cutoff is not None
-        narrow = gaussian(self.rate, self.cutoff)
         limit = math.sqrt(math.log(2.0)) * self.rate / (2.0 * math.pi * 1.25)
-        return gaussian(self.rate, min(2.0 * self.cutoff, limit)), narrow
+        return gaussian(self.rate, min(2.0 * self.cutoff, limit)), gaussian(self.rate, self.cutoff)[0]
 
     @cached_property
     def histories(self) -> tuple[int, int]:
         """Samples that each filter keeps."""
-        if self.cutoff is None:
-            return 0, 0
-        wide, narrow = self.kernels
-        return len(wide.smooth) - 1, len(narrow.smooth) - 1
+        return (0, 0) if self.cutoff is None else (self.kernels[0].shape[1] - 1, len(self.kernels[1]) - 1)
 
     @property
     def delay(self) -> float:
@@ -146,14 +134,14 @@ class Settings:
     @cached_property
     def decimating(self) -> FloatArray:
         """Matrix of the second filter at every row, (m, history + k)."""
-        return _sliding(self.kernels[1].smooth, range(self.stride - 1, self.block, self.stride))
+        return _sliding(self.kernels[1], range(self.stride - 1, self.block, self.stride))
 
     @cached_property
     def filter_inflation(self) -> float:
         """Rows that say as much as one independent row of white noise behind both filters."""
         if self.cutoff is None:
             return 1.0
-        response = np.convolve(self.kernels[0].smooth, self.kernels[1].smooth)
+        response = np.convolve(self.kernels[0][0], self.kernels[1])
         every = scipy.signal.correlate(response, response)[len(response) - 1 :: self.stride]
         return float(1.0 + 2.0 * (every[1:] / every[0]).sum())
 
@@ -173,6 +161,20 @@ class Settings:
         return found
 
     @cached_property
+    def detection(self) -> Detection:
+        """Hypotheses of the change detection, with their thresholds."""
+        alarms = 0.0 if self.forgetting == "none" else self.false_alarms
+        return Detection.of(self.model, alarms * self.window / 36_000.0)  # at most ten independent looks in a window
+
+    @cached_property
+    def drift_limit(self) -> float:
+        """Threshold of the statistic of slow changes, by the rate of false alarms; infinite for no detection."""
+        if not self.false_alarms > 0.0 or self.forgetting == "none":
+            return math.inf
+        level = self.false_alarms * self.epoch / 3600.0 / self.count
+        return float(scipy.stats.t.isf(0.5 * min(level, 1.0), 20.0))  # at least 20 degrees of freedom
+
+    @cached_property
     def parameter_joint(self) -> tuple[str, ...]:
         """Joint that each parameter belongs to: that of the term, or of the segment; "" for neither, (P,)."""
         found = dict.fromkeys(self.model.names, "")
@@ -184,21 +186,11 @@ class Settings:
         return tuple(found.values())
 
 
-class Kernels(NamedTuple):
-    """Weights of a sample and its d neighbours on each side, (2 d + 1,) each, to be summed with the samples."""
-
+def gaussian(rate: float, cutoff: float) -> FloatArray:
+    """Weights of the smoothed signal and its two derivatives, (3, 2 d + 1); −3 dB at the cut-off."""
     # The zero-phase filter of an identification needs samples that are still to come. A symmetric kernel gives the
-    # same, d samples late. It is Gaussian, which neither rings nor is wider than it must be, and its derivatives give
-    # velocity and acceleration: with H(f) its gain, the three have the gains H, 2πi f H and (2πi f)² H.
-
-    smooth: FloatArray  # weights of the smoothed signal
-    first: FloatArray  # weights of its first derivative [1/s]
-    second: FloatArray  # weights of its second derivative [1/s²]
-
-
-def gaussian(rate: float, cutoff: float) -> Kernels:
-    """Make a Gaussian kernel with a gain of 1/√2 at the cut-off, σ = √(ln 2) / (2π f_c), four σ to each side."""
-    # A constant passes unchanged. The derivatives of straight lines and parabolas are exact.
+    # same, d samples late. It is Gaussian, which neither rings nor is wider than it must be: σ = √(ln 2) / (2π f_c),
+    # four σ to each side. A constant passes unchanged; derivatives of straight lines and parabolas are exact.
     sigma = math.sqrt(math.log(2.0)) / (2.0 * math.pi * cutoff) if cutoff > 0.0 else math.inf
     if not NARROWEST <= sigma * rate < 1e5:
         raise BadArgumentError(
@@ -210,9 +202,8 @@ def gaussian(rate: float, cutoff: float) -> Kernels:
     t = np.arange(-half, half + 1) / rate
     smooth = np.exp(-0.5 * (t / sigma) ** 2)
     smooth /= smooth.sum()
-    first = t * smooth
-    second = (t**2 - smooth @ t**2) * smooth
-    return Kernels(smooth, first / (first @ t), second / (0.5 * second @ t**2))
+    first, second = t * smooth, (t**2 - smooth @ t**2) * smooth
+    return np.array([smooth, first / (first @ t), second / (0.5 * second @ t**2)])
 
 
 def _sliding(weights: FloatArray, rows: range) -> FloatArray:

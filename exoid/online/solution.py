@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from exoid.leg.lift import check, lift
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RFactor, solve, stack
 from exoid.regression.parameters import PriorKnowledge
+from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
 from .state import Correlation, Information, State, checkpoints_of
@@ -28,26 +27,18 @@ TINY = 1e-150
 """Smallest residual that a weight is made of [N·m]."""
 
 
-class Current(NamedTuple):
-    """Solution of the R factors by the last block."""
-
-    values: FloatArray  # parameters, (P,)
-    std: FloatArray  # standard deviations by the R factors alone, (P,)
-    weights: FloatArray  # weights of the rows of each joint [1/(N·m)], (n,)
-
-
-def current(settings: Settings, information: Information, weights: FloatArray, inflation: FloatArray) -> Current | None:
-    """Solve for the values, fast; None before they are determined."""
-    R = weighted_stack(information, weights, inflation)
+def solved(settings: Settings, state: State, information: Information) -> State:
+    """Put information in; values, standard deviations and weights follow as soon as it determines them."""
+    state = state._replace(information=information)
+    R = belief(settings, state)
     inverse = inverse_of(R)
     if inverse is None:
-        return None
-    values = inverse @ R[:-1, -1]
-    std = np.sqrt((inverse**2).sum(axis=1))
-    if settings.estimator == "ols":
-        return Current(values, std, weights)
-    enough = information.rows[:-1] >= FEWEST_ROWS
-    return Current(values, std, np.where(enough, 1.0 / residual_rms(information, values), weights))
+        return state
+    values, weights = inverse @ R[:-1, -1], state.weights
+    if settings.estimator == "wls":
+        enough = information.rows[:-1] >= FEWEST_ROWS
+        weights = np.where(enough, 1.0 / residual_rms(information, values), weights)
+    return state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)), weights=weights)
 
 
 def inverse_of(R: FloatArray) -> FloatArray | None:
@@ -60,18 +51,17 @@ def inverse_of(R: FloatArray) -> FloatArray | None:
     return np.asarray(scipy.linalg.lapack.dtrtri(root)[0])
 
 
-def weighted_stack(information: Information, weights: FloatArray, inflation: FloatArray) -> FloatArray:
-    """R factor of all rows, weighted, with what was known before them, (P + 1, P + 1)."""
-    of_slots = np.append(weights, np.sqrt(inflation.mean()))
-    table = (information.R * of_slots[:, None, None]).reshape(-1, information.R.shape[2])
-    return np.asarray(np.linalg.qr(table, mode="r"))
-
-
 def belief(settings: Settings, state: State) -> FloatArray:
     """[R z] of all that is known, R β = z + noise of unit size, (P + 1, P + 1); zero before the first rows."""
-    inflation = inflations(settings, state.correlation)
-    stacked = weighted_stack(state.information, state.weights, inflation)
-    return np.asarray(stacked / np.sqrt(inflation.mean()))
+    independent = np.sqrt(inflations(settings, state.correlation).mean())
+    table = state.information.R * np.append(state.weights / independent, 1.0)[:, None, None]
+    return np.asarray(np.linalg.qr(table.reshape(-1, settings.count + 1), mode="r"))
+
+
+def root_of(settings: Settings, state: State) -> FloatArray:
+    """L of the covariance P = L Lᵀ of what is known; of hardly anything where parameters are not determined."""
+    inverse = inverse_of(belief(settings, state))
+    return 1e6 * np.eye(settings.count) if inverse is None else inverse
 
 
 def residual_rms(information: Information, values: FloatArray) -> FloatArray:
@@ -139,15 +129,18 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
+    values, count = solution.values, len(model.leg.parameter_names)
+    if settings.consistent and not check(model.leg, values[:count]).physical:  # the nearest links that are possible
+        values = np.append(lift(model.leg, values[:count], covariance[:count, :count]).values, values[count:])
     return Estimate(
         model=model,
-        values=_consistent(settings, solution.values, covariance) if settings.consistent else solution.values,
+        values=values,
         covariance=0.5 * (covariance + covariance.T),
         condition_number=max(solution.condition_number, 1.0),
         dof=max(solution.dof, 1.0),
         residual_rms=rms,
         estimator=f"recursive {settings.estimator}",
-        preparation=settings.preparation,
+        preparation=FiniteDifference() if settings.cutoff is None else ZeroPhase(cutoff=settings.cutoff),
         inputs=(Input("stream", "", state.samples, settings.rate),),
         findings=findings,
         evidence=Evidence(
@@ -156,16 +149,6 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
             cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",
         ),
     )
-
-
-def _consistent(settings: Settings, values: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Values of the physically possible links that are nearest to these."""
-    leg = settings.model.leg
-    count = len(leg.parameter_names)
-    if check(leg, values[:count]).physical:
-        return values
-    lifted = lift(leg, values[:count], covariance[:count, :count])
-    return np.concatenate([lifted.values, values[count:]])
 
 
 def started(settings: Settings, state: State, start: Estimate) -> State:

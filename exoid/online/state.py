@@ -16,6 +16,9 @@ REMEMBERED = 100
 UNKNOWN, STICKING = 1e6, 1.0
 """Marks of a sample that must not touch a row, and of one at which a joint may stick."""
 
+WARM_UP = 5.0
+"""Windows of rows before changes are reported, and as many for which the mean statistic counts as 1 beforehand."""
+
 
 class Information(NamedTuple):
     """R factors of the rows so far: R β = z with noise of the size of the rows'."""
@@ -151,11 +154,12 @@ class State(NamedTuple):
     drifts: tuple[Drift, ...]
 
 
-def begin(settings: Settings, hypotheses: int) -> State:
-    """Make the state before the first sample."""
-    n, P = settings.n, settings.count
+def begin(settings: Settings) -> State:
+    """Make the state before the first sample, which knows nothing."""
+    n, P, hypotheses = settings.n, settings.count, len(settings.detection.hypotheses)
     R, rows = np.zeros((n + 1, P + 1, P + 1)), np.zeros(n + 1)
     lags = (np.zeros((LAGS, n)),) * 2 + (np.zeros((LAGS + 1, n)),) * 2
+    looks = WARM_UP * settings.window / settings.block_time
     state = State(
         samples=0,
         motion=np.zeros((settings.histories[0], 5 * n)),
@@ -169,8 +173,8 @@ def begin(settings: Settings, hypotheses: int) -> State:
         detector=Detector(
             score=np.zeros(P),
             energy=np.zeros((P, P)),
-            level=np.zeros(hypotheses),
-            looks=0.0,
+            level=np.full(hypotheses, looks),
+            looks=looks,
             crossing=-1,
             settled=0,
             weights=np.ones(n),
@@ -185,6 +189,11 @@ def begin(settings: Settings, hypotheses: int) -> State:
         drifts=(),
     )
     return restarted(settings, state)
+
+
+def oldest(state: State) -> Information:
+    """Information of the oldest checkpoint."""
+    return Information(*(kept[-1] for kept in state.checkpoints))
 
 
 def checkpoints_of(information: Information) -> Information:

@@ -10,12 +10,14 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
-from exoid.estimate.finding import Finding
 
 from .settings import Settings
 
 FASTEST = 50.0
 """Largest speed of a joint [rad/s]: angles that change faster jump."""
+
+TWO_TURNS = 4.0 * math.pi
+"""Angle that no joint of a leg makes [rad]."""
 
 BRIDGED = 3
 """Largest number of consecutive samples that are missing and replaced by straight lines."""
@@ -78,7 +80,11 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Tak
         jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
         if jumped and stream.implausible < settings.rate * REFUSED:
             return Taken(_refused(settings, stream, "angle-jump"), ())
-    _refuse_degrees(settings, q)
+    if not -TWO_TURNS <= min(q) <= max(q) <= TWO_TURNS:
+        worst = max(range(n), key=lambda k: abs(q[k]))
+        name = settings.model.joint_names[worst]
+        what = f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice"
+        raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
     marks = (0.0,) * n
     if settings.limits is not None:
         marks = tuple(float(abs(x) >= y) for x, y in zip(sample[3 * n :], settings.limits, strict=True))
@@ -91,17 +97,6 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Tak
     shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
     bridge = (tuple(x + share * (y - x) for x, y in zip(last, now, strict=True)) for share in shares)
     return Taken(after, (*bridge, now))
-
-
-def findings_of(stream: Stream) -> tuple[Finding, ...]:
-    """Turn the faults of a stream into findings; from a thousandth of the samples on, a fault is a warning."""
-    found = []
-    for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):
-        if number:
-            share = number / max(stream.received, 1)
-            text = f"{number} of {stream.received} {message}"
-            found.append(Finding(f"stream-{kind}", "", share, "", "warning" if share > 1e-3 else "info", text, remedy))
-    return tuple(found)
 
 
 def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
@@ -143,16 +138,3 @@ def _refused(settings: Settings, stream: Stream, kind: str) -> Stream:
         what = f"no plausible sample for {refused / settings.rate:.3g} s ({message})"
         raise UnreadableInputError(what, remedy=remedy)
     return stream.counted(kind)._replace(missing=stream.missing + 1, implausible=refused, received=stream.received + 1)
-
-
-def _refuse_degrees(settings: Settings, q: Sample) -> None:
-    """Refuse angles beyond two turns, which no joint of a leg makes."""
-    if -4.0 * math.pi <= min(q) and max(q) <= 4.0 * math.pi:
-        return
-    worst = max(range(len(q)), key=lambda k: abs(q[k]))
-    name = settings.model.joint_names[worst]
-    raise UnreadableInputError(
-        f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice",
-        remedy="pass radians: numpy.deg2rad(q)",
-        joints=(name,),
-    )

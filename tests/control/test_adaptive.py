@@ -18,6 +18,7 @@ from exoid.control import (
     adaptive,
     compare_laws,
     feedforward_pd,
+    self_tuning,
     simulate_many,
 )
 from exoid.control.adaptive import FAR, FLOOR
@@ -316,14 +317,40 @@ def test_an_impossible_estimate_begins_at_the_nearest_possible_leg():
     assert law.model.values[law.names.index("d_hip")] >= 0.0
 
 
-def test_a_joint_with_a_vertical_axis_adapts():
+@pytest.mark.parametrize("make", [adaptive, self_tuning])
+def test_a_joint_with_a_vertical_axis_adapts(make):
     """A mass on that axis moves no parameter: its column of the cone is left out."""
     arm = Arm("ur5").leg
-    law = adaptive(arm, 60.0, 6.0)
+    law = make(arm, 60.0, 6.0)
     assert np.isfinite(law.cone.generators).all()
     q, v = 0.3 * np.ones((2, len(arm.joint_names)))
     state, aim = State(q, v), Target(q + 0.1, v + 0.2, 0.0 * q)
-    assert np.isfinite(run_law(law, [state] * 5, [aim] * 5)[1].values).all()
+    assert np.isfinite(run_law(law, [state] * 60, [aim] * 60)[1].values).all()
+
+
+@pytest.mark.parametrize("seed", range(1000, 1003))
+def test_what_recordings_leave_open_is_that_of_the_leg(seed):
+    """The hip moves by 0.6°: X1, Y1 and the offset cancel each other, and are wrong by hundreds in other poses."""
+    t, truth = np.arange(0.0, 20.0, 0.01), 1.2 * LEG.parameters
+    waves = np.array([np.sin(3.0 * t) + np.sin(7.9 * t), np.sin(3.0 * t) + 0.6 * np.sin(7.1 * t)]).T
+    q = np.array([0.3, 0.0]) + np.array([0.005, 0.5]) * waves
+    v = np.gradient(q, 0.01, axis=0)
+    a = np.gradient(v, 0.01, axis=0)
+    tau = LEG.regressor(q, v, a) @ truth + 0.3 * np.random.default_rng(seed).standard_normal(q.shape)
+    log = exoid.Recording(time=t, q=q, v=v, a=a, tau=tau, joint_names=LEG.joint_names)
+    terms = (exoid.Viscous(), exoid.Offset())
+    source = exoid.identify(LEG, log, terms, preparation="finite-difference", check=False)
+    assert np.abs(source.values).max() > 100.0
+    with pytest.warns(UserWarning, match="X1"):
+        model = ControlModel.of(source)
+    torque = source.model.regressor(q, v, a) @ source.values
+    np.testing.assert_allclose(model.inverse_dynamics(q.T, v.T, a.T).T, torque, atol=0.1)  # in the recorded motion
+    state, aim = on_the_move(3)
+    of_truth = ControlModel.of(LEG.with_parameters(truth))
+    for make in (adaptive, self_tuning):
+        with pytest.warns(UserWarning, match="X1"):
+            law, known = make(source, KP, KD), make(of_truth, KP, KD)
+        np.testing.assert_allclose(run_law(law, [state], [aim])[0], run_law(known, [state], [aim])[0], atol=30.0)
 
 
 def test_the_variance_of_a_parameter_that_is_not_determined_is_no_gain():

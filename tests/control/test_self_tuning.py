@@ -81,7 +81,7 @@ def test_standing_still_moves_no_parameter():
     """Ten minutes of the law, noise of sensors and stiction in the torque; the rig's own stand is a slow test."""
     law = self_tuning(exact_estimate(), KP, KD)
     pose, rng = np.array([0.4, 0.6]), np.random.default_rng(1)
-    settings, state = law.recursion.settings, law.begin(State(pose, 0.0 * pose))
+    settings, state = law.settings, law.begin(State(pose, 0.0 * pose))
     begin = state.values.copy()
     for _ in range(60):  # a block of samples for every 10 s of rest
         noise = rng.standard_normal((settings.block, 2, 2, 1))

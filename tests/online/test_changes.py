@@ -1,132 +1,124 @@
-"""Loads that are strapped on: found in slow gaits, never named wrongly with narrow intervals, and taken off again."""
+"""Loads that are strapped on: found in slow gaits and early, never named wrongly, and taken off again."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import runpy
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-import exoid
-from exoid.experiments import gait_for_leg, norm_gait
-from exoid.online import RecursiveEstimator, load_change
+from exoid.online import RecursiveEstimator
 
-pytestmark = pytest.mark.real_data("gait_norm", "Slow")
-
-TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
-RATE = 100.0
-PLACE = np.array([0.0, 0.0, -0.2])
-JOINTS = ("hip", "knee", "ankle")
+STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_loads.py"), run_name="study_loads")
+Walker, RATE, PLACE, TERMS = (STUDY[name] for name in ("Walker", "RATE", "PLACE", "TERMS"))
+POPULATION = [(machine, stride) for machine in STUDY["MACHINES"] for stride in STUDY["STRIDES"]]
 
 
-@dataclass(frozen=True)
-class Walker:
-    """Leg that is not in the package, with torques by Pinocchio, friction and noise."""
-
-    text: str
-    leg: exoid.Leg
-    rng: np.random.Generator
-    friction: np.ndarray
-
-    @classmethod
-    def of(cls, seed, folder):
-        rng, parts, parent, above = np.random.default_rng(seed), [], "torso", 0.0
-        for k, (joint, mass, length) in enumerate(zip(JOINTS, (9.0, 4.0, 1.5), (0.42, 0.4, 0.12), strict=True)):
-            m, size = mass * rng.uniform(0.7, 1.3), length * rng.uniform(0.9, 1.1)
-            inertia = m * size**2 / 12.0
-            centre = f"{rng.uniform(-0.03, 0.03)} 0 {-size * rng.uniform(0.3, 0.6)}"
-            moments = f'ixx="{inertia}" iyy="{inertia}" izz="{inertia / 5.0}" ixy="0" ixz="0" iyz="0"'
-            parts += [
-                f'<link name="l{k}"><inertial><origin xyz="{centre}"/><mass value="{m}"/><inertia {moments}/>'
-                f'</inertial></link><joint name="{joint}" type="continuous"><parent link="{parent}"/>'
-                f'<child link="l{k}"/><origin xyz="0 0 {-above}"/><axis xyz="0 1 0"/></joint>'
-            ]
-            parent, above = f"l{k}", size
-        text = f'<robot name="walker"><link name="torso"/>{"".join(parts)}</robot>'
-        path = folder / f"walker{seed}.urdf"
-        path.write_text(text)
-        return cls(text, exoid.Leg.from_urdf(path, JOINTS), rng, np.array([2.0, 1.5, 0.8]) * rng.uniform(0.5, 1.2, 3))
-
-    def walk(self, period, seconds, load, begin=0.0):
-        """Angles and torques with a load of so many kg on the shank, (N, 3) each."""
-        gait, t = gait_for_leg(self.leg, norm_gait("Slow", period=period)), begin + np.arange(0.0, seconds, 1.0 / RATE)
-        before, q, after = (np.array([gait.at(x).q.ravel() for x in t + h]) for h in (-1e-4, 0.0, 1e-4))
-        v, a = (after - before) / 2e-4, (after - 2.0 * q + before) / 1e-8
-        model = pin.buildModelFromXML(self.text)
-        if load:
-            body = pin.Inertia(load, PLACE, 1e-3 * load * np.eye(3))
-            model.appendBodyToJoint(model.getJointId("knee"), body, pin.SE3.Identity())
-        data, wrap = model.createData(), lambda x: np.ravel(np.column_stack([np.cos(x), np.sin(x)]))
-        tau = np.array([pin.rnea(model, data, wrap(x), y, z) for x, y, z in zip(q, v, a, strict=True)])
-        tau += self.friction * np.tanh(v / 0.02) + np.array([0.5, 0.3, 0.2]) * v
-        return q, tau + np.array([0.4, 0.3, 0.2]) * self.rng.standard_normal(q.shape)
+def feed(online, samples):
+    online.update(samples[0], None, None, samples[1])
 
 
-def changes_of(online):
-    return [(one.kind, one.joint) for one in online.changes]
+def estimator(walker):
+    return RecursiveEstimator(walker.leg, TERMS, rate=RATE)
 
 
 @pytest.mark.parametrize(
-    ("seed", "period", "mass"),
+    ("seed", "stride", "machine", "learning"),
     [
-        (1003, 10.0, 1.4),
-        (1000, 10.0, 2.0),
-        *(pytest.param(1000 + k, 10.0, 1.0 + 0.5 * (k % 5), marks=pytest.mark.nightly) for k in range(4, 16)),
+        (1000, 10.0, "three joints", False),
+        (1001, 1.2, "abduction", False),
+        (1002, 12.0, "two joints", False),
+        (1003, 4.0, "two joints", True),  # strapped on while the estimator still learns the leg
+        (1004, 10.0, "three joints", True),
+        *(
+            pytest.param(1005 + k, stride, machine, False, marks=pytest.mark.nightly)
+            for k, (machine, stride) in enumerate(POPULATION)
+        ),
     ],
 )
-def test_a_load_is_found_within_a_slow_stride(tmp_path, seed, period, mass):
-    walker = Walker.of(seed, tmp_path)
-    online = RecursiveEstimator(walker.leg, TERMS, rate=RATE)
-    begin = 40.0 + walker.rng.uniform(0.0, period)
-    online.update(*_measured(walker.walk(period, begin, 0.0)))
-    known = online.estimate
-    assert not online.changes
-    online.update(*_measured(walker.walk(period, period, mass, begin)))
-    found = load_change(known, online.estimate, "knee", tuple(PLACE))
-    assert found.mass == pytest.approx(mass, abs=0.1)
-    assert abs(found.mass - mass) < 4.0 * found.std
-    assert changes_of(online) == [("load", "knee")]
+def test_a_load_is_found_within_a_stride_or_5_s(seed, stride, machine, learning):
+    found = STUDY["strap_on"](seed, stride, machine, learning=learning)
+    if not np.isfinite(found.error):
+        pytest.skip("a joint moved one way only: nothing tells its offset from its friction")
+    assert abs(found.error) < 0.1
+    assert abs(found.error) < 4.0 * found.std
+    assert found.names == ("load at knee",)
 
 
-def test_while_the_motion_tells_no_load_from_another_intervals_say_so(tmp_path):
+def test_a_load_in_the_first_strides_is_found_whatever_the_motion_was():
+    """From nothing, load at 12 s: the mean statistic must not take the change for what is normal in this motion."""
+    for seed in range(1000, 1004):
+        walker = Walker.of(seed, 4.0, "three joints")
+        online = estimator(walker)
+        feed(online, walker.walk(12.0))
+        feed(online, walker.walk(12.0, 2.0, 12.0))
+        body = pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
+        loaded = walker.leg.parameters + walker.leg.reduction.collect[:, 10:20] @ body
+        estimate = online.estimate
+        assert (np.abs(estimate.values[:9] - loaded) < 5.0 * estimate.std[:9]).all()
+        assert STUDY["named"](online) == ("load at knee",)
+
+
+@pytest.mark.parametrize("stride", [1.2, 10.0])
+def test_learning_a_leg_is_no_change(stride):
+    for machine in STUDY["MACHINES"]:
+        walker = Walker.of(1000, stride, machine)
+        online = estimator(walker)
+        feed(online, walker.walk(40.0))
+        assert not online.changes
+        assert not online.findings
+
+
+def test_while_the_motion_tells_no_load_from_another_intervals_say_so():
     """The hip alone moves: a load on the thigh, on the shank or on the foot does the same."""
-    walker = Walker.of(1000, tmp_path)
-    online = RecursiveEstimator(walker.leg, TERMS, rate=RATE)
-    online.update(*_measured(walker.walk(4.0, 42.0, 0.0)))
+    walker = Walker.of(1000, 4.0)
+    online = estimator(walker)
+    feed(online, walker.walk(40.0))
     t = np.arange(0.0, 6.0, 1.0 / RATE)
-    q, _ = walker.walk(4.0, 1.0 / RATE, 0.0, 42.0)
-    hip = q[0, 0] + 0.4 * np.sin(2.0 * t) - 0.8 * t * np.exp(-t / 0.2)
-    path = np.column_stack([hip, np.full_like(t, q[0, 1]), np.full_like(t, q[0, 2])])
-    v, a = np.gradient(path, 1.0 / RATE, axis=0), np.gradient(np.gradient(path, 1.0 / RATE, axis=0), 1.0 / RATE, axis=0)
-    model = pin.buildModelFromXML(walker.text)
-    model.appendBodyToJoint(model.getJointId("knee"), pin.Inertia(2.0, PLACE, 2e-3 * np.eye(3)), pin.SE3.Identity())
-    data = model.createData()
-    at = [np.ravel(np.column_stack([np.cos(x), np.sin(x)])) for x in path]
-    tau = np.array([pin.rnea(model, data, x, y, z) for x, y, z in zip(at, v, a, strict=True)])
-    tau += walker.friction * np.tanh(v / 0.02) + np.array([0.5, 0.3, 0.2]) * v
-    online.update(path, None, None, tau + 0.3 * walker.rng.standard_normal(tau.shape))
+    motion = np.repeat(walker.angles(np.array([40.0])), len(t), axis=1)
+    motion[1:] = 0.0
+    fading = motion[0, :, 0] + 0.4 * np.sin(2.0 * t)
+    motion[0, :, 0] = fading
+    motion[1, :, 0], motion[2, :, 0] = 0.8 * np.cos(2.0 * t), -1.6 * np.sin(2.0 * t)
+    feed(online, walker.measure(motion, 2.0))
     finding = {one.kind: one for one in online.findings}["change-ambiguous"]
     assert {"X1", "X2"} <= set(finding.parameters)
-    truth = exoid.Leg.from_description(exoid.leg.description.describe(walker.text), JOINTS)
-    loaded = truth.reduction.collect[:, 10:20] @ pin.Inertia(2.0, PLACE, 2e-3 * np.eye(3)).toDynamicParameters()
+    loaded = (
+        walker.leg.reduction.collect[:, 10:20]
+        @ pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
+    )
     estimate = online.estimate
-    error = estimate.values[:9] - truth.parameters - loaded
+    error = estimate.values[:9] - walker.leg.parameters - loaded
     assert (np.abs(error) < 5.0 * estimate.std[:9]).all()
     assert not online.changes
 
 
-def test_a_load_that_is_taken_off_again_leaves_the_leg_that_was(tmp_path):
+def test_a_load_that_is_taken_off_again_leaves_the_leg_that_was():
     """Ten seconds after it was strapped on, while its name is still on probation."""
-    walker = Walker.of(1002, tmp_path)
-    online = RecursiveEstimator(walker.leg, TERMS, rate=RATE)
-    for seconds, load in ((42.0, 0.0), (10.0, 2.0), (12.0, 0.0)):
-        online.update(*_measured(walker.walk(2.0, seconds, load)))
+    walker = Walker.of(1002, 2.0)
+    online = estimator(walker)
+    for begin, seconds, load in ((0.0, 42.0, 0.0), (42.0, 10.0, 2.0), (52.0, 12.0, 0.0)):
+        feed(online, walker.walk(seconds, load, begin))
     estimate = online.estimate
     assert (np.abs(estimate.values[:9] - walker.leg.parameters) < 5.0 * estimate.std[:9]).all()
 
 
-def _measured(samples):
-    q, tau = samples
-    count = 2.0 * np.pi / 65536
-    return np.round(q / count) * count, None, None, tau
+@pytest.mark.parametrize("size", [5.0, 20.0])
+def test_torques_that_no_parameter_explains_are_a_finding(size):
+    """Somebody pushes at the knee, now this way and now that: all is given up, said, and taken back afterwards."""
+    walker = Walker.of(1001, 1.2)
+    online = estimator(walker)
+    feed(online, walker.walk(30.0))
+    before = online.estimate
+    q, tau = walker.walk(30.0, 0.0, 30.0)
+    tau[:, 1] += size * np.repeat(walker.rng.standard_normal(len(tau) // 50), 50)
+    feed(online, (q, tau))
+    assert "change-unexplained" in {one.kind for one in online.findings}
+    assert (online.estimate.std > 10.0 * before.std).all()
+    feed(online, walker.walk(10.0, 0.0, 60.0))
+    after = online.estimate
+    assert not online.findings
+    assert (np.abs(after.values[:9] - walker.leg.parameters) < 5.0 * after.std[:9]).all()
+    assert (after.std < 2.0 * before.std).all()

@@ -1,0 +1,98 @@
+"""What may change in a leg, and the likelihood ratio of each hypothesis."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.torques import Armature, Offset, Stiffness, Term, TorqueModel
+
+SPANNED = 1e-6
+"""Singular values below this part of the largest count as zero."""
+
+KINDS: dict[type[Term], str] = {Offset: "offset", Armature: "inertia", Stiffness: "stiffness"}
+"""Kinds of changes of terms that are no friction."""
+
+
+class Hypothesis(NamedTuple):
+    """Parameters that change together, such as those of a payload."""
+
+    kind: str  # as in `Change`
+    joint: str  # joint of the term, or the joint that carries the segment
+    basis: FloatArray  # orthonormal basis of the changes, (P, d)
+    parameters: tuple[str, ...]  # names of the parameters
+
+
+def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
+    """List what may change in a leg: friction of each joint, load of each segment, each other term at each joint."""
+    leg, names = model.leg, model.names
+    found: dict[tuple[str, str], list[str]] = {}
+    for block in model.blocks:
+        kind = "friction" if block.term.friction else KINDS.get(type(block.term), type(block.term).__name__.lower())
+        kept = [name for name in block.names if name in names]
+        if kept:
+            found.setdefault((kind, leg.joint_names[block.joints[0]]), []).extend(kept)
+    columns = np.eye(len(names))
+    hypotheses = [
+        Hypothesis(kind, joint, columns[:, [names.index(name) for name in of_kind]], tuple(of_kind))
+        for (kind, joint), of_kind in found.items()
+    ]
+    for k, joint in enumerate(leg.joint_names):
+        added = leg.reduction.collect[:, 10 * k : 10 * k + 10]
+        U, sizes, _ = np.linalg.svd(added, full_matrices=False)
+        basis = np.zeros((len(names), int(np.count_nonzero(sizes > SPANNED * sizes[0]))))
+        basis[: len(added)] = U[:, : basis.shape[1]]
+        moved = np.abs(basis).max(axis=1) > SPANNED
+        parameters = tuple(name for name, is_moved in zip(names, moved, strict=True) if is_moved)
+        hypotheses.append(Hypothesis("load", joint, basis, parameters))
+    return tuple(hypotheses)
+
+
+class Detection(NamedTuple):
+    """What the change detection tests."""
+
+    hypotheses: tuple[Hypothesis, ...]  # the hypotheses, C of them
+    limits: FloatArray  # thresholds of their statistics over the mean, (C,); infinite for no detection
+    dimensions: NDArray[np.intp]  # dimension d of each, (C,)
+    # places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d)
+    bases: tuple[tuple[NDArray[np.intp], FloatArray], ...]
+
+    @classmethod
+    def of(cls, model: TorqueModel, rare: float) -> Detection:
+        """Make the hypotheses, and thresholds that one of them crosses with this probability; 0 for no detection."""
+        hypotheses = hypotheses_of(model)
+        dimensions = np.array([one.basis.shape[1] for one in hypotheses])
+        places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
+        bases = tuple((of_one, np.array([hypotheses[k].basis for k in of_one])) for of_one in places)
+        limits = np.full(len(hypotheses), np.inf)
+        if rare > 0.0:
+            limits = np.asarray(scipy.stats.f.isf(rare / len(hypotheses), dimensions, 20.0), dtype=np.float64)  # ν ≥ 20
+        return cls(hypotheses, limits, dimensions, bases)
+
+    @property
+    def on(self) -> bool:
+        """Whether changes are detected."""
+        return bool(np.isfinite(self.limits).all())
+
+    def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
+        """Likelihood ratio of each hypothesis over its dimension, (C,)."""
+        found = np.zeros(len(self.hypotheses))
+        for places, bases in self.bases:
+            found[places] = ratios_of(score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)) / bases.shape[2]
+        return found
+
+
+def ratios_of(s: FloatArray, E: FloatArray) -> FloatArray:
+    """Likelihood ratios sᵀ E⁻¹ s of (c, d) and (c, d, d); zero where a parameter has no energy."""
+    size = np.sqrt(np.maximum(np.einsum("cdd->cd", E), 0.0))
+    seen = size.all(axis=1)
+    size[~seen] = 1.0
+    unit = np.eye(E.shape[1])
+    ridge = 1e-9 * unit  # a direction without energy of its own says nothing
+    scaled = np.where(seen[:, None, None], E / (size[:, :, None] * size[:, None, :]) + ridge, unit)
+    y = (s / size)[..., None]
+    return np.asarray(seen * (y * np.linalg.solve(scaled, y)).sum(axis=(1, 2)))
