@@ -352,7 +352,7 @@ def test_scenes_that_cannot_be_drawn_raise_errors():
         scene(leg, recording=recording, ghost=Recording(time=TIME + 9.0, q=recording.q, joint_names=leg.joint_names))
     with pytest.raises(ExoidError, match="ghost without a recording"):
         scene(leg, ghost=recording)
-    long = Recording(time=np.arange(20) * 60.0, q=np.zeros((20, 3)), joint_names=leg.joint_names)
+    long = Recording(time=np.arange(4800) * 0.25, q=np.zeros((4800, 3)), joint_names=leg.joint_names)
     with pytest.raises(ExoidError, match="longest is 600 s"):
         scene(leg, recording=long)
 
