@@ -134,7 +134,7 @@ def of(found: exoid.Estimate) -> dict[str, Any]:
 
 
 IN_C = (
-    *("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "self_tuning", "gravity_support"),
+    *("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning", "gravity_support"),
     *("sensitivity_amplification", "impedance", "momentum_observer", "kalman_observer"),
 )
 """Laws and observers that are written as C."""

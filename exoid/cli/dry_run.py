@@ -51,6 +51,6 @@ def _law(name: str, source: ModelSource, recording: Recording, gains: GainOption
     if name not in known:
         raise BadArgumentError(f"no controller {name!r}", remedy=f"use one of {', '.join(known)}")
     followed = follow_log(recording)
-    usual = control.default_gains(source, control.mean_pose(followed, followed.duration))
+    usual = control.default_gains(source, control.mean_pose(followed, followed.duration), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, control.ControlModel.of(source).leg.joint_labels, usual)
     return control.standard_laws(source, kp, kd, followed, followed.duration, rate=rate, names=(name,))[name]

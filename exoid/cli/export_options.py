@@ -82,7 +82,7 @@ class LawOptions(NamedTuple):
             help="--law: sampling rate; default 100, or 500 for sensitivity_amplification.",
         ),
     ] = None
-    period: Annotated[Number, Option(metavar="S", help="--law: period of the gait, for gains; default 10.")] = None
+    period: Annotated[Number, Option(metavar="S", help="--law lqr: period of the gait; default 10.")] = None
     role: Roles = None
     limit: Annotated[Text, Option(metavar="A,B", help="--law: largest torque [N·m]; default that of the URDF.")] = None
     slew: Annotated[Text, Option(metavar="A,B", help="--law: largest change of the torque [N·m/s]; default none.")] = (

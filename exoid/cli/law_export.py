@@ -8,12 +8,13 @@ import numpy as np
 
 from exoid import control
 from exoid.codegen import Safety, write_c, write_ros2
+from exoid.codegen.drives import with_form_in_c
 from exoid.control import ControlModel
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate.text import provenance
 
 from .export_options import LawOptions, Target
-from .motions import gait
+from .motions import gait, gait_or_rest
 from .numbers import joint_values, parse_gains
 from .refusals import refuse
 
@@ -43,7 +44,8 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
         "gravity_support": (*gains, "amplification", "bandwidth"),
         "sensitivity_amplification": (*gains, "share"),
         **dict.fromkeys(OBSERVERS, (*gains, "limit", "slew", "share", "amplification")),
-    }.get(name, ("share", "amplification", "bandwidth"))
+        "lqr": ("share", "amplification", "bandwidth"),
+    }.get(name, ("period", "share", "amplification", "bandwidth"))
     safety = Safety(options.safe or default.safe, patience=patience)
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
     law = (
@@ -51,14 +53,13 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
         if name in OBSERVERS
         else _limited(_law(estimate, name, options), estimate, options)
     )
-    write, place = (write_c, str(target.c)) if target.ros2 is None else (write_ros2, target.ros2)
-    return write(
-        place,
-        law,
-        precision=target.precision or "double",
-        safety=safety,
-        provenance=provenance(estimate),
-        warnings=estimate.warnings,
+    precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
+    if target.ros2 is not None:
+        return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
+    drives, without = with_form_in_c(None if name in OBSERVERS else estimate.actuators)
+    warnings = (*warnings, *without)
+    return write_c(
+        str(target.c), law, precision=precision, safety=safety, provenance=lines, warnings=warnings, actuators=drives
     )
 
 
@@ -75,8 +76,12 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
     known = (*control.LAWS, *WORN)
     if name not in known:
         raise BadArgumentError(f"no controller {name}", remedy=f"use one of {', '.join((*known, *OBSERVERS))}")
-    reference, period, _ = gait(model.leg, options.period, None, None, options.role)
-    usual = control.default_gains(model, control.mean_pose(reference, period))
+    reference, period, _ = (
+        gait(model.leg, options.period, None, None, options.role)
+        if name == "lqr"
+        else gait_or_rest(model.leg, options.role)
+    )
+    usual = control.default_gains(model, control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(options.kp, options.kd, labels, usual)
     if name == "impedance":
         return control.impedance(model, kp, kd, rate=rate)

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import exoid
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.experiments.gait import fit_to_limits
 
 from .inputs import read_log
+from .messages import note
 from .numbers import parse_roles
 from .options import LogOptions
 
@@ -35,9 +37,26 @@ def gait(leg: Leg, period: float | None, scale: float | None, speed: str | None,
     period = 10.0 if period is None else period
     if not 0.0 < period < np.inf:
         raise BadArgumentError(f"--period {period:g}", remedy="give seconds")
-    scale, experiments = SCALE if scale is None else scale, exoid.experiments
-    norm = experiments.healthy_gait(scale, period) if speed is None else experiments.norm_gait(speed, scale, period)
-    return Motion(experiments.gait_for_leg(leg, norm, parse_roles(roles)), period)
+    size, experiments = SCALE if scale is None else scale, exoid.experiments
+    norm = experiments.healthy_gait(size, period) if speed is None else experiments.norm_gait(speed, size, period)
+    motion = experiments.gait_for_leg(leg, norm, parse_roles(roles))
+    if scale is not None:  # what was asked for is refused where it does not fit
+        return Motion(motion, period)
+    fitted = fit_to_limits(leg, motion)
+    changed = np.any((fitted.centre != motion.centre) | (fitted.amplitude != motion.amplitude), axis=(0, 2))
+    for joint in np.array(leg.joint_names)[changed]:
+        note(f"the gait of {joint} leaves the joint's limits: it was fitted into them (--scale keeps its form)")
+    return Motion(fitted, period)
+
+
+def gait_or_rest(leg: Leg, roles: Sequence[str] | None) -> Motion:
+    """Make the usual gait, or rest at the zero pose for a leg without a gait: default gains need a pose only."""
+    try:
+        return gait(leg, None, None, None, roles)
+    except NotSupportedError:
+        if roles:
+            raise
+        return Motion(exoid.experiments.Hold(np.zeros((len(leg.joint_names), 1))), 10.0)
 
 
 def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Motion:

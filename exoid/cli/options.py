@@ -150,8 +150,8 @@ class DryRunOptions(NamedTuple):
         Text,
         Option(
             metavar="NAME",
-            help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
-            "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
+            help="Controller of --dry-run: gravity_support (default), transparent, pd, gravity_friction_pd, "
+            "feedforward_pd, computed_torque, lqr, adaptive, self_tuning.",
         ),
     ] = None
     limit: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None

@@ -59,7 +59,7 @@ def study(
         Text,
         Option(
             metavar="A,B",
-            help="Controllers to run with estimates: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr, "
+            help="Controllers to run with estimates: pd, gravity_friction_pd, feedforward_pd, computed_torque, lqr, "
             "adaptive, self_tuning.",
         ),
     ] = None,

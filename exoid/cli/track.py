@@ -165,7 +165,8 @@ def _of_leg(
     else:
         refuse({"--scale": motion.scale, "--speed": motion.speed}, "the reference is that of a log")
         reference, period, settle = logged(leg, motion.reference, motion.period, reading)
-    usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period))
+    rate = 100.0 if gains.rate is None else gains.rate
+    usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)
     runs = exoid.control.track(
         source,
@@ -175,7 +176,7 @@ def _of_leg(
         period,
         periods=2 if settle is None else 1,
         settle=settle,
-        rate=100.0 if gains.rate is None else gains.rate,
+        rate=rate,
         friction=1.0 if rig.friction is None else rig.friction,
         payloads=_payloads(leg, motion, rig),
         seed=seed,

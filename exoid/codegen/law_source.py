@@ -8,11 +8,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid._version import __version__
+from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.reduction.planar import GRAVITY
 
 from .constants import Constants, constants_of_bodies
 from .dialect import Dialect, identifier
+from .drives import commands_in_c
 from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
 from .safety import Safety
 from .source import CSource
@@ -42,6 +44,7 @@ def law_source(
     safety: Safety,
     provenance: Sequence[str],
     warnings: tuple[str, ...],
+    actuators: Actuators | None = None,
 ) -> CSource:
     """Turn a law, whose expressions are written in this precision, into C99."""
     prefix, n = identifier(name), len(law.joints)
@@ -64,6 +67,8 @@ def law_source(
         "uses_measured": bool(damping.any()),
         "uses_state": "state->" in law.step,
         "safety": safety.describe(law.damping),
+        "commands": [] if actuators is None else commands_in_c(actuators, dialect),
+        "units": () if actuators is None else actuators.units,
         "dimensions": lambda array: "".join(f"[{size}]" for size in array.values.shape),
     }
     called = () if law.leg is None else law.leg.needed
@@ -85,7 +90,7 @@ def law_source(
     inside |= {key: fill(f"{text.rstrip()}\n", dialect, **names) if text else "" for key, text in texts.items()}
     source = fill("law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
     header = fill("law.h.jinja", dialect, **values)
-    functions = f"{prefix}_init", f"{prefix}_step"
+    functions = tuple(f"{prefix}_{each}" for each in ("init", "step", *(["command"] if actuators is not None else [])))
     inputs = ["q", "v", *(each.name for each in law.inputs)]
     facts = {
         "schema": "exoid-law-in-c-1",
@@ -101,7 +106,7 @@ def law_source(
     summary = (
         law.equation,
         f"{dialect.real} precision, C99, needs <math.h> only; joints: {', '.join(law.joints)}",
-        f"functions: {', '.join(functions)}, {law.rate:g} times a second",
+        f"functions: {', '.join(functions)}; {prefix}_step {law.rate:g} times a second",
         f"inputs: {', '.join(inputs)}",
     )
     files = {f"{prefix}.c": source, f"{prefix}.h": header}

@@ -48,7 +48,7 @@ def c_source(
         precision: "double" or "float".
         name: Prefix of every name in C, "leg" or "law" by default; characters that no identifier can have are replaced.
         safety: Watchdog and safe torque of a law; None for damping and 50 ms.
-        actuators: Drives of a leg; the function ``command`` then turns torques into currents, forces or motor angles.
+        actuators: Drives of the leg; the function ``command`` then turns torques into currents, forces or motor angles.
 
     Returns:
         Text of the files, with model or law.
@@ -71,7 +71,8 @@ def c_source(
             source, values, dialect, "leg" if name is None else name, actuators, provenance, tuple(warnings)
         )
     law = law_in_c(source, dialect)
-    return law_source(law, dialect, "law" if name is None else name, safety or Safety(), provenance, tuple(warnings))
+    prefix = "law" if name is None else name
+    return law_source(law, dialect, prefix, safety or Safety(), provenance, tuple(warnings), actuators)
 
 
 def write_c(
@@ -99,7 +100,7 @@ def write_c(
         precision: "double" or "float".
         name: Prefix of every name in C; None for the file's.
         safety: Watchdog and safe torque of a law; None for damping and 50 ms.
-        actuators: Drives of a leg; a function then turns torques into their commands. None for no such function.
+        actuators: Drives of the leg; a function then turns torques into their commands. None for no such function.
 
     Returns:
         The text that was written, with its file.

@@ -45,7 +45,7 @@ def describe(
         equation.replace("{friction}", words),
         step.replace("{{friction}}", statements),
         rate,
-        default_gains(model, np.zeros(model.n))[1] if damping is None else damping,
+        default_gains(model, np.zeros(model.n), rate)[1] if damping is None else damping,
         inputs,
         tuple(ArrayInC(name, what, np.array(values, dtype=np.float64)) for name, (values, what) in tables.items()),
         tuple(ArrayInC(name, what, np.zeros(model.n)) for name, what in (memory or {}).items()),

@@ -19,6 +19,7 @@ from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
+from .law import RATE
 from .other_term import OtherTerm
 
 
@@ -325,19 +326,25 @@ class ControlModel:
         return np.asarray(torque)
 
 
-def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Choose Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
+def default_gains(source: ModelSource, pose: FloatArray, rate: float = RATE) -> tuple[FloatArray, FloatArray]:
+    """Choose Kp = ω² M_ii and Kd = min(2 ω, 1 / (λ T)) M_ii for a natural frequency ω of 5 rad/s at a pose.
+
+    The damping is critical unless the sampling period T allows less: λ is the largest eigenvalue of M⁻¹ diag(M_ii).
 
     Args:
         source: Source of the model.
         pose: Angles [rad], (n,).
+        rate: Sampling rate of the controller [Hz].
 
     Returns:
         Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.
     """
     # 5 rad/s is as low as document 2's errors suggest
-    kp = 5.0**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
-    return kp, 0.1 * kp
+    M, frequency = ControlModel.of(source).mass_matrix(pose), 5.0
+    inertia = np.diagonal(M)
+    # a held torque −Kd v is unstable from Kd λ T / M_ii = 2; half of that leaves room for late readings
+    fastest = float(np.linalg.eigvals(np.linalg.solve(M, np.diag(inertia))).real.max())
+    return frequency**2 * inertia, min(2.0 * frequency, rate / fastest) * inertia
 
 
 ModelSource = Estimate | Leg | Plant | ControlModel

@@ -20,7 +20,7 @@ from .self_tuning import self_tuning
 from .side_by_side import compare_laws
 from .tracking import Tracking
 
-LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning")
+LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "adaptive", "self_tuning")
 """Names of the standard controllers."""
 
 
@@ -80,8 +80,8 @@ def standard_laws(
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], AnyLaw]] = {
         "pd": lambda: pd(kp, kd, rate=rate),
-        "pd_gravity_friction": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
-        "pd_feedforward": lambda: feedforward_pd(model, kp, kd, rate=rate),
+        "gravity_friction_pd": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
+        "feedforward_pd": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
         "lqr": lambda: lqr(model, reference, period, rate=rate),
         "adaptive": lambda: adaptive(source, kp, kd, rate=rate),

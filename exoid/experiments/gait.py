@@ -101,3 +101,20 @@ def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None =
             centre[k], amplitude[:, k] = sign * flexion.centre[row], sign * flexion.amplitude[:, row]
             phase[:, k] = flexion.phase[:, row]
     return Harmonics(centre, amplitude, flexion.frequency, phase)
+
+
+def fit_to_limits(leg: Leg, motion: Harmonics) -> Harmonics:
+    """Scale and shift joints that leave their limits until 5 % of the range of the joint is free at both ends."""
+    time = 2.0 * np.pi / float(np.min(motion.frequency)) * np.arange(400) / 400
+    angles = np.array([motion.at(float(t)).q for t in time])
+    low, high = angles.min(axis=0), angles.max(axis=0)
+    lower, upper, *_ = (limit[:, None] for limit in leg.limits)
+    room = upper - lower
+    free = np.where(np.isfinite(room), 0.05 * room, 0.0)
+    beyond = (low < lower) | (high > upper)
+    scale = np.where(
+        beyond & (high - low > room - 2.0 * free), (room - 2.0 * free) / np.maximum(high - low, 1e-12), 1.0
+    )
+    below, above = motion.centre + scale * (low - motion.centre), motion.centre + scale * (high - motion.centre)
+    shift = np.maximum(lower + free - below, 0.0) + np.minimum(upper - free - above, 0.0)
+    return replace(motion, centre=motion.centre + np.where(beyond, shift, 0.0), amplitude=scale * motion.amplitude)

@@ -61,6 +61,7 @@ def _refuse(
             f"the motion asks {leg.joint_names[joint]} for {quantity} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
             f"at {time[k]:.2f} s",
             where=leg.description.name,
-            remedy=f"stay between {np.rad2deg(lowest[joint, 0]):.1f} and {np.rad2deg(highest[joint, 0]):.1f}{unit} "
-            "with a smaller or slower motion",
+            remedy=f"it goes from {np.rad2deg(values[:, joint].min()):.1f} to {np.rad2deg(values[:, joint].max()):.1f}"
+            f"{unit}, the joint from {np.rad2deg(lowest[joint, 0]):.1f} to {np.rad2deg(highest[joint, 0]):.1f}{unit}: "
+            "make the motion smaller or slower",
         )

@@ -24,8 +24,8 @@ def steps():
     state, target = State(Q, V, 1.0), Target(Q + 0.1, V - 0.1, A)
     laws = {
         "pd": pd(KP, KD),
-        "pd_gravity_friction": gravity_friction_pd(PLANT, KP, KD),
-        "pd_feedforward": feedforward_pd(PLANT, KP, KD),
+        "gravity_friction_pd": gravity_friction_pd(PLANT, KP, KD),
+        "feedforward_pd": feedforward_pd(PLANT, KP, KD),
         "computed_torque": computed_torque(PLANT, KP, KD),
         "lqr": lqr(PLANT, healthy_gait(), 10.0),
     }
@@ -43,7 +43,7 @@ def best():
 
 def test_a_step_of_pd_with_gravity_and_friction_takes_at_most_16_calls_of_rnea(best):
     """Some 20 operations on arrays of two numbers; a second copy of its formulas in plain floats takes 8."""
-    assert best["pd_gravity_friction"] <= 16.0 * best["rnea"]
+    assert best["gravity_friction_pd"] <= 16.0 * best["rnea"]
 
 
 def test_no_law_takes_longer_than_24_calls_of_rnea(best):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import exoid
+from exoid.actuators import Actuators, Motor
 from exoid.codegen import Safety, c_source, write_ros2
 from exoid.control import (
     LAWS,
@@ -22,8 +23,11 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
+from exoid.estimate import Estimate
 from exoid.estimate.text import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.signals import ZeroPhase
+from exoid.torques import TorqueModel
 
 IN_C = [name for name in LAWS if name not in ("adaptive", "self_tuning")]
 
@@ -60,7 +64,7 @@ def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, 
 def test_options_reach_the_law(saved, exoid_, tmp_path):
     given = "--kp 60 --kd 6,4,2 --rate 200 --limit 50,40,30 --slew 500 --safe gravity --patience 0.1 --precision float"
     data = json.loads(
-        exoid_("export", "est.json", "--law", "pd_feedforward", "--c", "law.c", *given.split(), "--json").out
+        exoid_("export", "est.json", "--law", "feedforward_pd", "--c", "law.c", *given.split(), "--json").out
     )
     text = (tmp_path / "law.c").read_text()
     assert (data["rate"], data["safe"], data["patience"], data["precision"]) == (200.0, "gravity", 0.1, "float")
@@ -110,12 +114,12 @@ def test_an_observer_of_torques_that_lag_is_refused_by_name(estimate, exoid_, tm
 
 
 def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
-    printed = exoid_("export", "est.json", "--law", "pd_gravity_friction", "--ros2", "leg", "--limit", "60").out
+    printed = exoid_("export", "est.json", "--law", "gravity_friction_pd", "--ros2", "leg", "--limit", "60").out
     assert "package leg for ROS 2 Jazzy" in printed
     assert "was not built with ROS 2" in printed
     gait = gait_of(saved)
-    law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=["pd_gravity_friction"])
-    limited = Limited(law["pd_gravity_friction"], np.full(3, 60.0))
+    law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=["gravity_friction_pd"])
+    limited = Limited(law["gravity_friction_pd"], np.full(3, 60.0))
     (tmp_path / "again").mkdir()
     expected = write_ros2(tmp_path / "again" / "leg", limited, provenance=provenance(saved))
     written = {path.relative_to(tmp_path / "leg").as_posix() for path in (tmp_path / "leg").rglob("*.*")}
@@ -124,6 +128,31 @@ def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
         assert (tmp_path / "leg" / name).read_text() == text
     described = json.loads(exoid_("export", "est.json", "--law", "lqr", "--ros2", "leg", "--json").out)
     assert (described["package"], described["law"]["inputs"][-1]) == ("leg", "time")
+
+
+def test_a_law_of_an_estimate_with_drives_gives_their_commands(estimate, exoid_, tmp_path):
+    drives = Actuators.of(estimate.leg, {"hip": Motor(0.07, 50.0)})
+    replace(estimate, actuators=drives).save("driven.json")
+    exoid_("export", "driven.json", "--law", "impedance", "--kp", "30", "--c", "law.c")
+    law = Limited(impedance(estimate, 30.0, 3.0), estimate.leg.limits.effort)
+    assert (tmp_path / "law.c").read_text() == c_source(law, name="law", actuators=drives).text
+    assert "at the joints: A, N m, N m" in (tmp_path / "law.h").read_text()
+
+
+def test_only_lqr_needs_a_gait(exoid_, tmp_path):
+    text = exoid.load_leg("cuhk").description.text
+    (tmp_path / "leg.urdf").write_text(
+        text.replace('"left_hip"', '"left_upper"').replace('"left_knee"', '"left_lower"')
+    )
+    leg = exoid.Leg.from_urdf(tmp_path / "leg.urdf", joints=("left_upper", "left_lower"))
+    model = TorqueModel(leg, ())
+    count = len(model.names)
+    est = Estimate(model, leg.parameters, 1e-4 * np.eye(count), 10.0, 100.0, np.ones(2), "wls", ZeroPhase(3.0))
+    est.save("est.json")
+    code, _, err = exoid_("export", "est.json", "--law", "gravity_friction_pd", "--c", "law.c")
+    assert code == 0, err
+    code, _, err = exoid_("export", "est.json", "--law", "lqr", "--c", "lqr.c")
+    assert (code, "no gait for the joints" in err) == (2, True)
 
 
 def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
@@ -153,6 +182,7 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "gravity_support", "--share", "2", "--c", "law.c"), "times the weight"),
         (("--law", "sensitivity_amplification", "--amplification", "0.5", "--c", "law.c"), "amplification of"),
         (("--law", "lqr", "--period", "0", "--c", "law.c"), "--period 0"),
+        (("--law", "pd", "--period", "5", "--c", "law.c"), "--period has no effect: pd has none"),
         (("--law", "pd", "--role", "hip", "--c", "law.c"), "JOINT=ROLE"),
         (("--law", "pd", "--patience", "nan", "--c", "law.c"), "patience of nan"),
     ],

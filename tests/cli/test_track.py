@@ -15,7 +15,7 @@ from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
-NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning"]
+NAMES = ["pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "adaptive", "self_tuning"]
 METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 
@@ -62,7 +62,7 @@ def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
     for options in ((), ("--payload", 2), ("--friction", 3)):
         code, out, _ = track(saved, "--period", 1, "--json", "--kp", "40,40", *options)
         assert code == 0
-        peak[options] = json.loads(out)["laws"]["pd_feedforward"]["peak_deg"]
+        peak[options] = json.loads(out)["laws"]["feedforward_pd"]["peak_deg"]
     assert peak["--payload", 2][1] > 1.3 * peak[()][1]
     assert peak["--friction", 3][1] > 1.1 * peak[()][1]
 
@@ -115,7 +115,7 @@ def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     assert (duration, options["periods"], options["settle"]) == (pytest.approx(11.99), 1, 1.0)
     angles = np.array([reference.at(float(t)).q[:, 0] for t in time])
     assert np.rad2deg(np.abs(angles - q)).max() < 0.5
-    assert json.loads(out)["laws"]["pd_feedforward"]["peak_deg"][0] < 5.0
+    assert json.loads(out)["laws"]["feedforward_pd"]["peak_deg"][0] < 5.0
 
 
 @pytest.mark.slow
@@ -267,7 +267,7 @@ def test_every_controller_has_a_dry_run(track, saved, logged, law):
     assert code == 0, err
     data = json.loads(out)
     assert (data["law"], data["rate"]) == (law, 100.0)
-    if law == "pd_feedforward":  # the model of the log's own controller
+    if law == "feedforward_pd":  # the model of the log's own controller
         assert data["rms_difference"][0] < 0.1 * data["rms_recorded"][0]
 
 

@@ -66,9 +66,9 @@ def laws() -> dict[str, object]:
     source = model()
     return {
         "pd": Limited(pd(KP, KD), LIMIT),
-        "pd_gravity_friction": Limited(gravity_friction_pd(source, KP, KD), LIMIT, SLEW),
+        "gravity_friction_pd": Limited(gravity_friction_pd(source, KP, KD), LIMIT, SLEW),
         "gravity_only": gravity_friction_pd(source, KP, 0.0, friction=None, rate=200.0),
-        "pd_feedforward": feedforward_pd(source, KP, KD, friction=FrictionCompensation("desired", 0.03, 0.7)),
+        "feedforward_pd": feedforward_pd(source, KP, KD, friction=FrictionCompensation("desired", 0.03, 0.7)),
         "computed_torque": Limited(computed_torque(source, 25.0, 10.0, friction=SHARP), slew=SLEW),
         "gravity_support": Limited(gravity_support(source, (1.0, 0.6, 0.3), friction=PassiveFriction()), LIMIT),
         "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),

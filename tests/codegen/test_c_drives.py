@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 import pytest
-from compiled import CompiledLeg, made_up, needs_compiler
+from compiled import COMPILER, CompiledLeg, made_up, needs_compiler
+from compiled_laws import build, write_all
 
 import exoid
 from exoid import Viscous
@@ -19,6 +22,7 @@ from exoid.actuators import (
     read_actuators,
 )
 from exoid.codegen import c_source
+from exoid.control import pd
 
 LEG = exoid.load_leg("bleex")
 MATRIX = ((0.05, 0.06), (0.07, -0.04))
@@ -48,6 +52,18 @@ def test_commands_are_those_of_python(name, precision, error, tmp_path) -> None:
     expected = DRIVES[name].command(torque, q, v)
     found = CompiledLeg(source, tmp_path)("command", q, v, torque)
     np.testing.assert_allclose(found, expected, rtol=error, atol=error * np.abs(expected).max())
+
+
+@needs_compiler
+def test_a_law_turns_its_torque_into_commands_of_the_drives(tmp_path) -> None:
+    source = c_source(pd((60.0, 40.0, 20.0), 2.0), actuators=DRIVES["mixed"])
+    assert source.functions == ("law_init", "law_step", "law_command")
+    library = ctypes.CDLL(
+        str(build(COMPILER, ("-O2", "-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "a.so"))
+    )
+    q, v, torque, found = *np.random.default_rng(0).normal(size=(3, 3)), np.zeros(3)
+    library.law_command(*(x.ctypes.data_as(ctypes.c_void_p) for x in (q, v, torque, found)))
+    np.testing.assert_allclose(found, DRIVES["mixed"].command(torque[None], q[None], v[None])[0], rtol=1e-12)
 
 
 @needs_compiler

@@ -25,10 +25,10 @@ EXACT, SINGLE = 1e-12, 1e-5
 """Largest error allowed in double and in float, relative to the largest torque."""
 
 NAMES = tuple(laws())
-QUICK = ("pd_gravity_friction", "sensitivity_amplification")
+QUICK = ("gravity_friction_pd", "sensitivity_amplification")
 """Laws that run in the closed loop of every test run."""
 
-SAFE = {"pd_gravity_friction": "gravity", "computed_torque": "zero", "lqr": "gravity"}
+SAFE = {"gravity_friction_pd": "gravity", "computed_torque": "zero", "lqr": "gravity"}
 """Safe torque of laws that do not have the default one."""
 
 
@@ -132,7 +132,7 @@ def safe_torque(name, row, valid):
 
 
 def damping(name):
-    if name in ("pd", "pd_gravity_friction", "pd_feedforward"):
+    if name in ("pd", "gravity_friction_pd", "feedforward_pd"):
         return KD
     return np.zeros(3) if name == "gravity_only" else default_gains(model(), np.zeros(3))[1]
 
@@ -177,7 +177,7 @@ def test_an_input_that_stands_still_is_stale_after_the_patience(library, counter
 
 
 def test_before_the_first_input_the_torque_is_safe(library):
-    law = library["pd_gravity_friction_double"]
+    law = library["gravity_friction_pd_double"]
     rows = records(law.source, 3, random_values(3))
     rows["reading"] = rows["target"] = 0
     tau, status, _ = law.run(rows)
@@ -193,7 +193,7 @@ def test_counters_may_overflow(library):
 
 
 def test_torque_and_its_change_stay_within_limits_also_from_and_to_the_safe_torque(library):
-    law, rng = library["pd_gravity_friction_double"], np.random.default_rng(0)
+    law, rng = library["gravity_friction_pd_double"], np.random.default_rng(0)
     values = {key: 5.0 * x for key, x in random_values(200).items()}
     rows = records(law.source, 200, values)
     for row in rows[::3]:
@@ -207,7 +207,7 @@ def test_torque_and_its_change_stay_within_limits_also_from_and_to_the_safe_torq
 
 
 def test_a_second_leg_has_its_own_state(library):
-    law, values = library["pd_gravity_friction_double"], random_values(10)
+    law, values = library["gravity_friction_pd_double"], random_values(10)
     rows = records(law.source, 10, values)
     _, _, memory = law.run(rows[:5])
     law.run(rows)  # another state

@@ -17,7 +17,7 @@ pytestmark = needs_cortex_m
 
 CASES = [
     pytest.param(name, board, marks=() if name == "computed_torque" else pytest.mark.slow)
-    for name in ("pd_gravity_friction", "computed_torque", "sensitivity_amplification", "lqr")
+    for name in ("gravity_friction_pd", "computed_torque", "sensitivity_amplification", "lqr")
     for board in BOARDS
 ]
 ROWS = 20

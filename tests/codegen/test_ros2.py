@@ -25,10 +25,10 @@ STRICT = ("-std=c++17", "-Wall", "-Wextra", "-Werror", "-pedantic")
 
 pytestmark = pytest.mark.skipif(CPP is None or COMPILER is None, reason="needs g++")
 
-NAMES = ("pd_gravity_friction", "lqr", "sensitivity_amplification")
+NAMES = ("gravity_friction_pd", "lqr", "sensitivity_amplification")
 """A law with limits, one with a time, and one with memory and without a reference."""
 
-KINDS = {"pd_gravity_friction": ("q_d", "v_d"), "lqr": ("q_d", "v_d", "a_d", "time"), "sensitivity_amplification": ()}
+KINDS = {"gravity_friction_pd": ("q_d", "v_d"), "lqr": ("q_d", "v_d", "a_d", "time"), "sensitivity_amplification": ()}
 
 OK, NOT_FINITE, STALE, TARGET_NOT_FINITE, TARGET_STALE = range(5)
 
@@ -98,12 +98,12 @@ def test_controller_and_node_command_what_python_does(built, recorded, name, mod
 
 @pytest.mark.slow
 def test_numbers_that_are_none_give_the_safe_torque_at_once(built, recorded):
-    rows = rows_of("pd_gravity_friction", recorded)
+    rows = rows_of("gravity_friction_pd", recorded)
     rows[40, 1] = np.nan  # an angle
     rows[50, 4] = np.inf  # a velocity
     rows[60, 7] = np.nan  # a desired angle, one of six references
     rows[70, 8] = -np.inf
-    tau, status, faults = executed(built["pd_gravity_friction"][1], "chained", rows)
+    tau, status, faults = executed(built["gravity_friction_pd"][1], "chained", rows)
     expected = np.zeros(SAMPLES, int)
     expected[[40, 50, 60, 70]] = NOT_FINITE, NOT_FINITE, TARGET_NOT_FINITE, TARGET_NOT_FINITE
     assert status.tolist() == expected.tolist()
@@ -125,9 +125,9 @@ def assert_towards(tau, safe, samples):
 @pytest.mark.slow
 @pytest.mark.parametrize("mode", ["chained", "topic"])
 def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_comes_back(built, recorded, mode):
-    rows = rows_of("pd_gravity_friction", recorded)
+    rows = rows_of("gravity_friction_pd", recorded)
     rows[30:60, -1] = 0.0
-    _, status, _ = executed(built["pd_gravity_friction"][1], mode, rows)
+    _, status, _ = executed(built["gravity_friction_pd"][1], mode, rows)
     expected = np.zeros(SAMPLES, int)
     expected[35:60] = TARGET_STALE
     assert status.tolist() == expected.tolist()
@@ -135,9 +135,9 @@ def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_co
 
 @pytest.mark.slow
 def test_a_counter_that_stands_still_makes_the_measurement_stale(built, recorded):
-    rows = rows_of("pd_gravity_friction", recorded)
+    rows = rows_of("gravity_friction_pd", recorded)
     rows[30:60, -3] = rows[29, -3]
-    program = built["pd_gravity_friction"][1]
+    program = built["gravity_friction_pd"][1]
     frozen = executed(program, "chained", rows, "ramp_time=0", "counter_interface=leg/reading")
     assert set(np.flatnonzero(frozen[1] == STALE)) == set(range(35, 60))
     unseen = executed(program, "chained", rows)
@@ -198,7 +198,7 @@ def test_the_program_of_the_node_compiles_and_single_precision_too(tmp_path):
 
 
 def test_xml_cmake_and_parameters_name_the_same_things(tmp_path):
-    write_ros2(tmp_path / "leg", laws()["pd_gravity_friction"])
+    write_ros2(tmp_path / "leg", laws()["gravity_friction_pd"])
     package, plugin = (ET.parse(tmp_path / "leg" / name).getroot() for name in ("package.xml", "plugin.xml"))
     cmake = (tmp_path / "leg/CMakeLists.txt").read_text()
     assert package.findtext("name") == plugin.get("path") == re.search(r"project\((\w+)", cmake).group(1) == "leg"
@@ -220,7 +220,7 @@ def test_xml_cmake_and_parameters_name_the_same_things(tmp_path):
 
 
 def test_the_folder_is_written_whole_and_never_over_other_files(tmp_path):
-    folder, law = tmp_path / "leg", laws()["pd_gravity_friction"]
+    folder, law = tmp_path / "leg", laws()["gravity_friction_pd"]
     folder.mkdir()
     write_ros2(folder, law)
     write_ros2(folder, laws()["lqr"])  # over an unchanged export

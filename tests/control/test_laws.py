@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from controlled_legs import cuhk_plant, exact_estimate, random_target, true_torque
 
+from exoid import control
 from exoid.control import (
     AHEAD,
     SHARP,
@@ -16,6 +17,7 @@ from exoid.control import (
     gravity_friction_pd,
     pd,
 )
+from exoid.experiments import gait_for_leg, healthy_gait
 
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
@@ -81,3 +83,18 @@ def test_negative_friction_is_compensated_only_with_a_warning():
         warnings.simplefilter("error")
         gravity_friction_pd(wrong, KP, KD, friction=None)
         gravity_friction_pd(PLANT, KP, KD)
+
+
+def test_names_of_the_standard_laws_are_those_of_the_functions_that_make_them():
+    assert all(callable(getattr(control, name)) for name in control.LAWS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("period", [4.0, 10.0])
+def test_with_default_gains_compensation_is_not_worse_than_pd(period):
+    gait = gait_for_leg(PLANT.leg, healthy_gait(0.8, period))
+    kp, kd = control.default_gains(PLANT, control.mean_pose(gait, period))
+    laws = {"pd": pd(kp, kd), "compensated": gravity_friction_pd(PLANT, kp, kd)}
+    runs = control.compare_laws(PLANT, laws, gait, 2.0 * period, settle=period)
+    assert (runs["compensated"].peak_deg <= runs["pd"].peak_deg).all()
+    assert (runs["compensated"].rms_deg <= runs["pd"].rms_deg).all()

@@ -19,7 +19,7 @@ from exoid.experiments import (
     healthy_gait,
     norm_gait,
 )
-from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
+from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG, fit_to_limits
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Wearer, simulate
 
@@ -188,3 +188,16 @@ def test_a_motion_without_accelerations_stays_without():
 
     assert Tremor(Line(), 0.1).at(0.3).a is None
     assert Stumble(Line(), 0.1, 0.1).at(0.3).a is None
+
+
+@pytest.mark.parametrize("scale", [0.3, 3.0])
+def test_a_gait_is_fitted_into_joint_limits_only_where_it_leaves_them(scale):
+    leg = exoid.load_leg("cuhk")
+    gait = gait_for_leg(leg, healthy_gait(scale))
+    fitted = fit_to_limits(leg, gait)
+    refuse_motion_beyond_limits(leg, fitted, 10.0)
+    if scale < 1.0:
+        np.testing.assert_array_equal(fitted.at(3.3).q, gait.at(3.3).q)
+    else:
+        with pytest.raises(exoid.errors.BadArgumentError, match=r"it goes from .* the joint from "):
+            refuse_motion_beyond_limits(leg, gait, 10.0)

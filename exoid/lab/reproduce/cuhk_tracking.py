@@ -52,7 +52,7 @@ PRINTED = "Table III"
 LOADED = "+1.5kg"
 """End of the names of laws on the rig with :data:`SHANK_WEIGHT`."""
 
-DOCUMENT_DEG = {"pd": (15.0, 12.0), "pd_gravity_friction": (10.0, 5.0)}
+DOCUMENT_DEG = {"pd": (15.0, 12.0), "gravity_friction_pd": (10.0, 5.0)}
 """Peak errors that document 2 reports (sec. V)."""
 
 
@@ -61,7 +61,7 @@ class TrackingReplay:
     """Control laws on the CUHK-EXO with payload."""
 
     estimate: Estimate  # model of the laws, identified from noisy data of the same rig
-    laws: Mapping[str, Tracking]  # runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr
+    laws: Mapping[str, Tracking]  # runs of pd_30hz, pd, gravity_friction_pd, feedforward_pd, computed_torque and lqr
     # runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
     # document's Table III as printed; empty unless requested
     wrong: Mapping[str, Tracking]
@@ -157,7 +157,7 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
     with warnings.catch_warnings():  # the warning is expected: the model is wrong
         warnings.simplefilter("ignore", UserWarning)
-        laws[f"pd_gravity_friction {PRINTED}"] = gravity_friction_pd(table_iii_model(), GAINS["kp"], GAINS["kd"])
+        laws[f"gravity_friction_pd {PRINTED}"] = gravity_friction_pd(table_iii_model(), GAINS["kp"], GAINS["kd"])
     return laws
 
 

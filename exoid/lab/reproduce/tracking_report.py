@@ -23,8 +23,8 @@ from .report import Drawing, ReplayReport
 LABELS = {
     "pd_30hz": "PD, 30 Hz",
     "pd": "PD",
-    "pd_gravity_friction": "PD + G + F",
-    "pd_feedforward": "PD + feed-forward",
+    "gravity_friction_pd": "PD + G + F",
+    "feedforward_pd": "PD + feed-forward",
     "computed_torque": "computed torque",
     "lqr": "LQR",
     "adaptive": "adaptive",
@@ -62,7 +62,7 @@ def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
     data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
     if replay.wrong:
         tables.append(tracking_table("The same with a wrong model of the leg", replay.wrong.values()))
-        printed, pd = replay.wrong[f"pd_gravity_friction {PRINTED}"], replay.laws["pd"]
+        printed, pd = replay.wrong[f"gravity_friction_pd {PRINTED}"], replay.laws["pd"]
         notes.append(
             f"Compensating with Table III as printed errs by {_pair(printed.peak_deg, '.0f')}°, PD alone by "
             f"{_pair(pd.peak_deg, '.0f')}°. {LOADED}: on the shank of the rig."
@@ -91,7 +91,7 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
     """PD and PD with compensation as in figures 8 and 9 of document 2, and all laws at the same rate and gains."""
     joints = [name.removeprefix("left_").removeprefix("right_") for name in next(iter(runs.values())).joint_names]
     slow = "pd_30hz" if "pd_30hz" in runs else "pd"
-    pair = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
+    pair = {LABELS[name]: runs[name] for name in (slow, "gravity_friction_pd")}
     errors, torques = ("doc2_fig8_errors", "doc2_fig9_torques") if of_document else ("pd_errors", "pd_torques")
     numbers = ("Fig. 8: tracking", "Fig. 9: torques") if of_document else ("Tracking", "Torques")
     every = {LABELS.get(name, name): run for name, run in runs.items() if name != "pd_30hz"}
@@ -128,7 +128,7 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
 
 def _document_notes(laws: Mapping[str, Tracking]) -> list[str]:
     """Compare the results with those that document 2 reports."""
-    slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
+    slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "gravity_friction_pd"))
     printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
     by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
     return [

@@ -49,11 +49,11 @@ def assert_pd_is_the_documents(laws):
 def assert_the_law_explains_it(laws):
     slow, pd = (np.array(laws[name]["peak_deg"]) for name in ("pd_30hz", "pd"))
     assert (np.abs(slow - pd) < 0.5).all()
-    assert_within(laws["pd_gravity_friction"], 10.0, 5.0)
+    assert_within(laws["gravity_friction_pd"], 10.0, 5.0)
 
 
 def assert_what_beats_it(laws):
-    assert_within(laws["pd_feedforward"], 1.2, 0.5)
+    assert_within(laws["feedforward_pd"], 1.2, 0.5)
     assert_within(laws["computed_torque"], 4.0, 1.0)
     assert_within(laws["lqr"], 0.3, 0.2)
     assert_within(laws["adaptive"], 0.8, 0.6)
@@ -61,7 +61,7 @@ def assert_what_beats_it(laws):
 
 def assert_robust(wrong):
     for factor in ("0.5", "1.5"):
-        assert_within(wrong[f"pd_feedforward F x{factor}"], 2.0, 1.0)
+        assert_within(wrong[f"feedforward_pd F x{factor}"], 2.0, 1.0)
         assert_within(wrong[f"lqr F x{factor}"], 0.6, 0.4)
         assert_within(wrong[f"adaptive F x{factor}"], 1.8, 1.2)
     for name in ("lqr", "adaptive"):
@@ -87,14 +87,14 @@ def test_wrong_friction_and_an_unknown_weight_cost_little(wrong):
 
 
 def test_compensating_with_table_iii_as_printed_is_worse_than_pd(laws, wrong):
-    printed, pd = wrong["pd_gravity_friction Table III"], laws["pd"]
+    printed, pd = wrong["gravity_friction_pd Table III"], laws["pd"]
     assert (np.array(printed["peak_deg"]) > 1.2 * np.array(pd["peak_deg"])).all()
     assert (np.array(printed["rms_deg"]) > np.array(pd["rms_deg"])).all()
 
 
 def test_comparable_power_is_not_what_is_found(tracking, laws):
     """The hip's rms torque is several times PD's, as PD of such gains lets the leg hang; the report says so."""
-    ratio = np.array(laws["pd_gravity_friction"]["rms_torque"]) / laws["pd"]["rms_torque"]
+    ratio = np.array(laws["gravity_friction_pd"]["rms_torque"]) / laws["pd"]["rms_torque"]
     assert ratio[0] > 3.0
     assert 1.0 < ratio[1] < 2.0
     assert f"takes {ratio[0]:.1f} / {ratio[1]:.1f} times the rms torque of PD" in tracking["text"]
@@ -114,8 +114,8 @@ def test_the_figures_are_as_promised(tracking):
     names = [
         "pd_30hz",
         "pd",
-        "pd_gravity_friction",
-        "pd_feedforward",
+        "gravity_friction_pd",
+        "feedforward_pd",
         "computed_torque",
         "lqr",
         "adaptive",

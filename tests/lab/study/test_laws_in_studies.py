@@ -50,7 +50,7 @@ def study(**changes):
     protocol = Protocol("multisine", (motion,), 6.0, (0.0,))
     noise = Noise("white", (1.0, 1.0))
     plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (noise,), replicates=4, chunk=2, seed=4)
-    return replace(plain, **{"course": course("pd", "pd_feedforward"), **changes})
+    return replace(plain, **{"course": course("pd", "feedforward_pd"), **changes})
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def test_controllers_use_the_truth_and_each_estimate_but_pd_nothing():
 def test_pd_and_a_controller_with_the_true_parameters_do_the_same_as_in_the_closed_loop(result):
     """The rig by itself is stepped by Pinocchio and has other noise, which PD hardly feels."""
     asked = study().course
-    for name, knows in (("pd", "nothing"), ("pd_feedforward", "truth")):
+    for name, knows in (("pd", "nothing"), ("feedforward_pd", "truth")):
         law = asked.law(name, KNOWN)
         alone = simulate(KNOWN.plant(), law, GAIT, 2 * PERIOD, sensors=SENSORS, settle=PERIOD, seed=0)
         found = figures(result, name, knows)
@@ -92,9 +92,9 @@ def test_figures_are_those_of_the_runs(result):
     """From the chunks by hand; the excess is of one replicate over the same with the truth."""
     tracking = np.concatenate([run_chunk(study(), number).tracking for number in range(2)], axis=1)
     truth, estimated = (
-        study().tracking_cases.index(TrackingCase("pd_feedforward", source)) for source in ("truth", "wls")
+        study().tracking_cases.index(TrackingCase("feedforward_pd", source)) for source in ("truth", "wls")
     )
-    found = figures(result, "pd_feedforward", "wls")
+    found = figures(result, "feedforward_pd", "wls")
     np.testing.assert_array_equal(found.rms_deg.mean, tracking[estimated, :, RMS].mean(axis=0))
     np.testing.assert_array_equal(found.peak_deg.worst, tracking[estimated, :, PEAK].max(axis=0))
     np.testing.assert_array_equal(found.rms_torque.std, tracking[estimated, :, TORQUE].std(axis=0, ddof=1))
@@ -107,18 +107,18 @@ def test_figures_are_those_of_the_runs(result):
 @pytest.mark.slow
 def test_knowing_the_leg_helps_and_knowing_it_badly_helps_less(result):
     """PD alone is worst; estimates track less well than the truth, the more so the more noise."""
-    pairs = ("pd", "nothing"), ("pd_feedforward", "truth"), ("pd_feedforward", "wls")
+    pairs = ("pd", "nothing"), ("feedforward_pd", "truth"), ("feedforward_pd", "wls")
     blind, exact, estimated = (figures(result, law, knows).rms_deg.mean for law, knows in pairs)
     assert (blind > 5.0 * estimated).all()
     assert (estimated > exact).all()
     quiet = run_study(study(noises=(Noise("white", (1e-3, 1e-3)),), replicates=2))
-    excess = figures(quiet, "pd_feedforward", "wls").excess_deg
+    excess = figures(quiet, "feedforward_pd", "wls").excess_deg
     assert np.abs(excess.mean).max() < 0.01 * (estimated - exact).min()
 
 
 def test_all_cases_of_a_replicate_have_the_same_noise():
     """Estimates equal to the truth give exactly the runs of the controller with the true parameters."""
-    what = study(course=course("pd_feedforward"))
+    what = study(course=course("feedforward_pd"))
     one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
     exact = replace(one, values=np.array(TRUTH))
     tracking = track_cases(what, what.chunks[0], {"wls": [exact, exact]})
@@ -231,13 +231,13 @@ def quick(monkeypatch):
 def test_the_command_prints_laws_as_a_table_or_json(exoid_):
     options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
     run = partial(exoid_, "study", "cuhk", *options)
-    code, out, _ = run("--laws", "pd_feedforward", "--kp", "80,20", "--kd", "8", "-o", "kept")
+    code, out, _ = run("--laws", "feedforward_pd", "--kp", "80,20", "--kd", "8", "-o", "kept")
     assert code == 0
     assert "wls, knee" in out
     assert "hip 80 / 8, knee 20 / 8" in out
-    code, again, _ = run("--laws", "pd_feedforward", "--kp", "80,20", "--kd", "8", "-o", "kept", "--json")
+    code, again, _ = run("--laws", "feedforward_pd", "--kp", "80,20", "--kd", "8", "-o", "kept", "--json")
     found = json.loads(again)["laws"][1]
-    assert (found["law"], found["knows"], found["diverged"]) == ("pd_feedforward", "wls", 0)
+    assert (found["law"], found["knows"], found["diverged"]) == ("feedforward_pd", "wls", 0)
     assert 0.0 < found["joints"]["knee"]["rms_deg"]["mean"] < 1.0
     for wrong, words in (
         (("--laws", "pd,magic"), "computed_torque"),
