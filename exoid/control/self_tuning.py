@@ -13,7 +13,6 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.online.advance import advance
-from exoid.online.rows import Block
 from exoid.online.settings import Settings
 from exoid.online.solution import belief, estimate_of, started
 from exoid.online.state import State as OnlineState
@@ -130,12 +129,11 @@ class SelfTuning:
 
     def _refreshed(self, memory: SelfTuningMemory) -> SelfTuningMemory:
         """Take the samples that wait in, and compute β* of each leg."""
-        nothing = np.full(memory.pending.shape[:1] + memory.pending.shape[2:3], np.nan)
-        of_torque = np.zeros(nothing.shape, dtype=np.bool_)
+        follows, used = np.full(memory.pending[:, 0, :, 0].shape, np.nan), np.zeros(memory.pending[:, 0, :, 0].shape)
         online, aims = [], []
         for leg, before in enumerate(memory.online):
             q, v, torque = memory.pending[..., leg].transpose(1, 0, 2)
-            after = advance(self.settings, before, Block(q, v, nothing, torque, of_torque))
+            after = advance(self.settings, before, np.hstack([q, v, follows, torque, used]))
             online.append(after)
             aims.append(self._posterior(after))
         aim = np.transpose(aims).reshape(memory.aim.shape)

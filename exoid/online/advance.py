@@ -10,7 +10,7 @@ from .changes import Verdict, judge, look
 from .drift import follow_epochs
 from .hypotheses import SPANNED
 from .information import absorb
-from .rows import Block, Rows, rows_of
+from .rows import Rows, rows_of
 from .settings import Settings
 from .solution import belief, follow_residuals, inflations, solved
 from .state import REMEMBERED, Change, Detector, Information, State, checkpoints_of, no_epochs, oldest
@@ -25,10 +25,12 @@ PROBATION = 20.0
 """Time over the window for which rows are collected after a suspicion: a wrong name is found out, and taken back."""
 
 
-def advance(settings: Settings, state: State, block: Block) -> State:
+def advance(settings: Settings, state: State, samples: FloatArray) -> State:
     """Take a block of samples in: as many as ``settings.block``; without a filter, any number."""
-    rows, state = rows_of(settings, state, block)
-    state = state._replace(samples=state.samples + len(block.q))
+    # Columns are q, v, a, τ, and marks of torques that are not to be used, (k, 5 n). v is NaN where it follows from the
+    # angles, and a where it follows from the velocities.
+    rows, state = rows_of(settings, state, samples)
+    state = state._replace(samples=state.samples + len(samples))
     suspected = state.detector.crossing >= 0
     if not rows.used.any():
         return state if suspected else _with_residuals(settings, state, rows)

@@ -39,13 +39,6 @@ TORN = 4.0
 """Mean square of residuals over that before a change from which on collected rows are of several changes."""
 
 
-def _with_uncertainty(s: FloatArray, E: FloatArray, L: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(1 + E P)⁻¹ s and (1 + E P)⁻¹ E with P = L Lᵀ."""
-    EL = E @ L
-    lost = np.linalg.solve(np.eye(len(L)) + L.T @ EL, EL.T).T  # E L (1 + Lᵀ E L)⁻¹
-    return s - lost @ (L.T @ s), E - lost @ EL.T
-
-
 def look(settings: Settings, state: State, rows: Rows) -> Detector:
     """Look at the innovations of a block while nothing is suspected."""
     before, detection, inflation = state.detector, settings.detection, inflations(settings, state.correlation)
@@ -97,7 +90,11 @@ def judge(settings: Settings, state: State) -> Verdict:
     moving = np.flatnonzero(np.diag(energy) > 0.0)
     everything = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
     before = state._replace(weights=detector.weights, information=oldest(state))
-    score, energy = _with_uncertainty(score, energy, root_of(settings, before))
+    # (1 + E P)⁻¹ s and (1 + E P)⁻¹ E with the covariance P = L Lᵀ of what was known before
+    L = root_of(settings, before)
+    EL = energy @ L
+    lost = np.linalg.solve(np.eye(len(L)) + L.T @ EL, EL.T).T
+    score, energy = score - lost @ (L.T @ score), energy - lost @ EL.T
     statistics = detection.statistics(score, energy)
     explained = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
     left = max(float(e @ e) - everything, 0.0) / max(independent - len(moving), 1.0)

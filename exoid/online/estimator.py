@@ -18,7 +18,6 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from .advance import advance
 from .file import Memory, read_memory, write_memory
 from .findings import findings_of
-from .rows import Block
 from .settings import Settings
 from .solution import estimate_of, started
 from .state import Change, Drift, State, begin, restarted
@@ -235,12 +234,11 @@ class RecursiveEstimator:
 
     def _advanced(self) -> State:
         """State with the samples that wait."""
-        table = np.array(self._pending).reshape(-1, 5, self.settings.n)
-        q, v, a, tau, marks = table.transpose(1, 0, 2)
-        with_v, with_a = self._stream.given or (True, True)
-        nothing = np.full_like(q, math.nan)
-        block = Block(q, v if with_v else nothing, a if with_a else nothing, tau, marks > 0.0)
-        return advance(self.settings, self._state, block)
+        samples, n = np.array(self._pending), self.settings.n
+        for k, given in enumerate(self._stream.given, start=1):
+            if not given:
+                samples[:, k * n : (k + 1) * n] = math.nan
+        return advance(self.settings, self._state, samples)
 
     def _settled(self) -> State:
         """State with all samples that can be used."""

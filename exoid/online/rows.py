@@ -16,16 +16,6 @@ TOUCHED = 0.05
 """Largest share of a row that samples may have at which a joint may stick."""
 
 
-class Block(NamedTuple):
-    """Consecutive samples, (k, n) each."""
-
-    q: FloatArray  # angles [rad]
-    v: FloatArray  # velocities [rad/s]; NaN where they follow from the angles
-    a: FloatArray  # accelerations [rad/s²]; NaN where they follow from the velocities
-    tau: FloatArray  # torques [N·m]
-    left_out: NDArray[np.bool_]  # torques that are not to be used
-
-
 class Rows(NamedTuple):
     """Rows of τ = W β, zero where one is left out."""
 
@@ -39,15 +29,15 @@ class Rows(NamedTuple):
         return np.concatenate([self.W, self.tau[..., None]], axis=2).transpose(1, 0, 2)
 
 
-def rows_of(settings: Settings, state: State, block: Block) -> tuple[Rows, State]:
-    """Smooth and differentiate a block, form columns, and filter columns and torques alike."""
-    n, left_out = settings.n, np.where(block.left_out, UNKNOWN, 0.0)
+def rows_of(settings: Settings, state: State, samples: FloatArray) -> tuple[Rows, State]:
+    """Smooth and differentiate a block (k, 5 n), see `advance`, form columns, and filter columns and torques alike."""
+    n, samples = settings.n, samples.copy()
+    samples[:, 4 * n :] *= UNKNOWN
     if settings.cutoff is None:
-        W = settings.model.regressor(block.q, block.v, block.a)
-        return _kept(W, block.tau, _marks(settings, block.v, left_out) < TOUCHED), state
-    channels = np.hstack([block.q, block.v, block.a, block.tau, left_out])
-    given = ~np.isnan(block.v[0, 0]), ~np.isnan(block.a[0, 0])
-    samples = np.concatenate([state.motion, np.nan_to_num(channels)])
+        q, v, a, tau, marks = np.split(samples, 5, axis=1)
+        return _kept(settings.model.regressor(q, v, a), tau, _marks(settings, v, marks) < TOUCHED), state
+    given = ~np.isnan(samples[0, [n, 2 * n]])
+    samples = np.concatenate([state.motion, np.nan_to_num(samples)])
     smooth, first, second = settings.smoothing
     q, v, a, tau, marks = np.split(smooth @ samples, 5, axis=1)
     if not given[0]:

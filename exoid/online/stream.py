@@ -55,23 +55,15 @@ class Stream(NamedTuple):
         return self._replace(counts=tuple(counts))
 
 
-class Taken(NamedTuple):
-    """Samples that go on to the filters."""
-
-    stream: Stream  # the stream after them
-    samples: tuple[Sample, ...]
-    gap: bool = False  # whether the filters have to start again before them
-
-
-def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Taken:
-    """Look at one sample of q, v, a and τ, (4 n,)."""
+def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tuple[Stream, tuple[Sample, ...], bool]:
+    """Look at a sample of q, v, a and τ, (4 n,): the stream, samples that go on, and whether filters start again."""
     n, last = settings.n, stream.last
     if not math.isfinite(sum(sample)):
-        return Taken(_refused(settings, stream, "not-finite"), ())
+        return _refused(settings, stream, "not-finite"), (), False
     if last and not math.isnan(time) and not math.isnan(stream.time):
         steps = (time - stream.time) * settings.rate
         if not steps > 0.5:
-            return Taken(stream.counted("repeated-sample")._replace(received=stream.received + 1), ())
+            return stream.counted("repeated-sample")._replace(received=stream.received + 1), (), False
         late = round(steps) - 1
         if late > stream.missing:
             stream = stream.counted("missing-samples", late - stream.missing)._replace(missing=late)
@@ -79,7 +71,7 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Tak
     if last:
         jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
         if jumped and stream.implausible < settings.rate * REFUSED:
-            return Taken(_refused(settings, stream, "angle-jump"), ())
+            return _refused(settings, stream, "angle-jump"), (), False
     if not -TWO_TURNS <= min(q) <= max(q) <= TWO_TURNS:
         worst = max(range(n), key=lambda k: abs(q[k]))
         name = settings.model.joint_names[worst]
@@ -93,10 +85,10 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> Tak
     now = (*sample, *marks)
     after = Stream(stream.given, now, time, 0, 0, stream.counts, stream.received + 1)
     if not (last and 0 < missing <= BRIDGED):
-        return Taken(after, (now,), gap=missing > BRIDGED)
+        return after, (now,), missing > BRIDGED
     shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
     bridge = (tuple(x + share * (y - x) for x, y in zip(last, now, strict=True)) for share in shares)
-    return Taken(after, (*bridge, now))
+    return after, (*bridge, now), False
 
 
 def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
