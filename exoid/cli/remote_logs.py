@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def with_progress(logs: Sequence[Recording | Poses]) -> Iterator[Sequence[Record
             read += 1
             progress(min(1.0, read / total))
 
-        yield logs.watched(count)
+        yield replace(logs, watch=count)
 
 
 def all_at_once(logs: Sequence[Recording | Poses]) -> list[Recording]:

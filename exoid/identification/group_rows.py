@@ -140,7 +140,7 @@ class Group:
 
     def at_rest(self, index: int) -> bool:
         """Say whether one of the recordings is poses, without reading it."""
-        return self.data.at_rest(index) if isinstance(self.data, Recordings) else isinstance(self.data[index], Poses)
+        return isinstance((self.data.items if isinstance(self.data, Recordings) else self.data)[index], Poses)
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows, recording by recording, each in order of time."""

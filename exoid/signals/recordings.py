@@ -93,17 +93,6 @@ class Recordings(Sequence[Recording | Poses]):
         read = partial(Recording.from_file, joint_names=joint_names, columns=columns, **options)
         return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 
-    def watched(self, watch: Callable[[Path], None]) -> Recordings:
-        """Add a function that is called after each file is read.
-
-        Args:
-            watch: Function of the path.
-
-        Returns:
-            The same recordings with that function.
-        """
-        return replace(self, watch=watch)
-
     def changed(self, change: Callable[[Recording], Recording]) -> Recordings:
         """Change each recording, those on disk when they are read.
 
@@ -120,17 +109,6 @@ class Recordings(Sequence[Recording | Poses]):
             for item in self.items
         )
         return replace(self, items=tuple(changed))
-
-    def at_rest(self, index: int) -> bool:
-        """Tell whether an item is poses, without reading it.
-
-        Args:
-            index: Index of the item.
-
-        Returns:
-            Whether it is poses.
-        """
-        return isinstance(self.items[index], Poses)
 
     def __len__(self) -> int:
         return len(self.items)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import joblib
 import numpy as np
 import pytest
@@ -78,7 +80,7 @@ def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, es
 @pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 3)])
 def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_kept(folder, check, times):
     read = []
-    stored = Recordings.from_folder(folder).watched(lambda path: read.append(path.name))
+    stored = dataclasses.replace(Recordings.from_folder(folder), watch=lambda path: read.append(path.name))
     identify(SWING.leg, stored, check=check)
     once = [f"part.{k}.csv" for k in range(8, 12)] + ["part.12.parquet"]
     assert read == once * times
