@@ -28,7 +28,6 @@ from exoid.control import (
 from exoid.experiments import gait_for_leg, healthy_gait
 
 CALLS, ROUNDS = 20_000, 5
-LONGEST = 3e-6
 RATIO = 1.5
 
 BARE = "pin.rnea from Python"
@@ -108,11 +107,10 @@ def rnea_of(estimate):
     return bare
 
 
-def test_a_step_takes_three_microseconds_at_most(estimate, steps):
+def test_a_step_costs_at_most_half_more_than_one_call_of_rnea(estimate, steps):
     works = {BARE: rnea_of(estimate), **{f"{name}, a step in C": step for name, step in steps.items()}}
     best = best_of_turns(works, ROUNDS)
     show(f"{CALLS:,} steps of a law", best, BARE)
     slowest = max(seconds for name, seconds in best.items() if name.endswith("in C"))
     print(f"slowest law: {1e6 * slowest / CALLS:.2f} us a step, {slowest / best[BARE]:.2f} of one pin.rnea")
     assert slowest <= RATIO * best[BARE]
-    assert slowest <= LONGEST * CALLS
