@@ -103,9 +103,8 @@ def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObser
 
 
 def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
-    """Limit the torque; the URDF's limit of zero means that it has none."""
-    effort, labels = estimate.leg.limits.effort, estimate.leg.joint_labels
-    limit = np.where(effort > 0.0, effort, np.inf)
+    """Limit the torque, by the URDF where no option says it."""
+    limit, labels = estimate.leg.limits.effort, estimate.leg.joint_labels
     if options.limit is not None:
         limit = joint_values(options.limit, "--limit", labels)
     slew = np.full(len(labels), np.inf)

@@ -152,11 +152,12 @@ class LegData:
         """Limits of the joints."""
         model = self.model
         joints = [model.joints[j] for j in range(1, model.njoints)]
-        turning = np.array([joint.nq == 2 for joint in joints])  # continuous joints have no limits
         lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
         upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
-        lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
-        return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
+        # continuous joints have no limits, and exporters of CAD programs write 0 for those that nobody gave
+        free = np.array([joint.nq == 2 for joint in joints]) | (lower == upper)
+        speed, effort = (np.where(limit > 0.0, limit, np.inf) for limit in (model.velocityLimit, model.effortLimit))
+        return JointLimits(np.where(free, -np.inf, lower), np.where(free, np.inf, upper), speed, effort)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.

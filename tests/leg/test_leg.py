@@ -1,5 +1,7 @@
 """The leg: its dynamics against identities and other libraries, its names, limits and refusals."""
 
+import re
+
 import mujoco
 import numpy as np
 import pytest
@@ -8,6 +10,8 @@ from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
 from exoid import Leg, TorsoMotion
+from exoid.errors import BadArgumentError
+from exoid.experiments.excitation.limits import MotionLimits
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.model import dynamic_parameters
@@ -209,6 +213,21 @@ def test_continuous_joints_compute_like_revolute_ones_and_have_no_limits():
     np.testing.assert_array_equal(turning.limits.lower, [-np.inf] * 3)
     np.testing.assert_array_equal(turning.limits.upper, [np.inf] * 3)
     np.testing.assert_array_equal(revolute.limits.upper, [3.0] * 3)
+
+
+def test_zeros_of_a_cad_exporter_are_no_limits(tmp_path):
+    """The exporter of SolidWorks writes lower="0" upper="0" effort="0" velocity="0" for limits that nobody gave."""
+    text = (urdf_folder() / URDFS["bleex", "cad"]).read_text(encoding="utf-8")
+    given = re.search(r'<joint name="left_knee".*?(<limit[^>]*>)', text, flags=re.DOTALL).group(1)
+    path = tmp_path / "exported.urdf"
+    path.write_text(text.replace(given, '<limit lower="0" upper="0" effort="0" velocity="0"/>'), encoding="utf-8")
+    leg = exoid.Leg.from_urdf(path, joints=("left_hip", "left_knee", "left_ankle"))
+    assert [limit[1] for limit in leg.limits] == [-np.inf, np.inf, np.inf, np.inf]
+    assert np.isfinite([limit[[0, 2]] for limit in leg.limits]).all()
+    with pytest.raises(BadArgumentError) as refused:
+        MotionLimits.of(leg)
+    assert refused.value.joints == ("left_knee",)
+    assert MotionLimits.of(leg, margin=0.0, angles_deg={"left_knee": (-90.0, -5.0)}).upper[1] == np.deg2rad(-5.0)
 
 
 def test_limits_are_those_of_the_urdf(side):

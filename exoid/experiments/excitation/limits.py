@@ -138,24 +138,32 @@ class MotionLimits:
         Raises:
             ExoidError: A joint is unknown, no range of angle remains, or a limit has the wrong size or sign.
         """
-        own, n = leg.limits, len(leg.joint_names)
+        own, n, given = leg.limits, len(leg.joint_names), angles_deg or {}
+        for k, names in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
+            if leg.model.joints[k + 1].nq == 1 and not np.isfinite(own.lower[k]) and given.keys().isdisjoint(names):
+                raise BadArgumentError(
+                    f"the URDF has no limits of joint {names[0]!r}, which is not continuous",
+                    remedy=f"give the range that is safe, in degrees: angles_deg={{{names[0]!r}: (low, high)}}",
+                    command=f"give the range that is safe, in degrees: --angles {names[0]}=LOW:HIGH",
+                    joints=(names[0],),
+                )
         lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + margin
         upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - margin
-        for name, (low, high) in (angles_deg or {}).items():
+        for name, (low, high) in given.items():
             if name not in (*leg.joint_names, *leg.joint_labels):
                 known = ", ".join(leg.joint_names)
                 raise BadArgumentError(f"no joint {name!r} in the leg", remedy=f"its joints are {known}")
             joint = (*leg.joint_names, *leg.joint_labels).index(name) % n
             lower[joint] = max(lower[joint], np.deg2rad(low))
             upper[joint] = min(upper[joint], np.deg2rad(high))
-        given = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
-        urdf = {"velocity": own.velocity, "acceleration": np.full(n, np.inf), "torque": own.effort}
-        # zero in a URDF means no limit
-        chosen = {
-            key: np.minimum(np.where(urdf[key] > 0.0, urdf[key], np.inf), _each(value, n, key))
-            for key, value in given.items()
-        }
-        return cls(lower, upper, **chosen, clearance=clearance)
+        return cls(
+            lower,
+            upper,
+            velocity=np.minimum(own.velocity, _each(velocity, n, "velocity")),
+            acceleration=_each(acceleration, n, "acceleration"),
+            torque=np.minimum(own.effort, _each(torque, n, "torque")),
+            clearance=clearance,
+        )
 
     @property
     def span(self) -> FloatArray:
