@@ -101,7 +101,7 @@ class Validation(Report):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict by the findings: "predicts", "predicts poorly" or "does not predict"; see docs/identification.md."""
+        """Verdict by the findings: "predicts", "predicts poorly" or "does not predict"; see docs/validation.md."""
         return verdict_of(self.findings)
 
     def to_json(self) -> dict[str, Any]:

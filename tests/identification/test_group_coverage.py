@@ -85,7 +85,7 @@ def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_al
 
 LEVELS = np.array([0.05, 0.25, 0.5, 0.75])
 SHARES = np.array([0.047, 0.214, 0.458, 0.715])
-"""Share of p-values below each level of 400 replicates; docs/identification.md says why some are smaller than it."""
+"""Share of p-values below each level of 400 replicates; docs/intervals.md says why some are smaller than it."""
 
 
 def test_p_values_of_equal_parameters_are_uniform_or_a_little_larger(sides, replicates):
