@@ -87,6 +87,9 @@ def identify(
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
     report: Report = None,
     reading: LogOptions = READ_AS_IT_IS,
+    save_columns: Annotated[
+        Text, Option(metavar="LAB.TOML", help="Write the columns and options of these logs, for --columns.")
+    ] = None,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -96,14 +99,17 @@ def identify(
 
     Example: exoid identify bleex bleex_swing:train -o est.json
     """
+    from .column_map import save_map  # noqa: PLC0415 - help needs no files
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
     from .log_parts import refuse_other  # noqa: PLC0415
     from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     refuse_unknown_leg(leg)
     tests = test or []
-    files = {"--output": output if own is None else None, "--report": report}
-    check_outputs(files, [leg, *logs, *tests, reading.segments, actuators])
+    files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
+    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, actuators])
+    if save_columns is not None:
+        save_map(reading, save_columns)
     on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     refuse_other(reading, [*logs, *tests])

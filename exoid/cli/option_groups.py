@@ -30,6 +30,10 @@ def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[
         def run(**given: Any) -> None:  # noqa: ANN401 - whatever the options are
             for name, group in groups.items():
                 given[name] = group(**{field: given.pop(field) for field in fields[name]})
+                if getattr(given[name], "columns", None) is not None:
+                    from .column_map import with_map  # noqa: PLC0415 - help needs no files
+
+                    given[name] = with_map(given[name], given[name].columns)
             verb(**given)
 
         expanded = [

@@ -46,6 +46,13 @@ AsJson = Annotated[bool, Option("--json", help="Print JSON instead of a table.")
 class LogOptions(NamedTuple):
     """How logs are read."""
 
+    columns: Annotated[
+        Text,
+        Option(
+            metavar="LAB.TOML",
+            help="Columns and other options of these logs in a file; options of the command line go before it.",
+        ),
+    ] = None
     column: Annotated[
         Texts,
         Option(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,11 +11,7 @@ from typing import Any, NoReturn
 
 from exoid.errors import BadArgumentError
 from exoid.tools.tables import DataTable, to_text
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from exoid.tools.toml import parse_toml
 
 
 @dataclass(frozen=True)
@@ -206,7 +201,7 @@ def cuhk() -> Document:
 @cache
 def _read(file_name: str) -> Document:
     text = resources.files(__package__).joinpath(file_name).read_text(encoding="utf-8")
-    content = tomllib.loads(text, parse_float=str)  # as text, to keep the printed digits
+    content = parse_toml(text, parse_float=str)  # as text, to keep the printed digits
     errata = tuple(Erratum(tuple(entry["where"]), entry["remark"]) for entry in content["errata"])
     assumptions = {
         name: Assumption(float(value), unit, reason) for name, (value, unit, reason) in content["assumptions"].items()

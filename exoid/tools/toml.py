@@ -1,0 +1,76 @@
+"""Files of settings that a person writes, in TOML."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from exoid.errors import UnreadableInputError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+LARGEST = 2**20
+"""Length of a file beyond which nobody has written it by hand; devices and pipes have no end [bytes]."""
+
+BARE = re.compile("[A-Za-z0-9_-]+")
+"""Key that needs no quotes."""
+
+parse_toml = tomllib.loads
+
+
+def read_toml(path: Path, example: str) -> dict[str, Any]:
+    """Read a file; the example says what to write."""
+    remedy = f"write {example}"
+    try:
+        with path.open("rb") as opened:
+            content = opened.read(LARGEST + 1)
+        text = content.decode("utf-8-sig")
+    except (OSError, ValueError) as error:  # a name with a null character, not UTF-8
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UnreadableInputError(
+            f"cannot be read ({reason})", remedy=f"give the path of a TOML file; {remedy}"
+        ) from None
+    if len(content) > LARGEST:
+        raise UnreadableInputError(f"more than {LARGEST} bytes", remedy=remedy)
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise UnreadableInputError(f"not TOML ({error})", remedy=remedy) from None
+
+
+def to_toml(data: Mapping[str, Any]) -> str:
+    """Write values and tables, each key in a line; values come before tables."""
+    plain = [f"{_key(name)} = {_value(value)}\n" for name, value in data.items() if not isinstance(value, Mapping)]
+    tables = [
+        f"[{_key(name)}]\n" + "".join(f"{_key(key)} = {_value(each)}\n" for key, each in table.items())
+        for name, table in data.items()
+        if isinstance(table, Mapping)
+    ]
+    return "\n".join(filter(None, ["".join(plain), *tables]))
+
+
+def _key(name: str) -> str:
+    return name if BARE.fullmatch(name) else _text(name)
+
+
+def _value(value: Any) -> str:  # noqa: ANN401 - any value of a file
+    """Write a value in one line."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return _text(value) if isinstance(value, str) else repr(value)
+
+
+def _text(text: str) -> str:
+    """Write a text as a basic string of TOML, which JSON's are but for one character."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

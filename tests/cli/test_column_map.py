@@ -1,0 +1,84 @@
+"""``--columns LAB.TOML``: a laboratory writes its columns once."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import exoid
+
+OPTIONS = ("--column", "time=t_ms:ms", "--column", "q_hip=enc:deg", "--column", "tau_hip=cur:-0.118:3")
+TOML = """
+start = 1
+unmeasured = "knee"
+
+[columns]
+time = "t_ms:ms"
+q_hip = "enc:deg"
+tau_hip = "cur:-0.118:3"
+"""
+
+
+@pytest.fixture
+def values(exoid_):
+    """Identified values by name, as the command line prints them."""
+
+    def identified(*arguments):
+        run = exoid_("identify", "bleex", "log.csv", *arguments, "--no-check", "--json")
+        assert run.code == 0, run.err
+        return json.loads(run.out)["values"]
+
+    return identified
+
+
+@pytest.fixture
+def log(tmp_path):
+    """A log with headers, units and signs of a laboratory."""
+    recording = exoid.datasets.bleex_swing().train
+    columns = {
+        "t_ms": 1e3 * recording.time,
+        "enc": np.rad2deg(recording.q[:, 0]),
+        "cur": 3 - recording.tau[:, 0] / 0.118,
+    }
+    for joint, name in ((1, "knee"), (2, "ankle")):
+        columns |= {f"q_{name}": recording.q[:, joint], f"tau_{name}": recording.tau[:, joint]}
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    return path
+
+
+def test_a_file_of_columns_says_what_the_options_say(values, log, tmp_path):
+    (tmp_path / "lab.toml").write_text(TOML, encoding="utf-8")
+    by_file = values("--columns", "lab.toml")
+    assert by_file == values(*OPTIONS, "--start", "1", "--unmeasured", "knee")
+
+
+def test_columns_are_saved_and_the_command_line_goes_before_the_file(values, log):
+    first = values(*OPTIONS, "--stop", "12.5", "--save-columns", "saved.toml")
+    assert values("--columns", "saved.toml") == first
+    assert values("--columns", "saved.toml", "--stop", "9") != first
+    other = "tau_hip=cur:-0.059:3"
+    halved = values(*OPTIONS[:-1], other, "--stop", "12.5")
+    assert values("--columns", "saved.toml", "--column", other) == halved != first
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("degree = true", "did you mean 'degrees'"),
+        ("degrees = 1", "give true or false"),
+        ("start = 'a'", "give a number"),
+        ("wrench = 'left_foot:link'", "give a list of texts"),
+        ("columns = 3", "columns are no table of headers"),
+        ("[columns]\nq_hip = 3", "columns are no table of headers"),
+        ("[columns", "not TOML"),
+        ("[columns]\ntime = 't_ms:ms'\nq_hipp = 'encoder'", "--column q_hipp=HEADER"),
+    ],
+)
+def test_mistakes_in_the_file_are_named(exoid_, log, tmp_path, text, what):
+    (tmp_path / "lab.toml").write_text(text, encoding="utf-8")
+    run = exoid_("identify", "bleex", "log.csv", "--columns", "lab.toml")
+    assert run.code == 2
+    assert what in run.err
