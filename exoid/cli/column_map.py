@@ -12,53 +12,55 @@ from exoid.tools.toml import read_toml, to_toml
 
 from .options import LogOptions
 
-COLUMNS = "columns"
-"""Table of exoid's columns and the headers of the file; all other keys are options of logs."""
+TABLES = {"columns": "column", "plates": "plate"}
+"""Option that each table of the file stands for: headers by exoid's column, links by plate."""
+
+KEYS = ("degrees", "topic", "received", "mask", "names", "format", "passive", "unmeasured", "base_position", "wrench")
+"""Options that are those of a laboratory; others are those of one log."""
 
 EXAMPLE = '[columns] and below it q_hip = "pos1:deg", tau_hip = "current:0.118"'
 
 
 def with_map(options: LogOptions, path: str) -> LogOptions:
     """Read a file of columns; what the command line says goes before it."""
+    found: dict[str, Any] = {}
     with within(path):
-        content = read_toml(Path(path), EXAMPLE)
-        headers = content.pop(COLUMNS, {})
-        if not isinstance(headers, dict) or not all(isinstance(header, str) for header in headers.values()):
-            raise BadArgumentError("columns are no table of headers", remedy=f"write {EXAMPLE}")
-        found = {key.replace("-", "_"): value for key, value in content.items()}
-        for key, value in found.items():
-            _refuse_wrong(key, value)
-    own = {pair.partition("=")[0].strip() for pair in options.column or ()}
-    pairs = [*(options.column or ()), *(f"{name}={header}" for name, header in headers.items() if name not in own)]
-    usual = LogOptions._field_defaults
-    kept = {key: value for key, value in found.items() if getattr(options, key) == usual[key]}
-    return options._replace(**kept, column=pairs or None)
+        for key, value in read_toml(Path(path), EXAMPLE).items():
+            if key in TABLES:
+                if not isinstance(value, dict) or not all(isinstance(each, str) for each in value.values()):
+                    raise BadArgumentError(f"{key} is no table of texts", remedy=f"write {EXAMPLE}")
+                given = getattr(options, TABLES[key]) or []
+                own = {pair.partition("=")[0].strip() for pair in given}
+                found[TABLES[key]] = [*given, *(f"{name}={text}" for name, text in value.items() if name not in own)]
+            else:
+                name = key.replace("-", "_")
+                _refuse_wrong(name, value)
+                if getattr(options, name) == LogOptions._field_defaults[name]:
+                    found[name] = value
+    return options._replace(**found)
 
 
 def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of a file
-    """Refuse a key that is no option of logs, and a value of another kind."""
-    known = [name for name in LogOptions._fields if name not in (COLUMNS, "column")]
-    if key not in known:
-        close = get_close_matches(key, known, n=1)
+    """Refuse a key that is no option of a laboratory, and a value of another kind."""
+    if key not in KEYS:
+        close = get_close_matches(key, KEYS, n=1)
         nearest = f"did you mean {close[0]!r}? " if close else ""
-        raise BadArgumentError(f"no option {key!r} of logs", remedy=f"{nearest}options are {', '.join(known)}")
-    is_list = key in ("payload", "wrench")
-    kind: Any = str
-    wanted = "a list of texts" if is_list else "a text in quotes"
+        raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest}keys are {', '.join((*KEYS, *TABLES))}")
+    fits, wanted = isinstance(value, str), "a text in quotes"
     if LogOptions._field_defaults[key] is False:
-        kind, wanted = bool, "true or false"
-    elif key in ("start", "stop"):
-        kind, wanted = int | float, "a number"
-    items = value if is_list and isinstance(value, list) else [value]
-    if is_list != isinstance(value, list) or not all(isinstance(each, kind) for each in items):
+        fits, wanted = isinstance(value, bool), "true or false"
+    elif key == "wrench":
+        fits, wanted = isinstance(value, list) and all(isinstance(each, str) for each in value), "a list of texts"
+    if not fits:
         raise BadArgumentError(f"{key} is {value!r}", remedy=f"give {wanted}")
 
 
 def save_map(options: LogOptions, path: str) -> None:
-    """Write the options of a call as a file of columns."""
-    usual = LogOptions._field_defaults
-    said = {key: value for key, value in options._asdict().items() if value != usual[key]}
-    pairs = said.pop("column", None) or ()
-    said.pop(COLUMNS, None)
-    headers = {name.strip(): header.strip() for name, _, header in (pair.partition("=") for pair in pairs)}
-    write_whole(path, [to_toml({**said, COLUMNS: headers})])
+    """Write the options of a call that are those of a laboratory."""
+    said: dict[str, Any] = {key: getattr(options, key) for key in KEYS}
+    said = {key: value for key, value in said.items() if value != LogOptions._field_defaults[key]}
+    for table, option in TABLES.items():
+        pairs = [pair.partition("=") for pair in getattr(options, option) or ()]
+        if pairs:
+            said[table] = {name.strip(): text.strip() for name, _, text in pairs}
+    write_whole(path, [to_toml(said)])

@@ -72,8 +72,20 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
 
     example = "NAME=HEADER, e.g. --column q_hip=pos1"
     columns = values_by_name(options.column, "--column", exoid.signals.Column.from_text, example)
-    return exoid.Recording.from_file(
-        *(name, joints, columns or None),
+    plates = values_by_name(options.plate, "--plate", str, "PLATE=LINK, e.g. --plate 1=right_foot")
+    if options.forces is not None and not plates:
+        known = ", ".join(exoid.signals.read_opensim_forces(options.forces).wrenches)
+        raise BadArgumentError(
+            "nobody says which link stands on which plate",
+            where=options.forces,
+            remedy=f"give --plate PLATE=LINK; its plates are {known}",
+        )
+    return exoid.signals.read_opensim(
+        *(name, columns or None),
+        joint_names=joints,
+        forces=options.forces,
+        links=plates if options.forces is not None else None,
+        beside=options.with_ or (),
         angle_unit="deg" if options.degrees else "rad",
         topic=options.topic,
         stamps="received" if options.received else "header",

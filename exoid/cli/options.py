@@ -62,6 +62,20 @@ class LogOptions(NamedTuple):
         ),
     ] = None
     degrees: Annotated[bool, Option("--degrees", help="Angles in the logs are degrees.")] = False
+    with_: Annotated[
+        Texts,
+        Option(
+            "--with",
+            metavar="FILE",
+            help="File of the same clock with more columns, such as torques by inverse dynamics. Repeatable.",
+        ),
+    ] = None
+    forces: Annotated[
+        Text, Option(metavar="GRF.MOT", help="Ground reaction forces of the same clock, in a file of OpenSim.")
+    ] = None
+    plate: Annotated[
+        Texts, Option(metavar="PLATE=LINK", help="Link that stands on a plate of --forces. Repeatable.")
+    ] = None
     start: Annotated[Number, Option(metavar="S", help="Use each log from this time stamp on [s].")] = None
     stop: Annotated[Number, Option(metavar="S", help="Use each log up to before this time stamp [s].")] = None
     topic: Annotated[Text, Option(metavar="NAME", help="Topic of joint states in a ROS bag.")] = None
@@ -173,7 +187,7 @@ class DryRunOptions(NamedTuple):
 def given(*groups: Any) -> dict[str, object]:  # noqa: ANN401 - any named tuples
     """Value of each option by its name on the command line; None for those at their default."""
     return {
-        f"--{name.replace('_', '-')}": None if value == group._field_defaults[name] else value
+        f"--{name.rstrip('_').replace('_', '-')}": None if value == group._field_defaults[name] else value
         for group in groups
         for name, value in group._asdict().items()
     }

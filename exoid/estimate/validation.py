@@ -14,7 +14,7 @@ from exoid.errors import BadArgumentError
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
-from exoid.signals import Preparation, Recording, wrenches_on_links
+from exoid.signals import Preparation, Recording
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable, Report, with_parts
 
@@ -260,11 +260,10 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     found = list(shifted_torques(estimate, name))
     found += [] if ranges is None else extrapolations(estimate, ranges, name)
-    on_links = replace(chosen_joints, wrenches=wrenches_on_links(estimate.model.leg, chosen_joints))
     joints = slice(estimate.model.leg.base_rows, None)
     # Joints whose residual errors of the force plates may explain, and what the plates' white noise does to it.
-    loaded = np.sqrt(np.mean(wrench_torques(estimate.model.leg, on_links)[:, joints] ** 2, axis=0)) > alone.rmse
-    by_plates = wrench_variance(estimate, on_links, preparation, on_links.q).mean(axis=0)[joints]
+    loaded = np.sqrt(np.mean(wrench_torques(estimate.model.leg, chosen_joints)[:, joints] ** 2, axis=0)) > alone.rmse
+    by_plates = wrench_variance(estimate, chosen_joints, preparation, chosen_joints.q).mean(axis=0)[joints]
     growth = np.ones_like(alone.rmse)
     if chosen.comparable:
         of_training = np.sqrt(bandwidth * estimate.residual_rms**2 + by_plates)

@@ -86,6 +86,9 @@ class RegressorModel(Protocol):
     def regressor(self, *samples: Any, **beside: Any) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
 
+    def on_links(self, recording: Any) -> Any:  # noqa: ANN401 - a recording or poses
+        """Turn wrenches that were measured in the laboratory into axes of their links."""
+
     def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401
         """Measured side of the equation: torques of the joints, and measured wrenches on links, (N, n)."""
 

@@ -310,15 +310,12 @@ Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
 def for_leg(model: RegressorModel, recording: Measured) -> Measured:
-    """Pick the leg's joints from a recording or poses, by name."""
+    """Pick the leg's joints from a recording or poses, by name; wrenches are those on the axes of links."""
     names = model.joint_names
-    if recording.joint_names == names:
-        return recording
-    if set(names) <= set(recording.joint_names):
-        return recording.select(names)
-    labels = model.joint_labels
-    if set(labels) <= set(recording.joint_names):
-        return recording.select(labels)
+    for chosen in (names, model.joint_labels):
+        if set(chosen) <= set(recording.joint_names):
+            found: Measured = model.on_links(recording if recording.joint_names == chosen else recording.select(chosen))
+            return found
     missing = [name for name in names if name not in recording.joint_names]
     raise UnreadableInputError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",

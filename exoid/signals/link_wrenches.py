@@ -73,7 +73,8 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> SegmentPlacemen
     Raises:
         ExoidError: The leg has no such link, a joint is missing, or the pose of the base is not known.
     """
-    inside = link_placements(leg, recording.select(leg.joint_names).q, link)
+    names = leg.joint_names if set(leg.joint_names) <= set(recording.joint_names) else leg.joint_labels
+    inside = link_placements(leg, recording.select(names).q, link)
     rotation, translation = _root_placement(leg, recording)
     place = translation + (rotation @ inside.translation[..., np.newaxis])[..., 0]
     return SegmentPlacements(rotation @ inside.rotation, place)

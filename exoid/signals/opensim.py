@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,14 +14,15 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError, in_file
 
-from . import timebase
+from . import checks, timebase
 from .base_motion import BaseMotion
 from .base_pose import STANDARD_CUTOFF, turn_upright
 from .column import Column
 from .opensim_forces import UP, read_opensim_forces
 from .readers import ReadOptions, Table
-from .readers.formats import open_table
+from .readers.formats import kind_of, open_table
 from .recording import Recording
+from .source import SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -30,6 +32,9 @@ PELVIS_TURNS = ("pelvis_tilt", "pelvis_list", "pelvis_rotation")
 
 PELVIS_PLACES = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
 """Position of the pelvis in the laboratory [m]."""
+
+OUT_OF_PLANE = ("pelvis_list", "pelvis_rotation", "pelvis_tz")
+"""Coordinates that models in the sagittal plane do not have."""
 
 
 class PelvisPose(NamedTuple):
@@ -49,27 +54,30 @@ class PelvisPose(NamedTuple):
 
 def read_opensim(
     path: str | os.PathLike[str],
-    columns: Mapping[str, str | Column],
+    columns: Mapping[str, str | Column] | None,
     *,
+    joint_names: Sequence[str] | None = None,
     forces: str | os.PathLike[str] | None = None,
     links: Mapping[str, str] | None = None,
     pelvis: bool | None = None,
-    at: Sequence[float] = (0.0, 0.0, 0.0),
+    at: Sequence[float] | None = None,
     cutoff: float = STANDARD_CUTOFF,
     **options: Unpack[ReadOptions],
 ) -> Recording:
-    """Read a trial: joint angles, and if given the base motion of the pelvis and the wrenches on the feet.
+    """Read a trial: joint angles, and if given torques, the base motion of the pelvis and the wrenches on the feet.
 
     Args:
-        path: Kinematics, a ``.mot`` or ``.sto`` file.
+        path: Kinematics, a ``.mot`` or ``.sto`` file. Other logs are read as :meth:`exoid.Recording.from_file` does.
         columns: Column of the file for each of exoid's, such as ``{"q_hip": "hip_flexion_r"}``. Use ``Column("...",
             scale=-1.0)`` where the leg counts an angle the other way round.
+        joint_names: See :meth:`exoid.Recording.from_csv`.
         forces: File of ground reaction forces, of any rate on the same clock; see :func:`read_opensim_forces`.
         links: Link that stands on each plate of ``forces``, such as ``{"1": "right_foot"}``.
-        pelvis: Whether the base moves with the pelvis; None if the file has its six columns.
-        at: Position of the pelvis' origin in the axes of the root link [m], (3,).
+        pelvis: Whether the base moves with the pelvis; None if the file has its columns.
+        at: Position of the pelvis' origin in the axes of the root link [m], (3,); None for the origin.
         cutoff: −3 dB frequency of the differentiator of the pelvis [Hz], see :meth:`BaseMotion.from_pose`.
-        **options: Options of :class:`exoid.signals.ReadOptions` for the kinematics.
+        **options: Options of :class:`exoid.signals.ReadOptions` for the kinematics; ``beside`` names other files of the
+            trial, such as torques by inverse dynamics.
 
     Returns:
         The recording.
@@ -80,7 +88,8 @@ def read_opensim(
     Example:
         >>> read_opensim(
         ...     "walk_ik.mot",
-        ...     {"q_right_hip": "hip_flexion_r", "q_right_knee": Column("knee_angle_r", scale=-1.0)},
+        ...     {"q_right_knee": Column("knee_angle_r", scale=-1.0), "tau_right_knee": "knee_angle_r_moment"},
+        ...     beside=["walk_id.sto"],
         ...     forces="walk_grf.mot",
         ...     links={"1": "right_foot"},
         ... )  # doctest: +SKIP
@@ -90,14 +99,20 @@ def read_opensim(
             "forces and links belong together",
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
         )
-    recording = Recording.from_file(path, None, columns, **options)
-    with in_file(os.fsdecode(path)):
-        table = open_table(path)
-        if pelvis is None:
-            pelvis = set(PELVIS_TURNS + PELVIS_PLACES) <= set(table.header)
-        if pelvis:
+    table = None
+    if pelvis is not False and kind_of(Path(path)) in ("mot", "sto"):
+        with in_file(os.fsdecode(path)):
+            table = open_table(path)
+            if pelvis or any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
+                at = options.pop("base_position", None) if at is None else at
+            else:
+                table = None
+    recording = Recording.from_file(path, joint_names, columns, **options)
+    if table is not None and recording.base is None:
+        with in_file(os.fsdecode(path)):
             pose = _pelvis_of(table)
-            base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=at, cutoff=cutoff)
+            place = (0.0, 0.0, 0.0) if at is None else at
+            base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=place, cutoff=cutoff)
             if not np.array_equal(pose.time, recording.time):
                 base = base.interpolated(pose.time, recording.time)
             recording = replace(recording, base=base)
@@ -107,7 +122,7 @@ def read_opensim(
 
 
 def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
-    """Read the pose of the pelvis from the six coordinates of OpenSim's joint between ground and pelvis.
+    """Read the pose of the pelvis from the coordinates of OpenSim's joint between ground and pelvis.
 
     With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right):
 
@@ -115,7 +130,7 @@ def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
 
     Args:
         path: Kinematics, a ``.mot`` or ``.sto`` file with the columns pelvis_tilt, pelvis_list, pelvis_rotation,
-            pelvis_tx, pelvis_ty and pelvis_tz.
+            pelvis_tx, pelvis_ty and pelvis_tz; of a planar model pelvis_tilt, pelvis_tx and pelvis_ty.
 
     Returns:
         The pose in axes whose z points up, evenly spaced in time.
@@ -128,15 +143,21 @@ def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
 
 
 def _pelvis_of(table: Table) -> PelvisPose:
-    for name in ("time", *PELVIS_TURNS, *PELVIS_PLACES):
-        if name not in table.header:
-            raise UnreadableInputError(
-                f"no column {name!r}", remedy="export all six coordinates of the pelvis, or leave it out: pelvis=False"
-            )
-    numbers = table.numbers(["time", *PELVIS_TURNS, *PELVIS_PLACES])
-    if not np.isfinite(numbers).all():
-        row = int(np.argmin(np.isfinite(numbers).all(axis=1)))
-        raise UnreadableInputError(f"{table.row_name} {row} of the pelvis has no number", remedy="fill the gap")
+    """Pose of the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
+    names = PELVIS_TURNS + PELVIS_PLACES
+    absent = [name for name in ("time", *names) if name not in table.header]
+    if absent and sorted(absent) != sorted(OUT_OF_PLANE):
+        raise UnreadableInputError(
+            f"no column {', '.join(map(repr, absent))}, but others of the pelvis",
+            remedy="export all six (of a planar model pelvis_tilt, pelvis_tx and pelvis_ty), or pass pelvis=False",
+            command="export all six (of a planar model pelvis_tilt, pelvis_tx and pelvis_ty), or delete the others",
+        )
+    there = [name for name in ("time", *names) if name in table.header]
+    numbers = np.zeros((len(table), 7))
+    numbers[:, [("time", *names).index(name) for name in there]] = table.numbers(there)
+    where = SourceLocation(table.lines, {}, table.row_name)
+    checks.refuse_not_finite(numbers, ("time", *names), where)
+    checks.refuse_time_disorder(numbers[:, 0], where)
     degrees = getattr(table, "in_degrees", False)
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)

@@ -15,9 +15,10 @@ from exoid.errors import BadArgumentError, in_file
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
-from .column import Column
+from .column import Column, column_in
 from .csv_writer import LogPart, write_parts
 from .external import each_link, refuse_contradictions
+from .joined import join
 from .log import read_log
 from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
@@ -434,6 +435,9 @@ class Recording(RecordingData):
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
             table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            if options.get("beside"):
+                stamps = column_in(table.header, (columns or {}).get("time", "time"), "time")
+                table = join(table, options["beside"], stamps)
             recording = cls(**read_log(table, joint_names, columns, options))
             refuse_contradictions(recording.time, recording.wrenches, recording.contacts)
             return recording.resampled() if options.get("resample", True) else recording

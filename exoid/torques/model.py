@@ -14,7 +14,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
-from exoid.signals import Wrench
+from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
 from .motion import LoadedMotion, Motion, random_base, random_motion
 from .nonlinear import nonlinear_settings, with_settings
@@ -335,6 +335,19 @@ class TorqueModel:
             columns = self.columns(motion.rows(rows))[self.friction]
             torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
         return torque
+
+    def on_links(self, recording: Recording | Poses) -> Recording | Poses:
+        """Turn wrenches that were measured in the laboratory into axes of their links.
+
+        Args:
+            recording: Recording of the leg's joints, or poses, which have no wrenches.
+
+        Returns:
+            The recording with wrenches in axes of their links.
+        """
+        if isinstance(recording, Poses) or all(wrench.axes == "link" for wrench in recording.wrenches.values()):
+            return recording
+        return replace(recording, wrenches=wrenches_on_links(self.leg, recording))
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.

@@ -110,6 +110,10 @@ class WithColumns:
         """Form the columns, samples first."""
         return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
 
+    def on_links(self, recording: Any) -> Any:  # noqa: ANN401 - a recording or poses
+        """Turn wrenches that were measured in the laboratory into axes of their links."""
+        return self.model.on_links(recording)
+
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation."""
         return self.model.row_torque(tau, motion, wrenches)

@@ -393,9 +393,9 @@ def test_help_names_every_option():
     """As the function has them: what is not in the help cannot be found."""
     text = CliRunner().invoke(app, ["identify", "--help"], env={"COLUMNS": "200"}).output
     names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
-    assert len(names) == 37
+    assert {"column", "with_", "known", "terms"} <= set(names)
     for option in (*names, "json"):
-        assert f"--{option.replace('_', '-')}" in text
+        assert f"--{option.rstrip('_').replace('_', '-')}" in text
 
 
 # ------------------------------------------------------------------------------------------- as a process

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
@@ -16,6 +17,8 @@ class ReadOptions(TypedDict, total=False):
     """Options for reading a log, each of which may be left out.
 
     Attributes:
+        beside: Other files of the same clock, whose columns are interpolated at the time stamps of the first one, such
+            as torques of an inverse dynamics. Of columns of one name that of the first file counts.
         angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.
         largest_angle: Limit of the angles [rad], beyond which they count as degrees; 2π if left out.
         resample: Whether to resample uneven time stamps, as :meth:`exoid.Recording.resampled` does; True if left out.
@@ -36,6 +39,7 @@ class ReadOptions(TypedDict, total=False):
             ``# wrench: left_foot:world``, or else axes and origin of the link.
     """
 
+    beside: Sequence[str | os.PathLike[str]]
     angle_unit: Literal["rad", "deg"]
     largest_angle: float
     resample: bool

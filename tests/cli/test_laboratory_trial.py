@@ -1,0 +1,126 @@
+"""A trial of a gait laboratory on the command line: angles, torques and ground forces in files of their own."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from log_writers import write_opensim
+
+import exoid
+from exoid.leg.catalog import urdf_folder
+
+JOINTS = ("left_hip", "left_knee", "left_ankle")
+COLUMNS = ("hip_flexion_l", "knee_angle_l", "ankle_angle_l")
+TRIAL = ("ik.mot", "--with", "id.sto", "--forces", "grf.mot", "--columns", "lab.toml")
+POINT = (0.1, 0.05, 0.0)
+"""Centre of pressure [m]."""
+
+
+def harmonics(time, seed, size):
+    """Positions, rates and accelerations of three coordinates, (N, 3) each."""
+    rng, omega = np.random.default_rng(seed), 2.0 * np.pi * np.array([0.3, 0.5, 0.8])
+    amplitude, phase = size * rng.uniform(0.3, 1.0, (3, 3)), rng.uniform(0.0, 6.3, (3, 3))
+    angle = omega * time[:, None, None] + phase
+    derivatives = np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)
+    return [(amplitude * x).sum(axis=2) for x in derivatives]
+
+
+def force_on_foot(time):
+    """Force of the plate, z up [N], (N, 3)."""
+    return np.column_stack([20.0 * np.sin(2.0 * time), 0.0 * time, 300.0 + 100.0 * np.cos(3.0 * time)])
+
+
+def torques(time):
+    """Joint torques by Pinocchio: the pelvis goes forward and up and pitches, a force acts on the foot, (N, 3)."""
+    model = pin.buildModelFromUrdf(str(urdf_folder() / "bleex.urdf"), pin.JointModelFreeFlyer())
+    data, foot = model.createData(), model.frames[model.getFrameId("left_foot")].parentJoint
+    places = [model.joints[model.getJointId(name)] for name in JOINTS]
+    out = np.empty((len(time), 3))
+    rows = zip(*harmonics(time, 1, 0.2), *harmonics(time, 2, 0.05), force_on_foot(time), strict=True)
+    for k, (*joints, x, xd, xdd, force) in enumerate(rows):
+        q, v, a = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
+        turn, spin = pin.utils.rotate("y", x[2]), np.array([0.0, xd[2], 0.0])
+        q[:7] = pin.SE3ToXYZQUAT(pin.SE3(turn, np.array([x[0], 0.0, 0.9 + x[1]])))
+        v[:6] = [*(turn.T @ [xd[0], 0.0, xd[1]]), *spin]  # in the axes of the pelvis
+        a[:6] = [*(turn.T @ [xdd[0], 0.0, xdd[1]] - np.cross(spin, v[:3])), 0.0, xdd[2], 0.0]
+        for place, *values in zip(places, *joints, strict=True):
+            q[place.idx_q], v[place.idx_v], a[place.idx_v] = values
+        pin.forwardKinematics(model, data, q)
+        outside = [pin.Force.Zero() for _ in range(model.njoints)]
+        outside[foot] = data.oMi[foot].actInv(pin.Force(force, np.cross(POINT, force)))
+        out[k] = pin.rnea(model, data, q, v, a, outside)[[place.idx_v for place in places]]
+    return out
+
+
+def to_opensim(names, vectors):
+    """Columns in axes x forward, y up, z right."""
+    return dict(zip(names, (vectors[:, 0], vectors[:, 2], -vectors[:, 1]), strict=True))
+
+
+@pytest.fixture
+def trial(tmp_path):
+    """Write files at 100, 120 and 1000 Hz which begin at different times; the leg has no friction."""
+    time, other, fast = np.arange(1200) / 100.0, 0.5 + np.arange(1300) / 120.0, np.arange(12_500) / 1000.0 - 0.2
+    q, x, still = harmonics(time, 1, 0.2)[0], harmonics(time, 2, 0.05)[0], 0.0 * time
+    # OpenSim's tilt turns about z, which is -y here
+    pelvis = {"pelvis_tilt": -np.rad2deg(x[:, 2]), "pelvis_list": still, "pelvis_rotation": still}
+    pelvis |= {"pelvis_tx": x[:, 0], "pelvis_ty": 0.9 + x[:, 1], "pelvis_tz": still}
+    angles = dict(zip(COLUMNS, np.rad2deg(q).T, strict=True))
+    write_opensim(tmp_path / "ik.mot", time, pelvis | angles, degrees=True)
+    moments = [f"{name}_moment" for name in COLUMNS]
+    write_opensim(tmp_path / "id.sto", other, dict(zip(moments, torques(other).T, strict=True)))
+    plate = to_opensim([f"ground_force_1_v{axis}" for axis in "xyz"], force_on_foot(fast))
+    plate |= to_opensim([f"ground_force_1_p{axis}" for axis in "xyz"], np.tile(POINT, (len(fast), 1)))
+    write_opensim(tmp_path / "grf.mot", fast, plate)
+    columns = zip(JOINTS, COLUMNS, moments, strict=True)
+    lines = [f'q_{joint} = "{angle}"\ntau_{joint} = "{moment}"' for joint, angle, moment in columns]
+    lab = "\n".join(["[columns]", *lines, "[plates]", '1 = "left_foot"\n'])
+    (tmp_path / "lab.toml").write_text(lab, encoding="utf-8")
+    return exoid.load_leg("bleex", side="left")
+
+
+def identified(exoid_, leg):
+    """Parameters of the leg that the command line finds."""
+    run = exoid_("identify", "bleex", *TRIAL, "--terms", "none", "-o", "est.json", "--json")
+    assert run.code == 0, run.err
+    found = json.loads(run.out)
+    assert found["inputs"][0]["name"] == "ik.mot + id.sto"
+    return [found["values"][name] for name in leg.parameter_names]
+
+
+def test_a_trial_in_three_files_gives_the_leg_that_moved(exoid_, trial):
+    np.testing.assert_allclose(identified(exoid_, trial), trial.parameters, rtol=5e-3, atol=2e-3)
+    run = exoid_("validate", "est.json", *TRIAL, "--json")
+    assert run.code == 0, run.err
+    assert max(json.loads(run.out)["nrmse"]) < 0.02
+
+
+def test_a_planar_pelvis_counts_and_a_part_of_one_is_refused(exoid_, trial, tmp_path):
+    text = (tmp_path / "ik.mot").read_text(encoding="utf-8")
+    for name in ("pelvis_list", "pelvis_rotation", "pelvis_tz"):
+        text = text.replace(name, f"other_{name[7:]}")
+    (tmp_path / "ik.mot").write_text(text, encoding="utf-8")
+    np.testing.assert_allclose(identified(exoid_, trial), trial.parameters, rtol=5e-3, atol=2e-3)
+    (tmp_path / "ik.mot").write_text(text.replace("pelvis_ty", "other_ty"), encoding="utf-8")
+    run = exoid_("identify", "bleex", *TRIAL)
+    assert run.code == 2
+    assert "'pelvis_ty'" in run.err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("ik.mot", "--with", "id.sto", "--forces", "grf.mot"), ("grf.mot", "--plate PLATE=LINK; its plates are 1")),
+        (("ik.mot", "--with", "later.sto", "--columns", "lab.toml"), ("later.sto", "of one trial")),
+        (("ik.mot", "--with", "lab.toml", "--columns", "lab.toml"), ("lab.toml", "time")),
+    ],
+)
+def test_what_does_not_belong_together_is_refused(exoid_, trial, tmp_path, options, words):
+    time = 100.0 + np.arange(100) / 100.0
+    write_opensim(tmp_path / "later.sto", time, {"hip_flexion_l_moment": 0.0 * time})
+    run = exoid_("identify", "bleex", *options)
+    assert run.code == 2
+    assert all(word in run.err for word in words), run.err
