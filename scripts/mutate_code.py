@@ -140,7 +140,7 @@ def run_tests(copy: Path, tests: list[str], seconds: int) -> Outcome:
         if done.returncode < 0:  # killed by the limit
             return Outcome("not decided", f"{seconds} s are over")
         if done.returncode != 0:
-            failed = re.findall(r"^(?:FAILED|ERROR) (\S+?\.py\S*)", done.stdout, flags=re.MULTILINE)
+            failed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", done.stdout, flags=re.MULTILINE)
             return Outcome("caught", failed[0] if failed else "")
     return Outcome("survived")
 

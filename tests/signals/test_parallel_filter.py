@@ -55,7 +55,7 @@ def test_sums_of_products_over_every_pace_th_row_are_those_over_all_rows(rate, c
     every = parallel(x, rows)
     few = parallel(x, rows[:: parallel.stride])
     scale = np.sqrt(np.multiply.outer(np.mean(every**2, axis=1), np.mean(every**2, axis=1)))
-    np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=2e-3)
+    np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=1e-3)
 
 
 @pytest.mark.parametrize(

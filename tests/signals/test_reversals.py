@@ -34,6 +34,15 @@ def test_any_torque_at_a_reversal_vanishes():
     assert np.linalg.norm(left) < 0.02 * np.linalg.norm(filtered)
 
 
+def test_pulses_lie_from_end_to_end_of_each_reversal_a_quarter_of_the_period_apart():
+    spans = ((1000, 1040), (3000, 3100), (5300, 5301))
+    found = reversal_pulses(reversals(*spans), FILTER)
+    for start, end in spans:
+        inside = found[(found >= start - 50) & (found < end + 50)]
+        assert (inside[0], inside[-1]) == (start, end - 1)
+        assert np.diff(inside, append=end).max() <= FILTER.rate / (4.0 * FILTER.cutoff) + 1.0
+
+
 def test_rows_far_from_reversals_stay():
     unknown = reversals((5000, 5040))
     signal = FILTER(np.random.default_rng(1).normal(size=(2, SAMPLES)), ROWS)
