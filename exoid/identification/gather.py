@@ -80,7 +80,7 @@ def begin(
     if len(pairs) > 1:
         refuse_nonlinear_terms(next(iter(pairs.values()))[0], chosen)
     groups = tuple(
-        Group(name, TorqueModel.at_start(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
+        Group(name, _model(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
         for name, (of_group, data) in pairs.items()
     )
     return Problem(groups, own_parameters(groups, own), knowledge, chosen)
@@ -172,8 +172,15 @@ def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:
 
 def _remodelled(problem: Problem, own: str | Sequence[str] | None, apart: Sequence[str] = ()) -> Problem:
     """Make the torque model of each group anew: terms have changed, or some parameters stand apart."""
-    separate = (*problem.given.known_names, *apart)
+    known = problem.given.known_names
     groups = tuple(
-        replace(group, model=TorqueModel.at_start(group.model.leg, problem.terms, separate)) for group in problem.groups
+        replace(group, model=_model(group.model.leg, problem.terms, known, apart)) for group in problem.groups
     )
     return replace(problem, groups=groups, own=own_parameters(groups, own))
+
+
+def _model(leg: Leg, terms: Sequence[Term], known: Sequence[str], apart: Sequence[str] = ()) -> TorqueModel:
+    """Make a torque model: parameters are regrouped into free ones only, since a known one cannot take them in."""
+    model = TorqueModel.at_start(leg, terms, (*known, *apart))
+    freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(known)]
+    return TorqueModel.at_start(leg, terms, (*known, *apart, *freed)) if freed else model

@@ -209,7 +209,7 @@ ALL = TorqueModel(exoid.load_leg("bleex"), (Coulomb(), Viscous(), Armature())).n
         {"known": {"X9": 1.0}},
         {"known": {"X1": np.nan}},
         {"known": {"X1": "heavy"}},
-        {"known": dict.fromkeys(ALL, 1.0)},
+        {"known": dict.fromkeys((*ALL, "Ia_hip"), 1.0)},
         {"prior": {"J3": 0.05}},
         {"prior": {"J3": (0.05, 0.0)}},
         {"prior": {"J3": (0.05, 0.1)}, "known": {"J3": 0.05}},
@@ -234,3 +234,22 @@ def test_assumptions_hold_beside_friction_that_makes_the_model_nonlinear(swing):
     np.testing.assert_allclose(loads, 0.0, atol=1e-4)
     assert min(loads) >= 0.0
     np.testing.assert_allclose(est.values[: len(swing.truth)], swing.truth, atol=1e-2)
+
+
+def test_where_the_bodies_are_known_the_rotor_of_the_hip_is_found(swing):
+    """It acts as J1 does, but a known J1 cannot take it in; a rotor apart from unknown bodies stays in J1."""
+    rotors, noise = (
+        np.array([0.3, 0.2, 0.05]),
+        np.random.default_rng(4).normal(scale=0.3 * NOISE, size=swing.motion[0].shape),
+    )
+    tau = swing.recording().tau + rotors * swing.motion[2] + noise
+    recording, terms = swing.recording(tau=tau), (*TERMS, Armature())
+    bodies = dict(zip(swing.leg.parameter_names, swing.leg.parameters, strict=True))
+    found = identify(swing.leg, recording, terms, preparation=PLAIN, known=bodies)
+    for label, rotor in zip(swing.leg.joint_labels, rotors, strict=True):
+        parameter = found[f"Ia_{label}"]
+        assert abs(parameter.value - rotor) < 4.0 * parameter.std < 0.5 * rotor
+    del bodies["J1"]
+    merged = identify(swing.leg, recording, terms, preparation=PLAIN, known=bodies)
+    assert "Ia_hip" not in merged.names
+    assert merged.value("J1") == pytest.approx(swing.leg.parameters[2] + rotors[0], abs=4.0 * merged["J1"].std)
