@@ -15,7 +15,19 @@ from .options import LogOptions
 TABLES = {"columns": "column", "plates": "plate"}
 """Option that each table of the file stands for: headers by exoid's column, links by plate."""
 
-KEYS = ("degrees", "topic", "received", "mask", "names", "format", "passive", "unmeasured", "base_position", "wrench")
+KEYS = (
+    "degrees",
+    "gaps",
+    "topic",
+    "received",
+    "mask",
+    "names",
+    "format",
+    "passive",
+    "unmeasured",
+    "base_position",
+    "wrench",
+)
 """Options that are those of a laboratory; others are those of one log."""
 
 EXAMPLE = '[columns] and below it q_hip = "pos1:deg", tau_hip = "current:0.118"'

@@ -90,6 +90,7 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         topic=options.topic,
         stamps="received" if options.received else "header",
         mask=options.mask,
+        gaps=options.gaps,
         names=split_names(options.names),
         format=options.format,
         passive=split_names(options.passive) or (),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from typer import Argument, Option
 
@@ -78,6 +78,9 @@ class LogOptions(NamedTuple):
     ] = None
     start: Annotated[Number, Option(metavar="S", help="Use each log from this time stamp on [s].")] = None
     stop: Annotated[Number, Option(metavar="S", help="Use each log up to before this time stamp [s].")] = None
+    gaps: Annotated[
+        Literal["refuse", "split"], Option(help="Refuse gaps and repeated time stamps, or split logs there.")
+    ] = "refuse"
     topic: Annotated[Text, Option(metavar="NAME", help="Topic of joint states in a ROS bag.")] = None
     received: Annotated[
         bool, Option("--received", help="Use the times of arrival in a bag, not those in the headers.")

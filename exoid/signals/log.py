@@ -46,10 +46,17 @@ def read_log(
     missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
     checks.refuse_not_finite(numbers[:, ~missing], kept, where)
-    time = numbers[:, 0]
-    checks.refuse_time_disorder(time, where)
+    mask = None if options.get("mask") is None else read_mask(table, str(options["mask"]))
+    splits = options.get("gaps") == "split"
+    if splits:
+        new = np.append(True, np.diff(numbers[:, 0]) != 0.0)
+        numbers, mask = numbers[new], None if mask is None else mask[new]
+        where = SourceLocation(None if table.lines is None else table.lines[new], headers, table.row_name)
+    checks.refuse_time_disorder(numbers[:, 0], where)
     checks.refuse_implausible("", numbers[:, ~missing][:, 1:], kept[1:], where)
-    found = dict(zip(names, numbers.T, strict=True))
+    time, found = numbers[:, 0], dict(zip(names, numbers.T, strict=True))
+    if splits:
+        time, found, mask = _split_at_gaps(time, found, mask)
     arrays = _arrays(found, joints, of_joints)
     largest_angle = options.get("largest_angle", checks.LARGEST_ANGLE)
     checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
@@ -58,19 +65,32 @@ def read_log(
     payloads = payloads_of(table, options.get("payloads"))
     if options.get("resample", True) and not timebase.is_uniform(time):
         timebase.refuse_gaps(time, where)
-    mask, links = options.get("mask"), {name: found[name] for name in of_links}
+    links = {name: found[name] for name in of_links}
     return {
         "time": time,
         **arrays,
         "joint_names": joints,
         "source": table.source,
-        "mask": None if mask is None else read_mask(table, mask),
+        "mask": mask,
         "largest_angle": largest_angle,
         "passive": checks.as_joints(options.get("passive", ()), joints, "passive"),
         "payloads": payloads,
         "base": read_base(table, time, {name: found[name] for name in of_base}, options.get("base_position")),
         **read_external(table, links, options.get("wrench_frames")),
     }
+
+
+def _split_at_gaps(
+    time: FloatArray, found: dict[str, FloatArray], mask: BoolArray | None
+) -> tuple[FloatArray, dict[str, FloatArray], BoolArray | None]:
+    """Fill gaps with rows that do not count."""
+    table, counted = timebase.split_at_gaps(np.column_stack(list(found.values())))
+    if counted.all():
+        return time, found, mask
+    filled = dict(zip(found, table.T, strict=True))
+    filled |= {name: np.round(values) for name, values in filled.items() if name.startswith("contact_")}
+    kept = counted if mask is None else counted & timebase.interpolate_mask(time, mask, table[:, 0])
+    return table[:, 0], filled, kept
 
 
 def _arrays(

@@ -24,6 +24,10 @@ At 1 rad/s and 100 Hz it changes an angle by 1e-5 rad, less than one count of a 
 """
 
 
+NEAR_GAP = 0.5
+"""Time before and behind a gap in which rows do not count [s]."""
+
+
 def is_uniform(time: FloatArray) -> bool:
     """Tell whether every interval is within `EVENNESS` of the median interval."""
     intervals = np.diff(time)
@@ -41,18 +45,47 @@ def sampling_rate(time: FloatArray) -> float:
     return float(1.0 / np.median(np.diff(time)))
 
 
+def _longest_interval(intervals: FloatArray) -> float:
+    """Interval beyond which it is a gap [s]: 20 ms, or 10 to 100 median intervals."""
+    return float(np.clip(0.02, 10.0 * np.median(intervals), 100.0 * np.median(intervals)))
+
+
 def refuse_gaps(time: FloatArray, where: SourceLocation = ARRAY) -> None:
-    """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals."""
+    """Refuse time stamps with a gap."""
     intervals = np.diff(time)
-    limit = float(np.clip(0.02, 10.0 * np.median(intervals), 100.0 * np.median(intervals)))
+    limit = _longest_interval(intervals)
     gaps = np.flatnonzero(intervals > limit)
     if gaps.size:
         row = int(gaps[0]) + 1
         raise UnreadableInputError(
             f"a gap of {intervals[row - 1]:.4g} s before this row (limit {limit:.4g} s; {gaps.size} in all)",
             **where.evidence(row),
-            remedy="split the log there and pass the parts as several recordings",
+            remedy='pass gaps="split", or split the log there and pass the parts as several recordings',
+            command="give --gaps split, or split the log there and name the parts",
         )
+
+
+def split_at_gaps(table: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Fill gaps in rows whose first column is time; rows in gaps and near them do not count."""
+    # A grid without gaps is what filters need. They spread what is made up by `NEAR_GAP` at most, if cut-offs are 4 Hz
+    # or more: two periods.
+    time = table[:, 0]
+    intervals = np.diff(time)
+    step, gaps = float(np.median(intervals)), np.flatnonzero(intervals > _longest_interval(intervals))
+    if not gaps.size:
+        return table, np.ones(len(time), dtype=np.bool_)
+    if intervals[gaps].sum() > 10.0 * (time[-1] - time[0] - intervals[gaps].sum()):
+        raise UnreadableInputError(
+            f"gaps of {intervals[gaps].sum():.4g} s in a log of {time[-1] - time[0]:.4g} s",
+            remedy="check the unit of time; pass parts that belong to different days as several recordings",
+        )
+    made_up = [np.linspace(time[k], time[k + 1], round(intervals[k] / step) + 1)[1:-1] for k in gaps]
+    grid = np.insert(time, np.repeat(gaps + 1, [len(part) for part in made_up]), np.concatenate(made_up))
+    filled = np.column_stack([grid, interpolate(time, table[:, 1:], grid, smooth=False)])
+    counted = np.ones(len(grid), dtype=np.bool_)
+    for k in gaps:
+        counted[(grid > time[k] - NEAR_GAP) & (grid < time[k + 1] + NEAR_GAP)] = False
+    return filled, counted
 
 
 def even_grid(time: FloatArray, rate: float) -> FloatArray:

@@ -19,6 +19,8 @@ class ReadOptions(TypedDict, total=False):
     Attributes:
         beside: Other files of the same clock, whose columns are interpolated at the time stamps of the first one, such
             as torques of an inverse dynamics. Of columns of one name that of the first file counts.
+        gaps: "refuse" gaps and repeated stamps (if left out), or "split" the log there: rows in a gap and 0.5 s around
+            it do not count, nor do rows with the stamp of the row before.
         angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.
         largest_angle: Limit of the angles [rad], beyond which they count as degrees; 2π if left out.
         resample: Whether to resample uneven time stamps, as :meth:`exoid.Recording.resampled` does; True if left out.
@@ -40,6 +42,7 @@ class ReadOptions(TypedDict, total=False):
     """
 
     beside: Sequence[str | os.PathLike[str]]
+    gaps: Literal["refuse", "split"]
     angle_unit: Literal["rad", "deg"]
     largest_angle: float
     resample: bool
@@ -75,10 +78,10 @@ def refuse_unknown_options(options: Mapping[str, object]) -> None:
             raise TypeError(
                 f"unexpected option {name!r}; options are {', '.join(sorted(ReadOptions.__optional_keys__))}"
             )
-    if options.get("angle_unit", "rad") not in ("rad", "deg"):
-        raise BadArgumentError(
-            f"angle_unit is {options['angle_unit']!r}", remedy='pass angle_unit="rad" or angle_unit="deg"'
-        )
+    for name, known in (("angle_unit", ("rad", "deg")), ("gaps", ("refuse", "split"))):
+        if options.get(name, known[0]) not in known:
+            remedy = f'pass {name}="{known[0]}" or {name}="{known[1]}"'
+            raise BadArgumentError(f"{name} is {options[name]!r}", remedy=remedy)
 
 
 def as_json(request: ReadRequest) -> dict[str, Any]:
