@@ -7,12 +7,10 @@ from .properties import check_properties
 from .regulation import regulate
 from .rest import find_equilibrium, find_limit_cycle
 from .worn.amplification import Amplification, largest_amplification
-from .worn.better_experiments import better_experiments
 from .worn.probability import stability_probability
 
 __all__ = [
     "Amplification",
-    "better_experiments",
     "check_properties",
     "find_equilibrium",
     "find_limit_cycle",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, frictionless
+from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, frictionless
 from integrated_worn_leg import WornLeg
 
 import exoid
@@ -16,12 +16,8 @@ from exoid import ExoidError, published
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
 from exoid.control.lqr import linearise
 from exoid.experiments import Hold
-from exoid.experiments.excitation import MotionLimits, plan_excitation
-from exoid.experiments.excitation.precision import predict
-from exoid.experiments.excitation.scales import Scales, TorqueNoise
-from exoid.lab.stability import better_experiments, largest_amplification, stability_probability
+from exoid.lab.stability import largest_amplification, stability_probability
 from exoid.lab.stability.gain_margin import spectral_radius
-from exoid.lab.stability.worn.better_experiments import covariance_after
 from exoid.lab.stability.worn.draws import draw_truths, variance_shares
 from exoid.lab.stability.worn.linear_law import linear_law, loop_matrices
 from exoid.lab.stability.worn.worn_leg import hold, linear_leg, linear_legs, linear_wearer
@@ -220,30 +216,6 @@ def test_draws_have_the_covariance_and_only_possible_legs():
         draw_truths(est.model, -est.values, est.covariance, 10, 0)
     with pytest.raises(ExoidError, match="covariance of J2"):
         draw_truths(est.model, est.values, np.diag(np.where(np.arange(10) == 5, np.inf, 1.0)), 10, 0)
-
-
-def test_an_experiment_adds_its_information():
-    """The covariance after a second motion is that predicted for both; 1 % is the filter's edge and the sandwich."""
-    est, limits = exact_estimate(), MotionLimits.of(LEG)
-    scales, noise = Scales.of(est.model, limits), TorqueNoise((0.3, 0.3))
-    first, second = (
-        plan_excitation(LEG, TERMS, duration=20.0, highest=highest, starts=1, noise=0.3) for highest in (0.5, 1.0)
-    )
-    one = predict(est.model, first.recordings, noise, scales, est.preparation)
-    both = predict(est.model, [*first.recordings, *second.recordings], noise, scales, est.preparation)
-    later = covariance_after(replace(est, covariance=one.covariance), second, noise)
-    np.testing.assert_allclose(np.sqrt(np.diag(later)), both.std, rtol=0.05)
-
-
-@pytest.mark.nightly
-def test_more_experiments_raise_the_amplification(wearer):
-    est = wrong_estimate()
-    found = better_experiments(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100, duration=20.0, noise=0.3)
-    assert found.best in found.after
-    assert found.after[found.best].largest > 1.5 * found.now.largest
-    assert "none" in str(found)
-    assert found.best[:20] in str(found)
-    assert found.to_json()["best"] == found.best
 
 
 def test_the_scan_finds_the_first_of_several_boundaries(wearer):

@@ -210,14 +210,12 @@ def largest_amplification(
         return Amplification(name, values, exact, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
     if not isinstance(source, Estimate):
         raise BadArgumentError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
-    return amplification_of_draws(loop, source, source.covariance, share, draws, most, seed)
+    return _of_draws(loop, source, share, draws, most, seed)
 
 
-def amplification_of_draws(
-    loop: WornLoop, estimate: Estimate, covariance: FloatArray, share: float, draws: int, most: float, seed: int
-) -> Amplification:
+def _of_draws(loop: WornLoop, estimate: Estimate, share: float, draws: int, most: float, seed: int) -> Amplification:
     """Find the largest amplification over draws of the true parameters."""
-    model = estimate.model.loaded_by(estimate.values)
+    model, covariance = estimate.model.loaded_by(estimate.values), estimate.covariance
     drawn = draw_truths(model, estimate.values, covariance, draws, seed)
     legs = loop.legs(model, drawn.parameters)
     values = loop.largest(legs)
