@@ -200,8 +200,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             arm = add("arm", j, 0, 1)
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, group=True, form=arms[j].what))
     if n > 1:
-        late = tuple(k for k, column in enumerate(columns) if column.kind == "delay")
-        faults.insert(0, Nuisance("torque-delay", "", -1, "s", late))
+        faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))
         faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt, group=True))
