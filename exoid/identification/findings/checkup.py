@@ -115,7 +115,7 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         if (checked.nrmse > POOR).any() or checked.below.any():
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))
-        if not found and all(finding.joint for finding in scales):
+        if not found:
             found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
         if not found:
@@ -132,7 +132,7 @@ def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Find
     model = fitted.model
     if scales:  # to the fit of all joints, another unit of one would look like other faults
         factors = np.ones(len(model.joint_names))
-        for finding in scales:
+        for finding in (one for one in scales if one.joint and one.severity != "info"):
             factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))
