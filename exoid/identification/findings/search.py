@@ -166,7 +166,7 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     torque[own] = applied  # as it was logged
     friction = np.append(evidence.free, count + np.array((*beside.always, *beside.friction), dtype=np.intp))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
-    errors = np.full((4, len(evidence.factors)), TINY)
+    errors = np.zeros((4, len(evidence.factors)))
     for out in blocks:
         fitted = (blocks.sum(axis=0) - out).sum(axis=0)
         for k, columns in enumerate((bare, np.append(bare, own), evidence.free, friction)):
@@ -174,8 +174,9 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
             left = torque - Z @ (scaled_inverse(Z.T @ fitted @ Z) @ (Z.T @ fitted @ torque))
             errors[k] += np.einsum("i,jik,k->j", left, out, left)
     # Gains of log likelihood per row, of all joints. Residuals of wrong friction look a little like any fault.
+    errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
     gain, of_friction = np.log(errors[::2] / errors[1::2]).sum(axis=1).tolist()
-    least = 0.0 if fault.kind == "unmodelled-friction" else float(np.clip(0.4 * of_friction, 0.0, 0.9))
+    least = 0.0 if fault.kind == "unmodelled-friction" else float(np.clip(0.36 * of_friction, 0.0, 0.9))
     return bool(gain > least)
 
 
@@ -227,8 +228,8 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
     if fault.moves_far:  # too large for a linear estimate of what it moves
         acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
         doubtful |= acting.any(axis=0) & (score.half > 0.0)
-    # An error has to be worth stopping for: a parameter moves far, and a joint's predicted torque by 2 %.
-    severity: Severity = "error" if fault.moves_far and fault.change > 0.02 else "warning"
+    # An error has to be worth stopping for: a parameter moves far, and a joint's predicted torque by 5 %.
+    severity: Severity = "error" if fault.moves_far and fault.change > 0.05 else "warning"
     effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     both = [(score, doubtful)]
     for one in fault.alternatives:
