@@ -134,7 +134,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default=f"{REPORTED}:{REPORTED + 40}", help="first:last + 1")
     parser.add_argument("--features", default="fit,select,check,doctor", help="of these")
-    parser.add_argument("--mistakes", type=int, help="how many mistakes the doctor sees, of the first; all if not given")
+    parser.add_argument("--mistakes", type=int, help="how many of the mistakes, the first; all if not given")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--keep", type=Path, help="file with a line of JSON for each machine")
     given = parser.parse_args()

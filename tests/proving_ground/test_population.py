@@ -7,7 +7,6 @@ import pytest
 
 from .population import best_for_all, population
 
-
 OF_TORQUES = "sign of one torque", "one torque 40 ms late", "two far joints swapped", "velocity 5 ms late"
 
 
