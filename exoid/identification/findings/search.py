@@ -144,11 +144,10 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
     if fault.is_corrected:
         total = applied + score.delta[:1]
         t = float(total[0]) / max(float(score.std[0]), 1e-300)
-        move = -plain.moved(fault.columns, np.repeat(total, len(fault.columns)))
+        move = -plain.moved(fault.columns, total)
         p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
         score = score._replace(delta=total, p_value=p_value, move=move)
-    sizes = score.delta if fault.group else np.repeat(score.delta, len(fault.columns))
-    torque = evidence.torque_shares(count + np.array(fault.columns), sizes[:, None])
+    torque = evidence.torque_shares(count + np.array(fault.columns), score.delta[:, None])
     change = evidence.torque_shares(np.arange(count), score.move[:, None])
     predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)
     return Fault(score, alternatives, reach, float(torque[0]), float(change[0]), predicts)
