@@ -93,8 +93,7 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     }
 
     def of_groups(samples: BoolArray) -> BoolArray:
-        """Whether all samples of each group count."""
-        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))
+        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))  # all samples of a group count
 
     mask = None if one.mask is None else of_groups(one.mask)
     base = None if one.base is None else one.base.averaged(size)

@@ -24,11 +24,9 @@ from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovar
 from .evidence import TINY, Evidence, r_factor
 from .kinds import Nuisance
 
-WORTH_A_LOOK = 0.01
-"""Below this probability the variance of the score is also taken from blocks of time."""
-
-LARGE_GAIN = 0.05
-"""A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
+WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05
+"""Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than
+this part of the squared residuals is tested with the noise that is left then."""
 
 HALF_WIDTH = 1.96
 """Half of a 95 % interval, in standard deviations."""

@@ -34,14 +34,8 @@ class Fault(NamedTuple):
     score: Score  # test, with its size and what it moves
     alternatives: tuple[Score, ...]  # faults that explain the log about as well
     reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
-    torque: float  # RMS torque of the fault over that of its joint
     change: float  # RMS change of the predicted torque of a joint by the parameters that move, over its RMS torque
-    predicts: bool  # whether rows left out are predicted better with it
-
-    @property
-    def matters(self) -> bool:
-        """Whether the fault has a size that matters, and predicts better."""
-        return self.predicts and self.score.nuisance.is_large_enough(self.score.delta, self.torque)
+    matters: bool  # whether it has a size that matters, and rows left out are predicted better with it
 
     @property
     def moves_far(self) -> bool:
@@ -150,7 +144,9 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
     torque = evidence.torque_shares(count + np.array(fault.columns), score.delta[:, None])
     change = evidence.torque_shares(np.arange(count), score.move[:, None])
     predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)
-    return Fault(score, alternatives, reach, float(torque[0]), float(change[0]), predicts)
+    matters = predicts and fault.is_large_enough(score.delta, float(torque[0]))
+    alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))
+    return Fault(score, alternatives, reach, float(change[0]), matters)
 
 
 def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) -> bool:
@@ -232,8 +228,7 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
     effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     both = [(score, doubtful)]
     for one in fault.alternatives:
-        other = (one.nuisance.kind, one.nuisance.joint) != (score.nuisance.kind, joint)
-        if other and one.nuisance.is_large_enough(one.delta, fault.torque):
+        if (one.nuisance.kind, one.nuisance.joint) != (score.nuisance.kind, joint):
             both.append((one, one.moves > DOUBTFUL_MOVE))
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
