@@ -80,7 +80,7 @@ def doctor(outcomes: Sequence[Outcome]) -> str:
     rows = []
     for mistake in MISTAKES:
         named = [o.named[mistake] for o in outcomes if mistake in o.named]
-        rows.append((mistake, f"{sum(named)} of {len(named)} named"))
+        rows += [(mistake, f"{sum(named)} of {len(named)} named")] * bool(named)
     judged = [o for o in outcomes if "checked" in o.nrmse]
     for severity in ("error", "warning"):
         false = [o for o in judged if severity in {s for s, _ in o.false}]

@@ -22,8 +22,7 @@ from exoid.torques import Coulomb, Motion, TorqueModel
 
 from .arms import ArmShapes
 
-STEP = 1e-4
-"""Step of finite differences [rad, or a part of the quantity]."""
+STEP = 1e-4  # of finite differences [rad, or a part of the quantity]
 
 
 class Column(NamedTuple):

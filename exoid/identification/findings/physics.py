@@ -21,8 +21,7 @@ from exoid.torques import TorqueModel
 from .evidence import Evidence
 from .sample import FittedLeg
 
-IMPOSSIBLE = 4.5
-"""Parameters that no leg can have are so many standard deviations from the nearest that one can."""
+IMPOSSIBLE = 4.5  # standard deviations of parameters that no leg can have from the nearest that one can
 
 
 class CheckedFit(NamedTuple):
