@@ -80,7 +80,7 @@ def doctor(outcomes: Sequence[Outcome]) -> str:
     rows = []
     for mistake in MISTAKES:
         named = [o.named[mistake] for o in outcomes if mistake in o.named]
-        rows.append((mistake, f"{sum(named)} of {len(named)} named"))
+        rows += [(mistake, f"{sum(named)} of {len(named)} named")] * bool(named)
     judged = [o for o in outcomes if "checked" in o.nrmse]
     for severity in ("error", "warning"):
         false = [o for o in judged if severity in {s for s, _ in o.false}]
@@ -133,7 +133,8 @@ def main() -> None:
     """Read options and run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default=f"{REPORTED}:{REPORTED + 40}", help="first:last + 1")
-    parser.add_argument("--features", default="fit,select,doctor", help="of these")
+    parser.add_argument("--features", default="fit,select,check,doctor", help="of these")
+    parser.add_argument("--mistakes", type=int, help="how many of the mistakes, the first; all if not given")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--keep", type=Path, help="file with a line of JSON for each machine")
     given = parser.parse_args()
@@ -141,7 +142,7 @@ def main() -> None:
     known = given.keep.read_text(encoding="utf-8").splitlines() if given.keep and given.keep.exists() else []
     outcomes = {outcome.machine.seed: outcome for outcome in map(from_json, known)}
     missing, features = [seed for seed in seeds if seed not in outcomes], given.features.split(",")
-    for outcome in population(missing, workers=given.workers, features=features):
+    for outcome in population(missing, workers=given.workers, features=features, mistakes=given.mistakes):
         outcomes[outcome.machine.seed] = outcome
         print(line(outcome), file=sys.stderr, flush=True)
         if given.keep:

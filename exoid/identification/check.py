@@ -31,9 +31,7 @@ def check(
 ) -> tuple[Finding, ...]:
     """Check logs for the mistakes that real logs have: the findings of :func:`exoid.identify`.
 
-    Channels are checked first: rails, frozen and repeated values, dropouts, missing samples. Then the leg is
-    identified, and the residuals are tested against late torques, wrong zeros and scales, a tilted base, wrong lengths,
-    straps and friction of another form. ``docs/checks.md`` lists all kinds of findings.
+    Channels are checked first, then the residuals of a fit. ``docs/checks.md`` lists all kinds of findings.
 
     Args:
         leg: The leg.

@@ -313,7 +313,8 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
         "",
         share,
         "1",
-        "error" if kept else "warning" if share > MUCH_LEFT_OUT else "info",
+        # with a load cell alone no contact can be labelled wrongly: the model may be poor
+        "error" if kept and support != MEASURED else "warning" if kept or share > MUCH_LEFT_OUT else "info",
         f"{share:.1%} of the samples with {support} do not fit the others: a contact is labelled wrongly, slips, or "
         "another force acts; " + ("they are too many to leave out" if kept else "they were left out"),
         "check contacts and other forces on the leg",

@@ -18,11 +18,10 @@ from exoid.torques.contacts.standing_base import StandingBase, standing_base
 from .group_rows import Group
 from .problem import Fitted, Problem
 
-TILT = 5e-5
-"""Compliance at which its effect is computed [rad/(N·m)]: a sole of 20 kN·m/rad."""
-
-DELAY = 2e-3
-"""Delay at which its effect is computed [s]."""
+TILT, DELAY = (
+    5e-5,
+    2e-3,
+)  # compliance [rad/(N·m)], of a sole of 20 kN·m/rad, and delay [s] at which effects are computed
 
 
 class RowChanges(NamedTuple):

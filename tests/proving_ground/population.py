@@ -40,42 +40,138 @@ def forms() -> dict[str, Form]:
     return models
 
 
-def swap(recording: Recording, joint: int) -> Recording:
-    """Swap the torques of a joint and of the one farthest from it."""
-    count = recording.n_joints
-    order, other = np.arange(count), count - 1 if joint < count / 2 else 0
-    order[[joint, other]] = order[[other, joint]]
-    return replace(recording, tau=recording.tau[:, order])
+Spoil = Callable[[Recording, int], Recording | list[Recording]]
 
 
-def late(recording: Recording, joint: int) -> Recording:
-    """Make the torque of one joint 40 ms late."""
-    tau, shift = recording.tau.copy(), round(0.04 * recording.sample_rate)
-    tau[shift:, joint] = recording.tau[:-shift, joint]
-    return replace(recording, tau=tau)
+def column(name: str, change: Callable[[Array, Recording], Array]) -> Spoil:
+    """Change one quantity of one joint."""
+
+    def spoil(recording: Recording, joint: int) -> Recording:
+        values = getattr(recording, name).copy()
+        values[:, joint] = change(values[:, joint], recording)
+        return replace(recording, **{name: values})
+
+    return spoil
 
 
-def turned(recording: Recording, joint: int) -> Recording:
-    """Log the torque of one joint with the wrong sign."""
-    tau = recording.tau.copy()
-    tau[:, joint] *= -1.0
-    return replace(recording, tau=tau)
+def swap(name: str, *, neighbour: bool = False) -> Spoil:
+    """Swap a quantity of a joint with that of the one farthest from it, or of a neighbour."""
+
+    def spoil(recording: Recording, joint: int) -> Recording:
+        count = recording.n_joints
+        order, other = np.arange(count), count - 1 if joint < count / 2 else 0
+        if neighbour:
+            other = joint - 1 if joint else 1
+        order[[joint, other]] = order[[other, joint]]
+        return replace(recording, **{name: getattr(recording, name)[:, order]})
+
+    return spoil
 
 
-def late_velocity(recording: Recording, joint: int) -> Recording:
-    """Log velocities that are 5 ms late, as those of a filtered estimate are."""
-    stamps = recording.time - 0.005
-    v = np.gradient(recording.q, recording.time, axis=0)
-    return replace(recording, v=np.column_stack([np.interp(stamps, recording.time, x) for x in v.T]))
+def late(seconds: float) -> Callable[[Array, Recording], Array]:
+    """Make a signal late."""
+
+    def change(x: Array, recording: Recording) -> Array:
+        shift = max(1, round(seconds * recording.sample_rate))
+        return np.concatenate([x[:shift], x[:-shift]])
+
+    return change
 
 
-MISTAKES: dict[str, tuple[Callable[[Recording, int], Recording], str]] = {
-    "sign of one torque": (turned, "torque-sign"),
-    "one torque 40 ms late": (late, "torque-delay"),
-    "two far joints swapped": (swap, "joint-order"),
-    "velocity 5 ms late": (late_velocity, "velocity-delay"),
+def velocity(seconds: float = 0.0, gain: float = 1.0) -> Spoil:
+    """Log velocities that are late, as those of a filtered estimate are, or out of scale."""
+
+    def spoil(recording: Recording, joint: int) -> Recording:
+        stamps = recording.time - seconds
+        v = gain * np.gradient(recording.q, recording.time, axis=0)
+        return replace(recording, v=np.column_stack([np.interp(stamps, recording.time, x) for x in v.T]))
+
+    return spoil
+
+
+def some(x: Array, share: float) -> Array:
+    """Choose some samples, the same each time."""
+    return np.random.default_rng(3).random(len(x)) < share
+
+
+def held(seconds: float) -> Callable[[Array, Recording], Array]:
+    """Keep the value where the signal moves fastest."""
+
+    def change(x: Array, recording: Recording) -> Array:
+        count = round(seconds * recording.sample_rate)
+        first = int(np.argmax(np.abs(np.gradient(x))[: len(x) - count - 10]))
+        return np.where((np.arange(len(x)) >= first) & (np.arange(len(x)) < first + count), x[first], x)
+
+    return change
+
+
+def without_samples(recording: Recording, joint: int) -> Recording:
+    """Lose 60 ms where the machine moves fastest, while the stamps run on."""
+    lost = max(2, round(0.06 * recording.sample_rate))
+    speed = np.abs(np.gradient(recording.q, axis=0)).sum(axis=1)[: -10 * lost]
+    kept = np.ones(len(recording), dtype=bool)
+    kept[int(np.argmax(speed)) :][:lost] = False
+    short = recording.slice(0, int(kept.sum()))
+    return replace(short, q=recording.q[kept], tau=recording.tau[kept])
+
+
+def spring(recording: Recording, joint: int) -> Recording:
+    """Let a spring act that takes a third of the torque."""
+    q = recording.q[:, joint] - recording.q[:, joint].mean()
+    return column("tau", lambda x, _: x + 0.3 * x.std() / q.std() * q)(recording, joint)
+
+
+def mixed(recording: Recording, joint: int) -> Recording:
+    """Log a share of a neighbour's torque, too."""
+    other = recording.tau[:, joint - 1 if joint else 1]
+    return column("tau", lambda x, _: x + 0.3 * x.std() / max(other.std(), 1e-9) * other)(recording, joint)
+
+
+MISTAKES: dict[str, tuple[Spoil, str]] = {
+    "sign of one torque": (column("tau", lambda x, _: -x), "torque-sign"),
+    "one torque 40 ms late": (column("tau", late(0.04)), "torque-delay"),
+    "two far joints swapped": (swap("tau"), "joint-order"),
+    "velocity 5 ms late": (velocity(0.005), "velocity-delay"),
+    "one torque 25 ms late": (column("tau", late(0.025)), "torque-delay"),
+    "all torques 20 ms late": (
+        lambda r, _: replace(r, tau=np.column_stack([late(0.02)(x, r) for x in r.tau.T])),
+        "torque-delay",
+    ),
+    "sign of all torques": (lambda r, _: replace(r, tau=-r.tau), "torque-sign"),
+    "sign of one angle": (column("q", lambda x, _: -x), "angle-sign"),
+    "angles of neighbours swapped": (swap("q", neighbour=True), "joint-order"),
+    "torque in N·mm": (column("tau", lambda x, _: 1000.0 * x), "torque-scale"),
+    "all torques in N·mm": (lambda r, _: replace(r, tau=1000.0 * r.tau), "torque-scale"),
+    "torque sensor reads 1.3 times": (column("tau", lambda x, _: 1.3 * x), "torque-scale"),
+    "zero of an angle 10° off": (column("q", lambda x, _: x + np.deg2rad(10.0)), "angle-offset"),
+    "angle reads 1.1 times": (column("q", lambda x, _: 1.1 * x), "angle-scale"),
+    "clock 1.15 times too fast": (lambda r, _: replace(r, time=r.time / 1.15), "clock"),
+    "a spring": (spring, "unmodelled-force"),
+    "sensor sees a neighbour": (mixed, "cross-talk"),
+    "torque at its rail": (
+        column("tau", lambda x, _: np.clip(x, *np.quantile(x, [0.06, 0.94]))),
+        "saturation",
+    ),
+    "angle frozen for 1 s": (column("q", held(1.0)), "stuck-channel"),
+    "torque frozen for 0.5 s": (column("tau", held(0.5)), "stuck-channel"),
+    "torque of a slower sensor": (
+        column("tau", lambda x, _: np.repeat(x[::3], 3)[: len(x)]),
+        "stale-samples",
+    ),
+    "torque drops to zero": (column("tau", lambda x, _: np.where(some(x, 0.01), 0.0, x)), "dropout"),
+    "torque has spikes": (column("tau", lambda x, _: x + 4.0 * x.std() * some(x, 0.01)), "spikes"),
+    "60 ms lost": (without_samples, "missing-samples"),
+    "angle wraps": (
+        column("q", lambda x, _: np.mod(x - np.median(x), 2.0 * np.pi)),
+        "angle-wrap",
+    ),
+    "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
+    "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
 }
 """Mistakes of a log, and the kind of finding that names them."""
+
+OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
+"""Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 
 @dataclass
@@ -103,21 +199,28 @@ class Outcome:
     refused: dict[str, str] = field(default_factory=dict)
 
 
-def attend(seed: int, *, seconds: float = TRAINING, features: Sequence[str] = ("fit", "select", "doctor")) -> Outcome:
-    """Draw, simulate and identify one machine."""
+def attend(
+    seed: int,
+    *,
+    seconds: float = TRAINING,
+    features: Sequence[str] = ("fit", "select", "check", "doctor"),
+    mistakes: int | None = None,
+) -> Outcome:
+    """Draw, simulate and identify one machine; the doctor sees the first mistakes of the table."""
     outcome = Outcome(draw(seed))
     machine, leg = outcome.machine, outcome.machine.leg()
     training = simulate(machine, seconds)
     if "doctor" in features:
-        for mistake in MISTAKES:
+        for mistake in [*MISTAKES][:mistakes]:
             _attempt(outcome, mistake, partial(_diagnose, outcome, leg, training.recording, mistake))
-    if {"fit", "select"}.isdisjoint(features):
+    if {"fit", "select", "check"}.isdisjoint(features):
         return outcome
     test = simulate(machine, TEST, test=True)
     fits: dict[str, Callable[[], exoid.Estimate]] = {}
     if "fit" in features:
         for name, form in {**forms(), "true form": (machine.terms(), "wls")}.items():
             fits[name] = partial(exoid.identify, leg, training.recording, *form, check=False)
+    if "check" in features:
         fits["checked"] = partial(exoid.identify, leg, training.recording)
     if "select" in features:
         fits["joint by joint"] = lambda: select_terms(leg, training.recording).estimate
@@ -168,12 +271,23 @@ def judge(outcome: Outcome, findings: Iterable[exoid.Finding]) -> None:
 
 def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: str) -> None:
     """See whether a mistake at some driven joint is named with that joint, or for all where all have it."""
-    spoil, kind = MISTAKES[mistake]
+    (spoil, kind), count = MISTAKES[mistake], recording.n_joints
+    unseen = outcome.machine.floating and (kind in OF_MODEL or "angles" in mistake)
+    unseen |= (kind == "cross-talk" and not 1 < count <= 4) or (kind == "clock" and count < 3)
+    unseen |= kind == "stale-samples" and recording.sample_rate < 100.0
+    if unseen:
+        return
     driven = [k for k, joint in enumerate(outcome.machine.joints) if not joint.passive]
     joint = driven[outcome.machine.seed % len(driven)]
     found = exoid.check(leg, spoil(recording, joint))
     name = recording.joint_names[joint]
-    labels = {"", name, leg.joint_labels[joint]}
+    labels = {name, leg.joint_labels[joint]}
+    # Of all, or of two joints of which only the ratio shows.
+    if mistake.startswith(("all", "sign of all", "clock", "60 ms", "log")) or (kind == "torque-scale" and count == 2):
+        labels |= {"", *recording.joint_names}
+    if kind == "angle-offset" and joint == 0:  # of the first joint it is the direction of gravity
+        kind = "gravity-direction"
+        labels |= {""}
     outcome.named[mistake] = any(f.kind == kind and (f.joint in labels or name in f.message) for f in found)
 
 

@@ -15,7 +15,7 @@ from exoid.errors import NotSupportedError
 from exoid.identification.selection import select_terms
 
 from .machine import draw
-from .population import MISTAKES, TEST, error, forms, late_velocity
+from .population import MISTAKES, TEST, error, forms
 from .simulate import simulate
 
 pytestmark = pytest.mark.nightly
@@ -97,7 +97,7 @@ def test_the_default_estimator_is_not_far_from_the_robust_one():
 
 def test_a_late_velocity_that_is_named_does_no_harm():
     machine, leg, log, test = ground(8)
-    estimate = exoid.identify(leg, late_velocity(log, 0))
+    estimate = exoid.identify(leg, MISTAKES["velocity 5 ms late"][0](log, 0))
     assert {f.joint for f in estimate.findings if f.kind == "velocity-delay"} == {*log.joint_names}
     assert error(machine, estimate, test) <= 1.02 * nrmse(8, "default")
 

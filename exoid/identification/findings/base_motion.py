@@ -18,8 +18,7 @@ from exoid.signals.moving_base import base_during
 
 from .sample import FittedLeg
 
-GRAVITY = 9.81
-"""Gravity of the models [m/s²]."""
+GRAVITY = 9.81  # [m/s²]
 
 
 def out_of_plane_torque(

@@ -133,8 +133,9 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
     for first, stop in long:
         before, after = steps[max(0, first - 6) : max(0, first - 1)], steps[stop : stop + 5]
         jump = steps[stop - 1] if stop < len(channel.x) else 0.0
-        sudden = any(len(near) > 2 and float(near.mean()) > 0.4 * usual for near in (before, after))
-        if jump > 1.5 * large or sudden:
+        # a joint that sticks stops suddenly, too, but does not start at full speed
+        sudden = [float(near.mean()) > 0.4 * usual for near in (before, after) if len(near) > 2]
+        if jump > 1.5 * large or (sudden and all(sudden)):
             frozen.append((first, stop))
     yield from _frozen(channel, frozen)
 

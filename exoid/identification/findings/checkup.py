@@ -38,19 +38,6 @@ from .score import State
 from .search import find_faults, findings_of
 from .timing import late_velocities, missing_samples, wraps
 
-OF_RECORDINGS = (channel_findings, wraps, missing_samples, late_velocities)
-"""Checks of channels and times, by themselves; `channels.CHECKS` lists those of single channels."""
-
-OF_BASES = (out_of_plane_base, gravity_size)
-"""Checks of the motion of the base."""
-
-AGAINST_URDF = (far_from_urdf, turned_segment)
-"""Checks of fitted parameters against the URDF, where nothing else was found. Before them come other readings of the
-log (`readings.gross_findings`), the scale of the torque, and faults that columns describe (`kinds.KINDS`)."""
-
-AGAINST_PHYSICS = (impossible_leg, negative_friction)
-"""Checks of whether a leg with these parameters can exist, unless a fault explains that it cannot."""
-
 
 class Checkup(NamedTuple):
     """Result of all checks."""
@@ -75,7 +62,7 @@ def check_fit(fitted: FittedLeg) -> Checkup:
         evidence = gather(sample, fitted.values, other_friction=alike)
     except ExoidError:
         return Checkup(ordered(found))
-    found += [finding for check in OF_BASES for finding in check(sample)]
+    found += [*out_of_plane_base(sample), *gravity_size(sample)]
     checked = CheckedFit.of(sample, evidence)
     found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
     ranges = reduce(MotionRanges.joined, evidence.ranges)
@@ -93,7 +80,8 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         names.append(one.source.name if one.source else "")
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
-            for finding in (found_there for look in OF_RECORDINGS for found_there in look(part)):
+            checks = channel_findings, wraps, missing_samples, late_velocities
+            for finding in (found_there for look in checks for found_there in look(part)):
                 key = (finding.kind, finding.joint)
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding
@@ -115,15 +103,15 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         if (checked.nrmse > POOR).any() or checked.below.any():
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))
-        if not found and all(finding.joint for finding in scales):
+        if not found:
             found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
         if not found:
-            found += [finding for check in AGAINST_URDF for finding in check(checked)]
+            found += [*far_from_urdf(checked), *turned_segment(checked)]
     yield from found
     if not explained and not any(finding.severity == "error" for finding in found):
-        for check in AGAINST_PHYSICS:
-            yield from check(checked)
+        yield from impossible_leg(checked)
+        yield from negative_friction(checked)
     yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
 
 
@@ -132,7 +120,7 @@ def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Find
     model = fitted.model
     if scales:  # to the fit of all joints, another unit of one would look like other faults
         factors = np.ones(len(model.joint_names))
-        for finding in scales:
+        for finding in (one for one in scales if one.joint and one.severity != "info"):
             factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))

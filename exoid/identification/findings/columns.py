@@ -22,8 +22,7 @@ from exoid.torques import Coulomb, Motion, TorqueModel
 
 from .arms import ArmShapes
 
-STEP = 1e-4
-"""Step of finite differences [rad, or a part of the quantity]."""
+STEP = 1e-4  # of finite differences [rad, or a part of the quantity]
 
 
 class Column(NamedTuple):
@@ -120,14 +119,14 @@ class _Point:
         return np.asarray(np.tensordot(self.of.values[:count], out, axes=1))
 
 
-def _delay(at: _Point, j: int, _: int) -> FloatArray:
+def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
     """Change by a delay of 1 s: −dτ/dt, by differences of fourth order."""
-    x = at.torque[j]
-    if not at.of.moving or len(x) < 2:
+    x = at.torque[joints]
+    if not at.of.moving or x.shape[-1] < 2:
         return np.zeros_like(x)
-    d = np.gradient(x)
-    if len(x) >= 5:
-        d[2:-2] = (8.0 * (x[3:-1] - x[1:-3]) - (x[4:] - x[:-4])) / 12.0
+    d = np.gradient(x, axis=-1)
+    if x.shape[-1] >= 5:
+        d[..., 2:-2] = (8.0 * (x[..., 3:-1] - x[..., 1:-3]) - (x[..., 4:] - x[..., :-4])) / 12.0
     return np.asarray(-d * at.of.rate)
 
 
@@ -184,6 +183,7 @@ def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
 
 COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "delay": _delay,
+    "delays": lambda at, _, other: _delay(at, slice(None), other),
     "gain": lambda at, j, _: at.torque[j],
     "cross-talk": lambda at, _, other: at.torque[other],
     "zero": _zero,
@@ -202,5 +202,5 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 }
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
-OF_ALL_JOINTS = ("zero", "scale", "gravity", "length", "clock")
+OF_ALL_JOINTS = ("delays", "zero", "scale", "gravity", "length", "clock")
 """Columns that act on the torques of all joints."""

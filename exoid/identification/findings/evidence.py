@@ -13,8 +13,7 @@ from exoid.estimate.evidence import MotionRanges
 from exoid.regression.least_squares import scaled_pinv
 from exoid.regression.row_data import Rows
 
-TINY = 1e-300
-"""Smallest variance to divide by."""
+TINY = 1e-300  # smallest variance to divide by
 
 
 class Evidence(NamedTuple):

@@ -21,20 +21,19 @@ class Nuisance(NamedTuple):
     joint: str  # name of the joint; "" for all
     place: int  # index of the joint, or of the segment; −1 for all
     unit: str  # unit of the fault
-    columns: tuple[int, ...]  # indices of the columns that it combines
-    group: bool = False  # whether the columns have a coefficient each; else they share one
+    columns: tuple[int, ...]  # indices of its columns, with a coefficient each
     form: str = ""  # form of the fault, such as "Stribeck friction"; "" for any
 
     @property
     def is_corrected(self) -> bool:
         """Whether the fault is taken out of the recordings; else its columns stay in the fit."""
-        return KINDS[self.kind].most > 0.0 and not self.group
+        return KINDS[self.kind].most > 0.0 and len(self.columns) == 1
 
     def is_large_enough(self, delta: FloatArray, torque_share: float) -> bool:
         """Whether the fault has a size that matters, however exact the log."""
         least = KINDS[self.kind].least
         if least is None:
-            return torque_share >= LEAST_TORQUE
+            return torque_share >= 3e-3  # of the joint's RMS torque
         return bool((np.abs(delta).max() if self.kind == "cross-talk" else np.linalg.norm(delta)) >= least)
 
 
@@ -67,9 +66,6 @@ class Kind(NamedTuple):
             sign=self.signs[int(x <= 0.0)],
         )
 
-
-LEAST_TORQUE = 3e-3
-"""Friction or a force whose RMS torque is below this part of the joint's RMS torque is not reported."""
 
 # An exact log shows faults that matter to nobody: the least sizes are set by hand (docs/checks.md lists them).
 KINDS = {
@@ -190,21 +186,20 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
         for kind, (form, unit) in FORMS.items():
             faults.append(Nuisance("unmodelled-friction", joint, j, unit, add(kind, j), form=form))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
-        faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force, group=True))
+        faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force))
         if few and n > 1:
             mixed = add("cross-talk", j, *(k for k in range(n) if k != j))
-            faults.append(Nuisance("cross-talk", joint, j, "1", mixed, group=True))
+            faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
         if j in arms:
             arm = add("arm", j, 0, 1)
-            faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, group=True, form=arms[j].what))
+            faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))
     if n > 1:
-        late = tuple(k for k, column in enumerate(columns) if column.kind == "delay")
-        faults.insert(0, Nuisance("torque-delay", "", -1, "s", late))
+        faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))
-        faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt, group=True))
+        faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0)))
     always = tuple(k for k, column in enumerate(columns) if column.kind == "sharpness")

@@ -21,8 +21,7 @@ from exoid.torques import TorqueModel
 from .evidence import Evidence
 from .sample import FittedLeg
 
-IMPOSSIBLE = 4.5
-"""Parameters that no leg can have are so many standard deviations from the nearest that one can."""
+IMPOSSIBLE = 4.5  # standard deviations of parameters that no leg can have from the nearest that one can
 
 
 class CheckedFit(NamedTuple):
@@ -95,8 +94,9 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
         if abs(scale) * np.linalg.norm(expected) / whole > 0.1 and left < 0.4:
             scales[joint] = scale
     odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(3.0)}
-    if len(odd) > 1 and len(odd) == len(scales):
-        odd = {"": float(np.exp(np.mean(np.log(np.abs(list(odd.values()))))))}
+    sizes = np.abs(list(odd.values()))
+    if len(odd) > 1 and len(odd) == len(scales) and sizes.max() < 2.0 * sizes.min():
+        odd = {"": float(np.exp(np.mean(np.log(sizes))))}
     for joint, signed in odd.items():
         size, looks = abs(signed), "as another unit would make it"
         if 300.0 < size < 3000.0:
@@ -111,9 +111,21 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
             "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
             "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
         )
-        # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit.
+        # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
+        # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
         severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
+        if joint and severity == "warning" and _coupled_misfit(checked, joint, size) > -np.log(1.1):
+            severity = "info"
         yield Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=model.names)
+
+
+def _coupled_misfit(checked: CheckedFit, joint: str, scale: float) -> float:
+    """Logarithm by which relative residuals of all joints grow if the torque of one is divided by a scale."""
+    evidence, j = checked.evidence, checked.fitted.model.joint_names.index(joint)
+    scaled = [R.copy() for R in evidence.factors]
+    scaled[j][:, -1] /= scale
+    plain, other = (one.weights(one.free) for one in (evidence, evidence._replace(factors=scaled)))
+    return float(np.log(plain / other).sum() + np.log(scale))
 
 
 def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:

@@ -63,7 +63,10 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
             (k, slice(start, start + segment))
             for k, one in enumerate(data)
             for start in range(0, max(len(one) - segment // 2, 1), segment)
-            if isinstance(one, Poses) or one.mask is None or _inner(one.mask[start : start + segment]).any()
+            # away from its ends, which derivatives may spoil
+            if isinstance(one, Poses)
+            or one.mask is None
+            or one.mask[start : start + segment][segment // 10 : -segment // 10].any()
         ]
         evenly = np.unique(np.linspace(0, len(places) - 1, most // segment).round().astype(int))
         chosen = []
@@ -72,11 +75,6 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
             chosen.append(one.take(where) if isinstance(one, Poses) else one.slice(where.start, where.stop))
     selected = (for_leg(model, one) for one in chosen)
     return tuple(one.resampled() if isinstance(one, Recording) else one for one in selected)
-
-
-def _inner(mask: BoolArray) -> BoolArray:
-    """Samples of a segment away from its ends, which derivatives may spoil."""
-    return mask[len(mask) // 10 : len(mask) - len(mask) // 10]
 
 
 def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Poses:
@@ -95,8 +93,7 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     }
 
     def of_groups(samples: BoolArray) -> BoolArray:
-        """Whether all samples of each group count."""
-        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))
+        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))  # all samples of a group count
 
     mask = None if one.mask is None else of_groups(one.mask)
     base = None if one.base is None else one.base.averaged(size)

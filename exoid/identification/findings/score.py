@@ -24,14 +24,11 @@ from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovar
 from .evidence import TINY, Evidence, r_factor
 from .kinds import Nuisance
 
-WORTH_A_LOOK = 0.01
-"""Below this probability the variance of the score is also taken from blocks of time."""
+WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05
+"""Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than
+this part of the squared residuals is tested with the noise that is left then."""
 
-LARGE_GAIN = 0.05
-"""A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
-
-HALF_WIDTH = 1.96
-"""Half of a 95 % interval, in standard deviations."""
+HALF_WIDTH = 1.96  # half of a 95 % interval, in standard deviations
 
 
 class Score(NamedTuple):
@@ -185,12 +182,12 @@ class State:
 
     def conspicuous(self, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
         """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once."""
-        tests, single = self._tests, [one for one in nuisances if not one.group]
-        C = np.zeros((len(tests.score), len(single)))
-        for k, one in enumerate(single):
-            C[list(one.columns), k] = 1.0
-        information, noise = ((C * (M @ C)).sum(axis=0) for M in (tests.information, tests.noise))
-        score, rss = C.T @ tests.score, float(self.residual @ self.residual)
+        tests, single = self._tests, [one for one in nuisances if len(one.columns) == 1]
+        columns, rss = [one.columns[0] for one in single], float(self.residual @ self.residual)
+        score, information, noise = (
+            tests.score[columns],
+            *(np.diag(M)[columns] for M in (tests.information, tests.noise)),
+        )
         p_values = scipy.special.fdtrc(1, self.dof, score**2 / np.maximum(noise, TINY))
         odd = (p_values < WORTH_A_LOOK) | (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
         left_out = {one for one, is_odd in zip(single, odd, strict=True) if not is_odd}
@@ -202,11 +199,10 @@ class State:
         None where its columns leave no trace beside those fitted, or it is less probable than the limit and explains
         little.
         """
-        columns, tests, group = list(nuisance.columns), self._tests, nuisance.group
+        columns, tests = list(nuisance.columns), self._tests
         own = np.ix_(columns, columns)
-        C = np.eye(len(columns)) if group else np.ones((len(columns), 1))
-        size = np.sqrt(np.diag(C.T @ tests.size[own] @ C))
-        C = C[:, size > 0.0] / size[size > 0.0]
+        size = np.sqrt(np.diag(tests.size)[columns])
+        C = np.eye(len(columns))[:, size > 0.0] / size[size > 0.0]
         information = C.T @ tests.information[own] @ C
         # What the parameters explain of a fault, but for a 300th, cannot be tested.
         hidden = (1.0 / 300.0) ** 2
@@ -227,11 +223,11 @@ class State:
             p_value = p_value_of(score, noise, min(self.dof, blocks))
         if p_value >= limit and gain <= LARGE_GAIN:
             return None
-        kept, plain = slice(None) if group else slice(0, 1), plain or self
+        plain = plain or self
         return Score(
             nuisance,
-            (C @ step)[kept],
-            np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T))[kept],
+            C @ step,
+            np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T)),
             p_value,
             gain,
             float(-0.5 * self.dof * np.log1p(-gain) - len(step) * np.log(max(self.dof, 2.0))),

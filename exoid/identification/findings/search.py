@@ -11,10 +11,11 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
+from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 
-from .evidence import Evidence
+from .evidence import TINY, Evidence
 from .kinds import KINDS, Nuisance, library
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, Score, State, in_half_widths, p_value_of
@@ -33,13 +34,8 @@ class Fault(NamedTuple):
     score: Score  # test, with its size and what it moves
     alternatives: tuple[Score, ...]  # faults that explain the log about as well
     reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
-    torque: float  # RMS torque of the fault over that of its joint
-    share: float  # RMS torque of the largest change of a parameter over that of a joint
-
-    @property
-    def is_large(self) -> bool:
-        """Whether the fault has a size that matters."""
-        return self.score.nuisance.is_large_enough(self.score.delta, self.torque)
+    change: float  # RMS change of the predicted torque of a joint by the parameters that move, over its RMS torque
+    matters: bool  # whether it has a size that matters, and rows left out are predicted better with it
 
     @property
     def moves_far(self) -> bool:
@@ -55,7 +51,8 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
     limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
     try:
         evidence = gather(fitted, fitted.values) if evidence is None else evidence
-        beside = _Beside(evidence, {}, always)
+        friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
+        beside = _Beside(evidence, {}, always, friction)
         before = State.of(evidence, ()).values
         for _ in range(6):  # at most so many faults
             likely = _likely(beside, candidates, limit)
@@ -73,7 +70,7 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
         sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
         found = [fault for fault in sizes if fault is not None and fault.score.p_value < limit]
-        found = [fault for fault in found if fault.score.moves.max(initial=0.0) > SMALLEST_MOVE and fault.is_large]
+        found = [fault for fault in found if fault.score.moves.max(initial=0.0) > SMALLEST_MOVE and fault.matters]
         if found:  # the first is blamed for what all together move more than it does alone
             total, first = State.of(beside.evidence, beside.staying()).values - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
@@ -90,6 +87,7 @@ class _Beside(NamedTuple):
     # faults in the order in which they were found: the part that was taken out, and those that explain as much
     faults: dict[Nuisance, tuple[float, tuple[Score, ...]]]
     always: tuple[int, ...]  # columns that protect every test
+    friction: tuple[int, ...]  # columns of friction of other forms
 
     def staying(self, without: Nuisance | None = None) -> list[int]:
         """Columns of the faults that stay in the fit."""
@@ -140,13 +138,41 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
     if fault.is_corrected:
         total = applied + score.delta[:1]
         t = float(total[0]) / max(float(score.std[0]), 1e-300)
-        move = -plain.moved(fault.columns, np.repeat(total, len(fault.columns)))
+        move = -plain.moved(fault.columns, total)
         p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
         score = score._replace(delta=total, p_value=p_value, move=move)
-    sizes = score.delta if fault.group else np.repeat(score.delta, len(fault.columns))
-    torque = evidence.torque_shares(count + np.array(fault.columns), sizes[:, None])
-    shares = evidence.torque_shares(np.arange(count), np.diag(score.move))
-    return Fault(score, alternatives, reach, float(torque[0]), float(shares.max()))
+    torque = evidence.torque_shares(count + np.array(fault.columns), score.delta[:, None])
+    change = evidence.torque_shares(np.arange(count), score.move[:, None])
+    predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)
+    matters = predicts and fault.is_large_enough(score.delta, float(torque[0]))
+    alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))
+    return Fault(score, alternatives, reach, float(change[0]), matters)
+
+
+def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) -> bool:
+    """Whether a fault predicts rows left out better, by a margin where friction of other forms does."""
+    evidence, count = beside.evidence, len(beside.evidence.fixed)
+    blocks = np.zeros((4, len(evidence.factors), *(evidence.factors[0].shape[1],) * 2))
+    for j, (weight, tables) in enumerate(zip(plain.weights, evidence.tables, strict=True)):
+        for k, x in ((k, x) for table in tables for k, x in enumerate(np.array_split(weight * table, 16, axis=1))):
+            blocks[k % 4, j] += x @ x.T
+    every, own = np.eye(blocks.shape[-1]), count + np.array(fault.columns)
+    torque = every[-1].copy()
+    torque[own] = applied  # as it was logged
+    friction = np.append(evidence.free, count + np.array((*beside.always, *beside.friction), dtype=np.intp))
+    bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
+    errors = np.zeros((4, len(evidence.factors)))
+    for out in blocks:
+        fitted = (blocks.sum(axis=0) - out).sum(axis=0)
+        for k, columns in enumerate((bare, np.append(bare, own), evidence.free, friction)):
+            Z = every[:, columns]
+            left = torque - Z @ (scaled_inverse(Z.T @ fitted @ Z) @ (Z.T @ fitted @ torque))
+            errors[k] += np.einsum("i,jik,k->j", left, out, left)
+    # Gains of log likelihood per row, of all joints. Residuals of wrong friction look a little like any fault.
+    errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
+    gain, of_friction = np.log(errors[::2] / errors[1::2]).sum(axis=1).tolist()
+    least = 0.0 if fault.kind == "unmodelled-friction" else float(np.clip(0.36 * of_friction, 0.0, 0.9))
+    return bool(gain > least)
 
 
 def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Recording | Poses:
@@ -197,12 +223,12 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
     if fault.moves_far:  # too large for a linear estimate of what it moves
         acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
         doubtful |= acting.any(axis=0) & (score.half > 0.0)
-    # An error has to be worth stopping for: a parameter moves far, and by 2 % of a joint's torque.
-    severity: Severity = "error" if fault.moves_far and fault.share > 0.02 else "warning"
+    # An error has to be worth stopping for: a parameter moves far, and a joint's predicted torque by 5 %.
+    severity: Severity = "error" if fault.moves_far and fault.change > 0.05 else "warning"
+    effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     both = [(score, doubtful)]
     for one in fault.alternatives:
-        other = (one.nuisance.kind, one.nuisance.joint) != (score.nuisance.kind, joint)
-        if other and one.nuisance.is_large_enough(one.delta, fault.torque):
+        if (one.nuisance.kind, one.nuisance.joint) != (score.nuisance.kind, joint):
             both.append((one, one.moves > DOUBTFUL_MOVE))
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
@@ -213,6 +239,6 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
             interval = (min(ends), max(ends))
         others = " or ".join((*names_of[:k], *names_of[k + 1 :]))
         more = f"; {others} would explain this log about as well" if others else ""
-        message = f"{kind.message(what, value, one.delta)}{more}"
+        message = f"{kind.message(what, value, one.delta)}{more}{effect if severity == 'error' else ''}"
         names = tuple(np.array(model.names)[is_doubtful].tolist())
         yield Finding(what.kind, what.joint, value, what.unit, severity, message, kind.remedy, interval, names)

@@ -13,8 +13,7 @@ from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import robust_std
 from exoid.signals.differentiation import central_difference
 
-WINDOW = 4
-"""Samples on each side of an interval, through which lines are laid."""
+WINDOW = 4  # samples on each side of an interval, through which lines are laid
 
 
 def wraps(recording: Recording) -> Iterator[Finding]:

@@ -160,16 +160,9 @@ def select_terms(
 ) -> Selection:
     """Choose friction, filter and estimator by how well they predict stretches that they were not fitted to.
 
-    The friction of each joint is chosen by itself (docs/friction.md): which coefficients it has, presliding length and
-    Stribeck velocity. Friction dissipates at every speed and under every load: c0 + cs and the other coefficients are
-    positive. The recordings determine all but c0 and d. The error of a joint's friction counts twice: in stretches of
-    time that were not fitted, and in samples faster than all that were fitted.
-
-    Each recording is cut into as many stretches as there are folds; each is predicted from the others. Rows within
-    0.1 s of those tested are not fitted. Hidden states run through the whole recording: they depend on angles alone.
-    Of all candidates whose error exceeds the best one's by no more than the standard error of the difference (paired,
-    fold by fold), the one with the fewest numbers is chosen, of equals the first. Other filters, and then other
-    estimators, are tried for the terms that were chosen, and compared in the same way.
+    The friction of each joint is chosen by itself, then filter and estimator (docs/friction.md). Each recording is cut
+    into as many stretches as there are folds; each is predicted from the others. Of all candidates within one standard
+    error of the best (paired, fold by fold), the one with the fewest numbers is chosen.
 
     Args:
         leg: The leg.
