@@ -96,7 +96,7 @@ def _own(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, 
         "unfiltered": nrmse(found.torque, at_samples(recording, whole, found.time)),
         "CAD": nrmse(cad_torque(one, estimate, recording, found.time), truth),
         "in band [%]": 100.0 * (np.abs(found.torque - truth) <= found.band).mean(axis=0),
-        "worn [%]": np.full(len(one.noise), 100.0 * found.worn),
+        "worn [%]": np.full(len(one.noise), 100.0 * bool(found.worn)),
     }
 
 
@@ -195,7 +195,7 @@ def _alarms(label: str, found: list[exoid.Interaction]) -> tuple[str, ...]:
     return (
         label,
         str(len(found)),
-        str(sum(each.worn for each in found)),
+        str(sum(bool(each.worn) for each in found)),
         f"{np.mean(ratios):.2f}",
         f"{np.max(ratios):.2f}",
     )

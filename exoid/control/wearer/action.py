@@ -135,7 +135,12 @@ def body_like(
 
 
 def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -> Iterator[Finding]:
-    """Find joints whose training left over 30 % of the torque unexplained: something may have acted there too."""
+    """Find errors of the training, and joints of which it left over 30 % of the torque unexplained."""
+    wrong = sorted({finding.kind for finding in estimate.findings if finding.severity == "error"})
+    if wrong:
+        message = f"the estimate has errors ({', '.join(wrong)}): that nothing acts cannot be told from it"
+        remedy = "mend the recordings of the training, and identify again"
+        yield Finding("rough-estimate", "", 1.0, "1", "error", message, remedy, recording=source)
     columns = (estimate.joint_names, estimate.residual_rms, predicted.std(axis=0), estimate.trained)
     for joint, rms, size, trained in zip(*columns, strict=True):
         if trained and rms > 0.3 * size > 0.0:

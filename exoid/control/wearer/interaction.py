@@ -91,12 +91,13 @@ class Interaction(Report):
             array.flags.writeable = False
 
     @property
-    def worn(self) -> bool:
-        """Whether something acts on a joint beyond noise, model error and a constant torque.
+    def worn(self) -> bool | None:
+        """Whether something acts beyond noise, model error and a constant torque; None if the estimate cannot tell.
 
         A recording without a wearer is called worn with a probability of at most 1 %; see :func:`.action.judge`.
         """
-        return any(action.acts for action in self.actions)
+        wrong = any(finding.kind == "rough-estimate" and finding.severity == "error" for finding in self.findings)
+        return any(action.acts for action in self.actions) or (None if wrong else False)
 
     @property
     def rms(self) -> FloatArray:
@@ -197,7 +198,8 @@ class Interaction(Report):
         """Say whether the leg is worn, and name the joints and their RMS torque."""
         each = zip(self.joint_names, self.rms, strict=True)
         sizes = ", ".join(f"{name} not measured" if np.isnan(rms) else f"{name} {rms:.3g} N·m" for name, rms in each)
-        return f"Interaction({'worn' if self.worn else 'not worn'}; rms: {sizes})"
+        worn = {True: "worn", False: "not worn", None: "worn or not"}[self.worn]
+        return f"Interaction({worn}; rms: {sizes})"
 
     def _report(self) -> list[DataTable | str]:
         """Title, tables, findings and conclusion."""
@@ -205,6 +207,8 @@ class Interaction(Report):
         phase = "" if self.period is None else f"; a cycle of {self.period:.3g} s begins at the {self.phase_source}"
         acting = ", ".join(name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts)
         conclusion = f"worn: something acts on {acting}" if acting else "not worn: nothing beyond model error"
+        if self.worn is None:
+            conclusion = "worn or not: the estimate cannot tell"
         return [
             f"Torque of the wearer on the leg in {self.source}",
             *tables,

@@ -8,6 +8,7 @@ from worn import log, push, swing, unworn_estimate
 
 import exoid
 from exoid import Payload
+from exoid.estimate.finding import Finding
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +65,20 @@ def test_an_estimate_that_was_identified_while_a_wearer_pushed(leg, unworn):
     motion = swing(leg, 1)
     pushed = exoid.identify(leg, log(motion, push(motion, size=15.0)), check=False)
     assert of_kind(exoid.interaction(pushed, unworn), "rough-estimate")
+
+
+def test_an_estimate_with_errors_cannot_tell_that_nothing_acts(estimate, unworn):
+    wrong = Finding("torque-sign", estimate.joint_names[0], -1.0, "1", "error", "the other sign fits", "negate it")
+    doubtful = dataclasses.replace(estimate, findings=(wrong,))
+    found = exoid.interaction(doubtful, unworn)
+    assert found.worn is None
+    assert found.to_json()["worn"] is None
+    assert "the estimate cannot tell" in str(found)
+    (finding,) = of_kind(found, "rough-estimate")
+    assert finding.severity == "error"
+    assert "torque-sign" in finding.message
+    pushed = dataclasses.replace(unworn, tau=unworn.tau - 5.0 * np.sin(3.0 * unworn.time)[:, None])
+    assert exoid.interaction(doubtful, pushed).worn
 
 
 def test_another_leg(leg, estimate):
