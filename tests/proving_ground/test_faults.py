@@ -15,7 +15,7 @@ from exoid.errors import NotSupportedError
 from exoid.identification.selection import select_terms
 
 from .machine import draw
-from .population import MISTAKES, TEST, error, forms
+from .population import MISTAKES, TEST, error, forms, population
 from .simulate import simulate
 
 pytestmark = pytest.mark.nightly
@@ -138,3 +138,28 @@ def test_the_same_error_is_named_where_it_is_true():
     _, leg, log, _ = ground(5)
     scaled = replace(log, tau=log.tau * [1.0, 1000.0])
     assert ("torque-scale", "error") in {(f.kind, f.severity) for f in exoid.check(leg, scaled)}
+
+
+@cache
+def named(seed):
+    (outcome,) = population((seed,), features=("doctor",))
+    return outcome.named
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_are_named(request, seed, mistake):
+    missed = {
+        (0, "torque in N·mm"): "10 of 12 machines",
+        (0, "torque sensor reads 1.3 times"): "8 of 12 machines",
+        (0, "clock 1.15 times too fast"): "7 of 11 machines",
+        (0, "a spring"): "9 of 12 machines",
+        (5, "one torque 25 ms late"): "13 of 20 machines",
+        (5, "sign of one angle"): "11 of 12 machines",
+        (5, "zero of an angle 10° off"): "7 of 12 machines",
+        (5, "angle reads 1.1 times"): "10 of 12 machines",
+        (5, "a spring"): "9 of 12 machines",
+    }
+    if (seed, mistake) in missed:
+        request.applymarker(shown(missed[seed, mistake]))
+    assert named(seed).get(mistake, True)

@@ -20,12 +20,9 @@ from .kinds import KINDS, Nuisance, library
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, Score, State, in_half_widths, p_value_of
 
-SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE = 0.5, 0.25, 10.0
-"""A fault matters if it moves a parameter by more than half a half width of its interval. It then makes all parameters
-doubtful that it moves by more than a quarter. It is an error where one moves by ten."""
-
-UNDECIDED = 3.0
-"""Faults whose evidence is less than this below that of the best (20 times less likely) are named beside it."""
+SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
+"""Half widths by which a fault moves a parameter if it matters, makes it doubtful, or is an error; and evidence below
+that of the best (20 times less likely) from which on others are not named beside it."""
 
 
 class Fault(NamedTuple):
