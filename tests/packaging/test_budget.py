@@ -15,7 +15,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (6660, 5000),
     "estimate": (3732, 2900),
     "experiments": (4282, 3200),
-    "identification": (8472, 7200),
+    "identification": (8471, 7200),
     "lab": (5699, 5000),
     "leg": (4667, 4200),
     "online": (1965, 1500),

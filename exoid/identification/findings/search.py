@@ -158,9 +158,11 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     torque[own] = applied  # as it was logged
     friction = np.append(evidence.free, count + np.array((*beside.always, *beside.friction), dtype=np.intp))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
-    errors = np.zeros((4, len(evidence.factors)))
-    for out in blocks:
-        fitted = (blocks.sum(axis=0) - out).sum(axis=0)
+    errors, whole = np.zeros((4, len(evidence.factors))), blocks.sum(axis=0)
+    # The columns of a force only resemble a strap: at angles that were left out they say nothing
+    tests = [(whole, whole)] if fault.kind == "unmodelled-force" else [(whole - out, out) for out in blocks]
+    for rest, out in tests:
+        fitted = rest.sum(axis=0)
         for k, columns in enumerate((bare, np.append(bare, own), evidence.free, friction)):
             Z = every[:, columns]
             left = torque - Z @ (scaled_inverse(Z.T @ fitted @ Z) @ (Z.T @ fitted @ torque))
