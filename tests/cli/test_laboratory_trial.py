@@ -98,6 +98,7 @@ def test_a_trial_in_three_files_gives_the_leg_that_moved(exoid_, trial):
     assert max(json.loads(run.out)["nrmse"]) < 0.02
 
 
+@pytest.mark.slow
 def test_a_planar_pelvis_counts_and_a_part_of_one_is_refused(exoid_, trial, tmp_path):
     text = (tmp_path / "ik.mot").read_text(encoding="utf-8")
     for name in ("pelvis_list", "pelvis_rotation", "pelvis_tz"):

@@ -47,6 +47,7 @@ def test_the_choice_is_identified_written_and_tested_behind_the_common_filter(ru
     assert all(error < 0.2 for error in data["test"]["nrmse"])
 
 
+@pytest.mark.slow
 def test_progress_is_written_where_there_is_no_terminal(monkeypatch):
     monkeypatch.setattr("exoid.cli.progress.PATIENCE", 0.0)
     result = CliRunner().invoke(app, ["select", *TRAIN, *FEW, "--json"])

@@ -144,6 +144,7 @@ def test_a_counter_that_stands_still_makes_the_measurement_stale(built, recorded
     assert not unseen[1].any()
 
 
+@pytest.mark.slow
 def test_the_node_sees_stamps_that_stand_still_and_messages_that_stop(built, recorded):
     rows = rows_of("sensitivity_amplification", recorded)
     rows[30:60, -3] = rows[29, -3]

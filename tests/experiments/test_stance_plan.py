@@ -238,6 +238,7 @@ def test_a_machine_follows_a_plan_on_flat_feet_and_is_identified(plan):
     assert found["M"].value == pytest.approx(EXO.parameters[0], rel=0.002)
 
 
+@pytest.mark.slow
 def test_two_feet_in_turn_determine_torso_and_legs(plan):
     assert plan.precision.identifiability == ("well",) * len(plan.model.names)
     assert plan.missing == ()

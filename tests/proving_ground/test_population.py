@@ -29,6 +29,7 @@ def test_the_same_seed_gives_the_same_figures():
     assert one.nrmse["default"] < 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [6, 9, 25])
 def test_faults_of_torques_are_named_on_a_floating_base(seed):
     """Rows of the base are beside those of the joints: the doctor looks at both."""

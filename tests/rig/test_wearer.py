@@ -181,6 +181,7 @@ def test_a_limb_in_stiff_cuffs_is_a_payload():
     assert errors[2] < 0.2 * errors[1]
 
 
+@pytest.mark.slow
 def test_no_cuff_no_interaction():
     """Not a bit of the leg's motion changes."""
     loose = Wearer.build(CUHK, cuff_stiffness=0.0, cuff_damping=0.0)

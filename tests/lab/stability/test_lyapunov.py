@@ -159,6 +159,7 @@ def test_without_friction_v_falls_and_the_leg_nears_the_target(regulations):
     assert run.outcome == "still settling"
 
 
+@pytest.mark.slow
 def test_turning_round_is_not_stopping(regulations):
     """Cut off at the very moment at which stiction holds a cycling leg, it has not stopped."""
     cycling = regulations["× 1.2"]
