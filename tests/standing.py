@@ -53,7 +53,7 @@ def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
 def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: float = 250.0, **options) -> Standing:
     """Squat, shift and pitch on "both" feet, or on the "left" while the right leg swings.
 
-    The load is shared by a share that varies, which is what only measured wrenches tell.
+    The load is shared by a share that varies, which is what only measured wrenches tell. The ground may "lean" [rad].
     """
     rng = np.random.default_rng(seed)
     time = np.arange(0.0, seconds, 1.0 / rate)
@@ -67,7 +67,7 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
         right = np.column_stack([waves(time, rng, m, s, 0.25) for m, s in zip(middles, sizes, strict=True)])
     q = np.hstack([left, right])
     v, a = derivatives(time, q)
-    base = _base(leg, time, hip, pitch)
+    base = _base(leg, time, hip, pitch, options.pop("lean", 0.0))
     rows = leg.inverse_dynamics(q, v, a, base)
     if "payloads" in options:
         model = TorqueModel(leg, ())
@@ -120,12 +120,12 @@ def _other(link: str) -> str:
     return {"left_foot": "right_foot", "right_foot": "left_foot"}[link]
 
 
-def _base(leg: Leg, time: np.ndarray, hip: np.ndarray, pitch: np.ndarray) -> BaseKinematics:
+def _base(leg: Leg, time: np.ndarray, hip: np.ndarray, pitch: np.ndarray, lean: float) -> BaseKinematics:
     """Motion of a torso whose origin is at the hip within the plane."""
     plane = leg.limbs[0].chain.plane
     rate, change = derivatives(time, pitch)
     _, acceleration = derivatives(time, hip)
-    lifted = acceleration + np.array([0.0, GRAVITY])
+    lifted = acceleration + GRAVITY * np.array([np.sin(lean), np.cos(lean)])
     turn = np.exp(-1j * pitch) * (lifted[:, 0] + 1j * lifted[:, 1])
     force = np.outer(turn.real, plane.forward) + np.outer(turn.imag, plane.up)
     return BaseKinematics(-np.outer(rate, plane.lateral), -np.outer(change, plane.lateral), force)

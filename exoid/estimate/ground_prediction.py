@@ -20,7 +20,7 @@ from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import level_rotation, split
-from exoid.torques.contacts.standing_base import standing_base
+from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
@@ -163,22 +163,20 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
     size = white_noise(recording.q)
-    # Times that noise is added to a motion, to see what it does to forces
-    for _ in range(3):
+    # Noise is added to a motion three times, to see what it does to forces. The ground leans in three directions by √2
+    # of its standard deviation: the mean square of the effects is that of a lean about each axis.
+    for direction in np.deg2rad([0.0, 120.0, 240.0]):
         q, wrenches = recording.q + size * rng.standard_normal(recording.q.shape), {}
         for link, wrench in recording.wrenches.items():
             force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
             wrenches[link] = replace(wrench, force=force, moment=moment)
-        shaken = replace(
-            recording,
-            q=q,
-            wrenches=wrenches,
-        )
+        shaken = replace(recording, q=q, wrenches=wrenches)
         base = recording.base
         if base is None:
             yield shaken
-        elif base.pose is not None:
-            yield replace(shaken, base=standing_base(leg, shaken, feet[0]))
+        elif isinstance(base, StandingBase):
+            lean = np.sqrt(2.0) * LEVEL * np.array([np.cos(direction), np.sin(direction), 0.0])
+            yield replace(shaken, base=standing_base(leg, shaken, base.link, lean=lean))
         else:
             columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
             yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))

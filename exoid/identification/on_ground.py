@@ -16,10 +16,10 @@ from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.cutoff import robust_std
-from exoid.torques import TorqueModel
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
@@ -28,7 +28,7 @@ from .estimators.by_name import find_estimator
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import sole_compliance, tilted
+from .row_changes import Footing, find_footing, tilted
 
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
@@ -58,16 +58,16 @@ def fit_on_ground(
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit(problem, estimator)
-    links, soles = sole_compliance(fitted)
-    if not links:
+    footing = find_footing(fitted)
+    if footing is None:
         return fitted
-    problem = tilted(problem, dict(zip(links, soles.values.tolist(), strict=True)))
-    problem = without_outliers(fit(problem, huber))
-    halves = 2.0 * np.sqrt(np.diag(soles.covariance))
-    soft = [_soft_sole(*each) for each in zip(links, soles.values.tolist(), halves.tolist(), strict=True)]
+    problem = without_outliers(fit(tilted(problem, footing.compliance, footing.lean), huber))
     first, *others = problem.groups
-    problem = replace(problem, groups=(replace(first, findings=(*first.findings, *soft)), *others))
-    return fit(problem, estimator)._replace(doubt=soles.slopes @ soles.covariance @ soles.slopes.T)
+    findings = (*first.findings, *_footing_findings(footing, fitted))
+    problem = replace(problem, groups=(replace(first, findings=findings), *others))
+    return fit(problem, estimator)._replace(
+        doubt=footing.found.slopes @ footing.found.covariance @ footing.found.slopes.T
+    )
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -97,11 +97,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         if isinstance(one, Poses):
             raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
-        findings += [
-            *_left_out(parts, one),
-            *_imu_finding(parts.imu, one, model.leg.parameter_names),
-            *_base_from_feet(model, one),
-        ]
+        findings += [*_left_out(parts, one), *_imu_finding(parts.imu, one, model.leg.parameter_names)]
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
     groups: list[Group] = []
@@ -196,28 +192,6 @@ def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[st
     ]
 
 
-def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
-    """Say that the motion of the base rests on soles that do not tilt."""
-    if recording.base is not None or not recording.contacts or not model.leg.base_rows:
-        return []
-    sensitive = [name for name in model.names if name in ("X0", "Y0", "J0") or name.startswith("Ia_")]
-    return [
-        Finding(
-            "base-from-feet",
-            "",
-            1.0,
-            "1",
-            "warning",
-            "the motion of the base was not measured, and follows from feet that rest: they are taken for flat but for "
-            "soles that tilt in proportion to the torque of their joint, and other tilts move inertias of torso and "
-            "rotors",
-            "record an IMU on the torso (base=exoid.BaseMotion.from_imu(...))",
-            parameters=tuple(sensitive),
-            recording=recording.source.name if recording.source else "",
-        )
-    ]
-
-
 def without_outliers(fitted: Fitted) -> Problem:
     """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
     problem, findings = fitted.problem, dict[str, list[Finding]]()
@@ -247,19 +221,47 @@ def without_outliers(fitted: Fitted) -> Problem:
     return replace(problem, groups=tuple(groups))
 
 
-def _soft_sole(link: str, value: float, half: float) -> Finding:
-    """Say how soft a sole is."""
-    return Finding(
-        "sole-compliance",
-        "",
-        value,
-        "rad/(N·m)",
-        "info",
-        f"the motion of the base follows from {link}, which tilts by {value:.2g} ± {half:.2g} rad/(N·m) "
-        "under the torque of its joint; this was taken into account, and its error is part of all intervals",
-        "record an IMU on the torso, which needs no such assumption",
-        interval=(value - half, value + half),
+def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
+    """Say how soft soles are, how the ground leans, and what a lean would move."""
+    halves = 2.0 * np.sqrt(np.diag(footing.found.covariance))
+    findings = [
+        Finding(
+            "sole-compliance",
+            "",
+            value,
+            "rad/(N·m)",
+            "info",
+            f"the motion of the base follows from {link}, which tilts by {value:.2g} ± {half:.2g} rad/(N·m) "
+            "under the torque of its joint; this was taken into account, and its error is part of all intervals",
+            "record an IMU on the torso, which needs no such assumption",
+            interval=(value - half, value + half),
+        )
+        for (link, value), half in zip(footing.compliance.items(), halves.tolist(), strict=False)
+    ]
+    model, level = fitted.models[0], slice(len(footing.links), None)
+    lean, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[level]))
+    # what one degree moves, first the parameters that it moves by most of their standard deviations
+    places = fitted.problem.places[0][: len(model.names)]
+    moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, level], axis=1)
+    std = np.sqrt(np.diag(fitted.fit.solution.covariance))[places]
+    most = np.argsort(-moves / np.where(std > 0.0, std, np.inf))[:3]
+    moved = ", ".join(f"{model.names[k]} by {moves[k]:.2g} {model.units[k]}" for k in most)
+    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
+    leans = lean - half > np.rad2deg(2.0 * LEVEL)
+    findings.append(
+        Finding(
+            "base-from-feet",
+            "",
+            lean,
+            "°",
+            "warning" if leans else "info",
+            f"the motion of the base was not measured, and follows from feet that rest. The ground under them leans by "
+            f"{lean:.2f} ± {half:.2f}°, which was taken into account; one degree would move {moved}",
+            "level the ground, or check the zeros of the angles" if leans else "record an IMU on the torso",
+            interval=(lean - half, lean + half),
+        )
     )
+    return findings
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:

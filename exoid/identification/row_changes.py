@@ -1,4 +1,4 @@
-"""What changes rows, found beside the parameters: compliance of soles, and delays of torques on the ground."""
+"""What changes rows, found beside the parameters: how feet stand, and delays of torques on the ground."""
 
 from __future__ import annotations
 
@@ -7,21 +7,20 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, without_torque_delay
-from exoid.torques.contacts.standing_base import StandingBase, standing_base
+from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 
 from .group_rows import Group
 from .problem import Fitted, Problem
 
-TILT, DELAY = (
-    5e-5,
-    2e-3,
-)  # compliance [rad/(N·m)], of a sole of 20 kN·m/rad, and delay [s] at which effects are computed
+SOFT, DELAY = 5e-5, 2e-3
+"""Compliance of a sole [rad/(N·m)] and delay [s] at which effects are computed."""
 
 
 class RowChanges(NamedTuple):
@@ -32,26 +31,49 @@ class RowChanges(NamedTuple):
     slopes: FloatArray  # change of the parameters by c, ∂β/∂c, (P, K)
 
 
-def sole_compliance(fitted: Fitted) -> tuple[tuple[str, ...], RowChanges]:
-    """Find the compliance θ = c τ of soles [rad/(N·m)], for each foot that carries a base that was not measured."""
+class Footing(NamedTuple):
+    """How feet stand that carry a base which was not measured."""
+
+    links: tuple[str, ...]  # these feet
+    axes: FloatArray  # level axes about which the ground may lean, (A, 3)
+    found: RowChanges  # compliance of each sole [rad/(N·m)], then lean of the ground about each axis [rad]
+
+    @property
+    def compliance(self) -> dict[str, float]:
+        """Compliance of each sole [rad/(N·m)]."""
+        return dict(zip(self.links, self.found.values.tolist(), strict=False))
+
+    @property
+    def lean(self) -> FloatArray:
+        """Lean of the ground, a rotation vector [rad], (3,)."""
+        return self.found.values[len(self.links) :] @ self.axes
+
+
+def find_footing(fitted: Fitted) -> Footing | None:
+    """Find the compliance θ = c τ of soles and the lean of the ground under a base that was not measured."""
     problem = fitted.problem
     data = (one for group in problem.groups for one in group.data if isinstance(one, Recording))
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
     if not links:
-        return links, RowChanges(np.zeros(0), np.zeros((0, 0)), np.zeros((len(problem.names), 0)))
-    # Standard deviation of the compliance before any log is seen [rad/(N·m)]: a sole of 10 kN·m/rad is soft
-    found = row_changes(fitted, [tilted(problem, {link: TILT}) for link in links], TILT, prior_std=1e-4)
-    values = np.maximum(found.values, 0.0)
+        return None
+    leg = fitted.models[0].leg
+    axes = np.eye(3)[:2] if leg.base_rows == 6 else np.array([leg.plane.lateral])
+    others = [*(tilted(problem, {link: SOFT}) for link in links), *(tilted(problem, {}, LEVEL * axis) for axis in axes)]
+    steps = np.repeat([SOFT, LEVEL], [len(links), len(axes)])
+    # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
+    prior = np.repeat([1e-4, LEVEL], [len(links), len(axes)])
+    found = row_changes(fitted, others, steps, prior_std=prior)
+    values = np.append(np.maximum(found.values[: len(links)], 0.0), found.values[len(links) :])
     # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = (0.2 * values) ** 2 + (found.values - values) ** 2
-    return links, RowChanges(values, found.covariance + np.diag(doubt), found.slopes)
+    doubt = np.append((0.2 * values[: len(links)]) ** 2, np.zeros(len(axes))) + (found.values - values) ** 2
+    return Footing(links, axes, RowChanges(values, found.covariance + np.diag(doubt), found.slopes))
 
 
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
     late = [_late(problem, parts, joint) for joint in range(len(joints))]
-    found = row_changes(fitted, late, DELAY, prior_std=0.1)
+    found = row_changes(fitted, late, np.full(len(late), DELAY), prior_std=np.full(len(late), 0.1))
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
     # standard deviations for white noise; of 18 torques that were 40 ms late, 16 were beyond 7.
     half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))
@@ -60,8 +82,8 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     return np.where(significant, found.values, 0.0), half
 
 
-def row_changes(fitted: Fitted, others: Sequence[Problem], step: float, *, prior_std: float) -> RowChanges:
-    """Find numbers c beside the parameters, given problems in which one of them has the size of a step."""
+def row_changes(fitted: Fitted, others: Sequence[Problem], steps: FloatArray, *, prior_std: FloatArray) -> RowChanges:
+    """Find numbers c beside the parameters, given problems in which one of them has the size of its step."""
     # Least squares of r = W δβ + D c with c ~ N(0, σ²), D by a difference, gives c and its covariance, and
     # ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
     problem, count, more = fitted.problem, len(fitted.problem.names), len(others)
@@ -73,14 +95,16 @@ def row_changes(fitted: Fitted, others: Sequence[Problem], step: float, *, prior
         every = (group.blocks(decimated=True), *(other.groups[k].blocks(decimated=True) for other in others))
         for blocks in zip(*every, strict=True):
             first, usable = _residual(blocks[0].rows, values), blocks[0].rows.usable[..., None]
-            slopes = [(first - _residual(block.rows, values)) / step for block in blocks[1:]]
+            slopes = [
+                (first - _residual(block.rows, values)) / step for step, block in zip(steps, blocks[1:], strict=True)
+            ]
             columns = [np.where(usable, blocks[0].rows.W, 0.0), np.stack(slopes, axis=-1)]
             weighted = (np.concatenate(columns, axis=-1) * weights[:, None]).reshape(-1, len(where))
             information[np.ix_(where, where)] += weighted.T @ weighted
             right[where] += weighted.T @ (first * weights).ravel()
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
-    prior = np.diag(np.append(np.zeros(count), np.full(more, prior_std**-2)))
+    prior = np.diag(np.append(np.zeros(count), prior_std**-2.0))
     known = (information + prior)[np.ix_(free, free)]
     inverse = scaled_inverse(known)
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, more))
@@ -88,13 +112,13 @@ def row_changes(fitted: Fitted, others: Sequence[Problem], step: float, *, prior
     return RowChanges((inverse @ right[free])[-more:], inverse[-more:, -more:], slopes_of)
 
 
-def tilted(problem: Problem, compliance: Mapping[str, float]) -> Problem:
-    """Let the feet that carry the base tilt."""
+def tilted(problem: Problem, compliance: Mapping[str, float], lean: ArrayLike = (0.0, 0.0, 0.0)) -> Problem:
+    """Let the feet that carry the base tilt on their soles, and the ground lean."""
     groups = []
     for group in problem.groups:
         data = [
-            replace(one, base=standing_base(group.model.leg, one, one.base.link, compliance.get(one.base.link, 0.0)))
-            if isinstance(one, Recording) and isinstance(one.base, StandingBase)
+            replace(one, base=standing_base(group.model.leg, one, link, compliance.get(link, 0.0), lean))
+            if isinstance(one, Recording) and isinstance(one.base, StandingBase) and (link := one.base.link)
             else one
             for one in group.data
         ]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import ArrayLike
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
@@ -32,6 +33,9 @@ def level_rotation(leg: Leg, link: str) -> FloatArray:
 CUTOFF = 15.0
 """Cut-off frequency of the motion [Hz], above that of the filter that follows."""
 
+LEVEL = np.deg2rad(0.5)
+"""Standard deviation of the lean of ground that is taken for level, about each axis [rad]."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StandingBase(BaseMotion):
@@ -40,15 +44,18 @@ class StandingBase(BaseMotion):
     link: str = ""  # link that rests
 
 
-def standing_base(leg: Leg, recording: Recording, link: str, compliance: float = 0.0) -> StandingBase:
-    """Derive the motion of the base from the joint angles while a link rests flat on level ground."""
+def standing_base(
+    leg: Leg, recording: Recording, link: str, compliance: float = 0.0, lean: ArrayLike = (0.0, 0.0, 0.0)
+) -> StandingBase:
+    """Derive the motion of the base from the joint angles while a link rests flat on ground that leans little."""
     # The link stands as it does where all joints of the URDF are at zero and the base is upright. Elsewhere the result
     # has no meaning. On a soft sole it tilts by c τ about the axis of the joint that carries it, whose torque τ is the
-    # moment of the ground on it but for the weight of the foot.
+    # moment of the ground on it but for the weight of the foot. The ground itself leans by a rotation vector [rad].
     rotation, position = link_placements(leg, recording.q, link)
     turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
     if compliance:
         turn = _tilts(leg, recording, link, compliance) @ turn
+    turn = scipy.spatial.transform.Rotation.from_rotvec(np.asarray(lean, dtype=np.float64)).as_matrix() @ turn
     place = -np.einsum("nij,nj->ni", turn, position)
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)

@@ -1,0 +1,61 @@
+"""Ground that leans under a leg without an IMU: gravity is turned, and all mass moments would be."""
+
+import numpy as np
+import pytest
+from standing import mirrored, standing
+
+import exoid
+from exoid import Coulomb, Viscous
+
+TERMS = (Coulomb(smoothing=0.05), Viscous())
+
+
+@pytest.fixture(scope="module")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+def friction(v):
+    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
+
+
+def logs(exo, lean, seed):
+    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "lean": lean}
+    both, left, other = (
+        standing(exo, feet, seconds=10.0, seed=20 * seed + k, **options)
+        for k, feet in enumerate(("both", "left", "left"))
+    )
+    return [both.recording, left.recording, mirrored(other).recording]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [0.0, 0.5, -3.0])
+def test_the_lean_is_found_and_intervals_hold(exo, degrees):
+    deviations = []
+    for seed in (1000, 1001):
+        estimate = exoid.identify(exo, logs(exo, np.deg2rad(degrees), seed), TERMS)
+        (finding,) = (one for one in estimate.findings if one.kind == "base-from-feet")
+        low, high = finding.interval
+        assert low - 0.03 < abs(degrees) < high + 0.03
+        assert high - low < 0.5
+        assert finding.severity == ("warning" if abs(degrees) > 1.0 else "info")
+        assert not any(one.severity == "error" for one in estimate.findings)
+        deviations.append(
+            (estimate.values[: len(exo.parameters)] - exo.parameters) / estimate.std[: len(exo.parameters)]
+        )
+    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert np.mean(np.abs(deviations) < 2.0) > 0.88
+
+@pytest.mark.slow
+def test_bands_of_the_ground_force_allow_for_a_floor_that_is_not_quite_level(exo):
+    estimate = exoid.identify(exo, logs(exo, 0.0, 1002), TERMS)
+    for degrees in (0.0, 0.6):
+        log = standing(
+            exo, "left", seconds=5.0, seed=1100, noise=0.4, encoder=1e-4, friction=friction, lean=np.deg2rad(degrees)
+        )
+        ground = exoid.ground_forces(estimate, log.recording)["left_foot"]
+        wrench = log.wrenches["left_foot"]
+        forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
+        pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
+        assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
+    assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])  # a band of 2σ = 1°
