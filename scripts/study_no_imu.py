@@ -1,6 +1,7 @@
 """What does stance tell of BLEEX with and without an IMU, on soft soles and on ice? See docs/ground.md.
 
     python scripts/study_no_imu.py               # 12 seeds, some ten minutes on one core
+    python scripts/study_no_imu.py --lean        # the same on ground that rises by -3 to 3 degrees, without IMU
 
 Each seed has squats, single support on each leg and a swing, and squats on ice (friction 0.022) with the same noise.
 Swing keeps its IMU. Coverage is that of 95 % intervals of all parameters; moves are from dry ground to ice.
@@ -15,9 +16,10 @@ from dataclasses import replace
 import numpy as np
 
 from exoid.estimate import Estimate
+from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing
 from exoid.identification import identify
 from exoid.lab.reproduce.stance import TERMS, true_values
-from exoid.lab.reproduce.stance_logs import StanceExtent, run_stance
+from exoid.lab.reproduce.stance_logs import ON_ONE_FOOT, SENSORS, StanceExtent, run_stance
 from exoid.leg.catalog import load_exo
 from exoid.signals import Recording
 from exoid.torques.contacts import split
@@ -53,6 +55,31 @@ def figures(seed: int) -> dict[str, float]:
     return found | {"no IMU: compliance of the soles [1e-5 rad/(N·m)]": 1e5 * float(np.mean(soles))}
 
 
+def on_leaning_ground(seed: int, degrees: float) -> dict[str, float]:
+    """Figures of one seed on ground that rises forward, without IMU; the swing before hangs on level ground."""
+    plant = replace(bleex_machine(), ground_lean=np.deg2rad(degrees))
+    runs = (
+        squats_and_shifts(plant, 15.0, seed=10 * seed),
+        *(single_support(plant, 15.0, standing=k, stance=ON_ONE_FOOT, seed=10 * seed + 1 + k) for k in range(2)),
+        swing(replace(plant, ground_lean=0.0), 15.0, scale=0.85, seed=10 * seed + 3),
+    )
+    held = [[link for link in run.wrenches if link == "torso"] for run in runs]
+    logs = [run.recording(SENSORS, np.random.default_rng([seed, k]), wrenches=held[k]) for k, run in enumerate(runs)]
+    stands = [replace(log, base=None) for log in logs[:3]]
+    estimate = identify(load_exo("bleex", base="floating"), [*stands, logs[3]], TERMS)
+    truth = true_values(plant)
+    true = np.array([truth[parameter] for parameter in estimate.names])
+    low, high = estimate.interval(0.95).T
+    (lean,) = (finding for finding in estimate.findings if finding.kind == "base-from-feet")
+    return {
+        "parameters in their 95 % interval [%]": 100.0 * float(np.mean((low <= true) & (true <= high))),
+        "J0, error [%]": 100.0 * abs(estimate["J0"].value / truth["J0"] - 1.0),
+        "X0, error [%]": 100.0 * abs(estimate["X0"].value / truth["X0"] - 1.0),
+        "lean that was found [°]": float(lean.value),
+        "findings of severity error": float(sum(finding.severity == "error" for finding in estimate.findings)),
+    }
+
+
 def _log(log: Recording, *, measured: bool) -> Recording:
     """Log with or without its IMU."""
     return log if measured else replace(log, base=None)
@@ -68,10 +95,20 @@ def main() -> None:
     """Read the options and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=12)
-    seeds = parser.parse_args().seeds
+    parser.add_argument("--lean", action="store_true", help="ground that leans, seeds from 1000 on")
+    options = parser.parse_args()
     warnings.simplefilter("ignore")
-    found = [figures(seed) for seed in range(seeds)]
-    print(f"{seeds} seeds {'mean':>50} {'median':>8} {'least':>8} {'most':>8}")
+    if options.lean:
+        for degrees in (-3.0, -0.5, 0.0, 0.5, 3.0):
+            seeds = range(1000, 1000 + options.seeds)
+            print_table(f"{degrees:g}°, {len(seeds)} seeds", [on_leaning_ground(seed, degrees) for seed in seeds])
+    else:
+        print_table(f"{options.seeds} seeds", [figures(seed) for seed in range(options.seeds)])
+
+
+def print_table(title: str, found: list[dict[str, float]]) -> None:
+    """Print mean, median and extremes of figures over seeds."""
+    print(f"{title:52s} {'mean':>8} {'median':>8} {'least':>8} {'most':>8}")
     for name in found[0]:
         values = np.array([each[name] for each in found])
         print(f"{name:52s} {values.mean():8.3g} {np.median(values):8.3g} {values.min():8.3g} {values.max():8.3g}")

@@ -32,10 +32,16 @@ CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
 
+OF_BASE = 3
+"""Columns beside those of the joints."""
+
+
 class AccelerationPower(NamedTuple):
     """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
 
-    noise: FloatArray  # power due to the noise of the angles, (71, n); one or two columns more for some bases
+    # power due to noise of the angles, then of place and turn of the base by its pose, and of its gyroscope, (71, n + 3);
+    # zero for what was not recorded
+    noise: FloatArray
     total: FloatArray  # power of the recorded angles, as many columns
     samples: int  # number of samples
     rate: float  # sampling rate [Hz]
@@ -75,21 +81,21 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
         return None
     even, rate = recording.resampled(), recording.resampled().sample_rate
     if recording.a is not None:
-        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + (base_rows and recording.base is not None)))
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + OF_BASE))
         return AccelerationPower(nothing, nothing, len(even), rate)
-    power = _power(even.q.T, rate)
+    power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), OF_BASE))
     if even.base is not None and even.base.pose is not None:
         of_pose = _power(even.base.pose.columns.T, rate)
-        by_part = [of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)]  # position and quaternion
-        power = np.concatenate([power, np.stack(by_part, axis=2)], axis=2)
+        of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)
         # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do not
         # share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this weight.
-        power[0] *= 16.0
+        power[0], of_base[0] = 16.0 * power[0], 16.0 * of_base[0]
     elif even.base is not None:
-        of_base = _power(even.base.angular_velocity.T, rate, derivatives=1)
-        of_base = of_base[..., [int(np.argmax(of_base[1, -1]))]]  # the axis that turns most
-        power = np.concatenate([power + of_base, of_base], axis=2) if base_rows else power + of_base
-    return AccelerationPower(power[0], power[1], len(even), rate)
+        of_axes = _power(even.base.angular_velocity.T, rate, derivatives=1)
+        turning = of_axes[..., [int(np.argmax(of_axes[1, -1]))]]  # the axis that turns most
+        power, of_base[..., 2:] = power + turning, turning if base_rows else 0.0
+    noise, total = np.concatenate([power, of_base], axis=2)
+    return AccelerationPower(noise, total, len(even), rate)
 
 
 def cutoff_from(powers: Sequence[AccelerationPower]) -> float:

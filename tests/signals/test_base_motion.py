@@ -257,3 +257,13 @@ def test_no_sequence_of_hostile_numbers_makes_another_error():
             )
         except ExoidError:
             continue
+
+
+def test_logs_with_an_imu_and_with_a_pose_have_one_cut_off():
+    walked = walk(seconds=30.0)
+    imu = walked.recording()
+    position, turn = walked.pose
+    pose = dataclasses.replace(imu, base=BaseMotion.from_pose(position, turn.as_quat(), walked.time))
+    for base_rows in (False, True):
+        alone = [choose_cutoff([each], base_rows=base_rows) for each in (imu, pose)]
+        assert min(alone) <= choose_cutoff([imu, pose], base_rows=base_rows) <= max(alone)

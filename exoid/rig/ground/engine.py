@@ -11,7 +11,6 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import require_mujoco
-from exoid.leg.reduction.planar import GRAVITY
 
 from .motion import JointTargets, Spring
 from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name
@@ -153,12 +152,12 @@ class Engine:
     def momentum(self) -> FloatArray:
         """Linear momentum at the beginning of the step [N·s], (3,)."""
         self._mujoco.mj_subtreeVel(self.model, self.data)
-        return np.asarray(self.model.body_subtreemass[1] * self.data.subtree_linvel[1])
+        return np.asarray(self.mass * self.data.subtree_linvel[1])
 
     @property
-    def weight(self) -> float:
-        """Weight of the machine [N]."""
-        return float(GRAVITY * self.model.body_subtreemass[1])
+    def mass(self) -> float:
+        """Mass of the machine [kg]."""
+        return float(self.model.body_subtreemass[1])
 
 
 class Holder:

@@ -11,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
-from exoid.leg.reduction.planar import GRAVITY
 
 from .plant import GroundPlant, Sole
 
@@ -29,7 +28,7 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
         )
     spec = mujoco.MjSpec()
     option = spec.option
-    option.timestep, option.gravity = step, -GRAVITY * plant.plane.up
+    option.timestep, option.gravity = step, plant.gravity
     option.integrator, option.solver = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtSolver.mjSOL_NEWTON
     # impedance of friction over that of the normal force: the larger, the less a loaded foot creeps
     option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 100.0

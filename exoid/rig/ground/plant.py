@@ -13,6 +13,7 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
+from exoid.leg.reduction.planar import GRAVITY
 
 LARGEST = 2.0
 """Largest distance of a point of a sole from the origin of its link [m]; larger ones are in another unit."""
@@ -104,6 +105,7 @@ class GroundPlant:
         constant: Torque b0 of the spring at zero [N·m], (n,).
         smoothing: Velocity over which Coulomb friction changes its sign [rad/s].
         ground_friction: Coefficient of friction of the ground.
+        ground_lean: Angle by which the ground rises forward [rad]. The laboratory's axes are those of the ground.
     """
 
     leg: Leg
@@ -115,6 +117,7 @@ class GroundPlant:
     constant: FloatArray
     smoothing: float = 0.02
     ground_friction: float = 0.8
+    ground_lean: float = 0.0
 
     @classmethod
     def build(
@@ -185,6 +188,12 @@ class GroundPlant:
     def plane(self) -> Plane:
         """Directions forward, lateral and up in the axes of the root link, which is parallel to the laboratory."""
         return Plane(*np.eye(3)) if self.leg.machine is None else self.leg.machine.plane
+
+    @property
+    def gravity(self) -> FloatArray:
+        """Gravity in the axes of the ground [m/s²], (3,)."""
+        forward, _, up = self.plane
+        return -GRAVITY * (np.cos(self.ground_lean) * up + np.sin(self.ground_lean) * forward)
 
     @property
     def root_link(self) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
-from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
 from exoid.signals import Wrench
 
@@ -174,7 +173,7 @@ class _Books:
             turnover=float(dt * np.abs(power).sum()),
             ground=ground_impulse,
             holder=holder_impulse,
-            weight=-dt * len(mean) * self._engine.weight * plane.up,
+            weight=dt * len(mean) * self._engine.mass * plant.gravity,
             momentum=end[1] - begin[1],
         )
 
@@ -187,7 +186,7 @@ def _base_kinematics(plant: GroundPlant, rate: FloatArray, change: FloatArray, t
         spin, turning = (np.outer(x[:, 2], -plane.lateral) for x in (rate, change))
     else:  # MuJoCo's free joint: linear in the laboratory, angular in the axes of the body
         linear, spin, turning = change[:, :3], rate[:, 3:], change[:, 3:]
-    return BaseKinematics(spin, turning, np.einsum("nij,ni->nj", turn, linear + GRAVITY * plane.up))
+    return BaseKinematics(spin, turning, np.einsum("nij,ni->nj", turn, linear - plant.gravity))
 
 
 def _footing(
