@@ -14,7 +14,7 @@ from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.cutoff import robust_std
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
@@ -61,13 +61,15 @@ def fit_on_ground(
     footing = find_footing(fitted)
     if footing is None:
         return fitted
-    problem = without_outliers(fit(tilted(problem, footing.compliance, footing.lean), huber))
-    first, *others = problem.groups
+    problem = without_outliers(fit(tilted(problem, footing), huber))
+    # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
+    footing = find_footing(fit(problem, estimator), footing) or footing
+    fitted = fit(tilted(problem, footing), estimator)
+    first, *others = fitted.problem.groups
     findings = (*first.findings, *_footing_findings(footing, fitted))
-    problem = replace(problem, groups=(replace(first, findings=findings), *others))
-    return fit(problem, estimator)._replace(
-        doubt=footing.found.slopes @ footing.found.covariance @ footing.found.slopes.T
-    )
+    problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
+    slopes = footing.found.slopes
+    return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -93,11 +95,19 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     found: dict[tuple[str, ...], list[Recording]] = {}
     findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
-    for one in group.data:
-        if isinstance(one, Poses):
-            raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
-        parts = split(model.leg, for_leg(model, one))
-        findings += [*_left_out(parts, one), *_imu_finding(parts.imu, one, model.leg.parameter_names)]
+    data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
+    if len(data) < len(group.data):
+        raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
+    every = [split(model.leg, one) for one in data]
+    # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
+    known = [parts.imu for parts in every if parts.imu is not None]
+    session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:6])), default=None)
+    for one, own in zip(data, every, strict=True):
+        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
+        parts = split(model.leg, one, session) if biased and session is not None else own
+        findings += _left_out(parts, one)
+        if biased or own.imu is not None:
+            findings.append(_imu_finding(own.imu, session, one, model.leg.parameter_names))
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
     groups: list[Group] = []
@@ -163,10 +173,24 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     ]
 
 
-def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[str, ...]) -> list[Finding]:
-    """Say what was taken out of the readings of an inertial measurement unit."""
+def _imu_finding(
+    own: ImuErrors | None, session: ImuErrors | None, recording: Recording, names: tuple[str, ...]
+) -> Finding:
+    """Say what was taken out of the readings of an inertial measurement unit, or that nothing could be."""
+    name, errors = recording.source.name if recording.source else "", own or session
     if errors is None:
-        return []
+        return Finding(
+            "imu-unchecked",
+            "",
+            1.0,
+            "1",
+            "warning",
+            "the bias of the base's sensor could not be checked, as no foot rests flat and still for a second in any "
+            "recording; 0.1 m/s² would be 1 % of gravity, and of every mass moment",
+            "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))",
+            parameters=names,
+            recording=name,
+        )
     gyro, force, turn = (
         ", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias, errors.rotation)
     )
@@ -174,22 +198,21 @@ def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[st
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large = size > 0.5
+    when = "while a foot rested" if own is not None else "by another recording of the session"
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
-    return [
-        Finding(
-            "imu-bias",
-            "",
-            size,
-            "m/s²",
-            "warning" if large else "info",
-            f"while a foot rested, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was "
-            "taken out" + ("; no sensor is off by so much" if large else ""),
-            remedy if large else "calibrate the sensor",
-            interval=(size - 2.0 * std, size + 2.0 * std),
-            parameters=names if large else (),
-            recording=recording.source.name if recording.source else "",
-        )
-    ]
+    return Finding(
+        "imu-bias",
+        "",
+        size,
+        "m/s²",
+        "warning" if large else "info",
+        f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was taken out"
+        + ("; no sensor is off by so much" if large else ""),
+        remedy if large else "calibrate the sensor",
+        interval=(size - 2.0 * std, size + 2.0 * std),
+        parameters=names if large else (),
+        recording=name,
+    )
 
 
 def without_outliers(fitted: Fitted) -> Problem:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import scaled_inverse
@@ -48,8 +47,13 @@ class Footing(NamedTuple):
         """Lean of the ground, a rotation vector [rad], (3,)."""
         return self.found.values[len(self.links) :] @ self.axes
 
+    def plus(self, index: int, step: float) -> Footing:
+        """Change one of the numbers."""
+        step_along = step * np.eye(len(self.found.values))[index]
+        return self._replace(found=self.found._replace(values=self.found.values + step_along))
 
-def find_footing(fitted: Fitted) -> Footing | None:
+
+def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None:
     """Find the compliance θ = c τ of soles and the lean of the ground under a base that was not measured."""
     problem = fitted.problem
     data = (one for group in problem.groups for one in group.data if isinstance(one, Recording))
@@ -58,14 +62,17 @@ def find_footing(fitted: Fitted) -> Footing | None:
         return None
     leg = fitted.models[0].leg
     axes = np.eye(3)[:2] if leg.base_rows == 6 else np.array([leg.plane.lateral])
-    others = [*(tilted(problem, {link: SOFT}) for link in links), *(tilted(problem, {}, LEVEL * axis) for axis in axes)]
-    steps = np.repeat([SOFT, LEVEL], [len(links), len(axes)])
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
-    prior = np.repeat([1e-4, LEVEL], [len(links), len(axes)])
-    found = row_changes(fitted, others, steps, prior_std=prior)
-    values = np.append(np.maximum(found.values[: len(links)], 0.0), found.values[len(links) :])
+    steps, prior = (np.repeat([c, LEVEL], [len(links), len(axes)]) for c in (SOFT, 1e-4))
+    none = np.zeros(len(steps))
+    about = about or Footing(links, axes, RowChanges(none, np.diag(none), none))
+    start = about.found.values
+    others = [tilted(problem, about.plus(k, step)) for k, step in enumerate(steps.tolist())]
+    found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start)
+    free = start + found.values
+    values = np.append(np.maximum(free[: len(links)], 0.0), free[len(links) :])
     # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = np.append((0.2 * values[: len(links)]) ** 2, np.zeros(len(axes))) + (found.values - values) ** 2
+    doubt = np.append((0.2 * values[: len(links)]) ** 2, np.zeros(len(axes))) + (free - values) ** 2
     return Footing(links, axes, RowChanges(values, found.covariance + np.diag(doubt), found.slopes))
 
 
@@ -73,7 +80,8 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
     late = [_late(problem, parts, joint) for joint in range(len(joints))]
-    found = row_changes(fitted, late, np.full(len(late), DELAY), prior_std=np.full(len(late), 0.1))
+    every = np.ones(len(late))
+    found = row_changes(fitted, late, DELAY * every, prior_std=0.1 * every, prior_mean=0.0 * every)
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
     # standard deviations for white noise; of 18 torques that were 40 ms late, 16 were beyond 7.
     half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))
@@ -82,12 +90,15 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     return np.where(significant, found.values, 0.0), half
 
 
-def row_changes(fitted: Fitted, others: Sequence[Problem], steps: FloatArray, *, prior_std: FloatArray) -> RowChanges:
+def row_changes(
+    fitted: Fitted, others: Sequence[Problem], steps: FloatArray, *, prior_std: FloatArray, prior_mean: FloatArray
+) -> RowChanges:
     """Find numbers c beside the parameters, given problems in which one of them has the size of its step."""
     # Least squares of r = W δβ + D c with c ~ N(0, σ²), D by a difference, gives c and its covariance, and
     # ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
     problem, count, more = fitted.problem, len(fitted.problem.names), len(others)
-    information, right = np.zeros((count + more,) * 2), np.zeros(count + more)
+    prior = np.append(np.zeros(count), prior_std**-2.0)
+    information, right = np.diag(prior), prior * np.append(np.zeros(count), prior_mean)
     for k, group in enumerate(problem.groups):
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
@@ -104,17 +115,16 @@ def row_changes(fitted: Fitted, others: Sequence[Problem], steps: FloatArray, *,
             right[where] += weighted.T @ (first * weights).ravel()
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
-    prior = np.diag(np.append(np.zeros(count), prior_std**-2.0))
-    known = (information + prior)[np.ix_(free, free)]
+    known = information[np.ix_(free, free)]
     inverse = scaled_inverse(known)
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, more))
     slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ information[own, count:]
     return RowChanges((inverse @ right[free])[-more:], inverse[-more:, -more:], slopes_of)
 
 
-def tilted(problem: Problem, compliance: Mapping[str, float], lean: ArrayLike = (0.0, 0.0, 0.0)) -> Problem:
+def tilted(problem: Problem, footing: Footing) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean."""
-    groups = []
+    compliance, lean, groups = footing.compliance, footing.lean, []
     for group in problem.groups:
         data = [
             replace(one, base=standing_base(group.model.leg, one, link, compliance.get(link, 0.0), lean))

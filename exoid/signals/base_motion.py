@@ -36,6 +36,7 @@ class BaseMotion(Sampled):
         position: Position r of the sensor in the axes of the root link [m], (3,).
         pose: Pose of the root link in the laboratory, which only wrenches in axes of the laboratory need; None where it
             was not recorded, as by an IMU.
+        calibrated: Whether there is no bias to look for: it was taken out, or a pose says the motion.
 
     Raises:
         ExoidError: Shapes do not fit, a number is missing, or the position is not in m.
@@ -49,6 +50,7 @@ class BaseMotion(Sampled):
     specific_force: FloatArray
     position: FloatArray = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # an array once it is made
     pose: BasePose | None = None
+    calibrated: bool = False
 
     def __post_init__(self) -> None:
         for name in ("angular_velocity", "specific_force", "position"):
@@ -146,7 +148,7 @@ class BaseMotion(Sampled):
         motion = cls.from_imu(moved.angular_velocity, moved.specific_force, position=at, rotation=mounting)
         root = upright @ body.from_quat(moved.quaternion).as_matrix() @ mounting.T
         origin = moved.position @ upright.T - root @ motion.position
-        return replace(motion, pose=BasePose(origin, body.from_matrix(root).as_quat()))
+        return replace(motion, pose=BasePose(origin, body.from_matrix(root).as_quat()), calibrated=True)
 
     @property
     def columns(self) -> FloatArray:
@@ -156,7 +158,7 @@ class BaseMotion(Sampled):
     def rows(self, rows: slice | BoolArray) -> BaseMotion:
         """Select samples."""
         pose = None if self.pose is None else self.pose.rows(rows)
-        return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position, pose)
+        return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position, pose, self.calibrated)
 
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BaseMotion:
         """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump."""
@@ -165,13 +167,14 @@ class BaseMotion(Sampled):
             timebase.interpolate(time, self.specific_force[rows], grid, smooth=False),
             self.position,
             None if self.pose is None else self.pose.interpolated(time, grid, rows),
+            self.calibrated,
         )
 
     def averaged(self, size: int) -> BaseMotion:
         """Average neighbouring samples."""
         columns = means(self.columns, size)
         pose = None if self.pose is None else self.pose.averaged(size)
-        return BaseMotion(columns[:, :3], columns[:, 3:], self.position, pose)
+        return BaseMotion(columns[:, :3], columns[:, 3:], self.position, pose, self.calibrated)
 
     def __len__(self) -> int:
         return len(self.angular_velocity)

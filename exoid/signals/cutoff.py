@@ -39,7 +39,7 @@ OF_BASE = 3
 class AccelerationPower(NamedTuple):
     """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
 
-    # power due to noise of the angles, then of place and turn of the base by its pose, and of its gyroscope, (71, n + 3);
+    # power due to noise of the angles, then of place and turn of a base with a pose, and of a gyroscope, (71, n + 3);
     # zero for what was not recorded
     noise: FloatArray
     total: FloatArray  # power of the recorded angles, as many columns

@@ -193,7 +193,7 @@ class GroundPlant:
     def gravity(self) -> FloatArray:
         """Gravity in the axes of the ground [m/s²], (3,)."""
         forward, _, up = self.plane
-        return -GRAVITY * (np.cos(self.ground_lean) * up + np.sin(self.ground_lean) * forward)
+        return np.asarray(-GRAVITY * (np.cos(self.ground_lean) * up + np.sin(self.ground_lean) * forward))
 
     @property
     def root_link(self) -> str:

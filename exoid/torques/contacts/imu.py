@@ -45,7 +45,8 @@ class ImuErrors(NamedTuple):
     def corrected(self, base: BaseMotion) -> BaseMotion:
         """Take the errors out of readings."""
         gyro, force = base.angular_velocity - self.gyro_bias, base.specific_force - self.force_bias
-        return BaseMotion(gyro - np.cross(self.rotation, gyro), force - np.cross(self.rotation, force), base.position)
+        omega, acceleration = (vector - np.cross(self.rotation, vector) for vector in (gyro, force))
+        return BaseMotion(omega, acceleration, base.position, base.pose, calibrated=True)
 
 
 def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
@@ -54,7 +55,7 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
     # linear in the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against
     # the gyroscope.
     base = recording.base
-    if base is None or base.pose is not None:
+    if base is None or base.calibrated:
         return None
     parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
     rests = [rest for part in parts for rest in _single(part)]
@@ -105,11 +106,13 @@ def _single(flat: _Flat) -> list[_Flat]:
 def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
     """Compare readings with the motion that a foot says, where it is flat."""
     (omega, force), rate = standing_reading(leg, recording, link, base.position), recording.sample_rate
-    turning = _smooth(base.angular_velocity - omega, rate)
-    middle = np.array([_densest(of_axis, TURNING) for of_axis in turning[flags].T])
-    flat = flags & (np.linalg.norm(turning - middle, axis=1) < TURNING)
+    aside, flat = (base.angular_velocity - omega, base.specific_force - force), flags
+    # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
+    for difference, width in zip(aside, (TURNING, DISAGREEMENT), strict=True):
+        smooth = _smooth(difference, rate)
+        middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
+        flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
     flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
-    aside = base.angular_velocity - omega, base.specific_force - force
     return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], np.flatnonzero(flat))
 
 

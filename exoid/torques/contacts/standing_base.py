@@ -60,7 +60,7 @@ def standing_base(
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)
     found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
-    return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link)
+    return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link=link)
 
 
 def _tilts(leg: Leg, recording: Recording, link: str, compliance: float) -> FloatArray:

@@ -56,7 +56,7 @@ class Split(NamedTuple):
     Attributes:
         stretches: One for each set of links that rest by unknown wrenches.
         left: Samples that were left out.
-        imu: Errors of the inertial measurement unit that were taken out; None for none.
+        imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
     """
 
@@ -66,12 +66,14 @@ class Split(NamedTuple):
     visible: float
 
 
-def split(leg: Leg, recording: Recording) -> Split:
+def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
     Args:
         leg: The leg.
         recording: A recording with contacts or wrenches; without both, the base is held.
+        session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
+            another recording of the session.
 
     Returns:
         One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
@@ -91,8 +93,9 @@ def split(leg: Leg, recording: Recording) -> Split:
     still = ~slipping(leg, rest, slow, v, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
     imu = imu_errors(leg, recording, feet) if leg.base_rows else None
-    if imu is not None and recording.base is not None:
-        recording = replace(recording, base=imu.corrected(recording.base))
+    errors = imu or session
+    if errors is not None and recording.base is not None and not recording.base.calibrated:
+        recording = replace(recording, base=errors.corrected(recording.base))
     slip = Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
     if recording.base is not None and leg.base_rows and recording.contacts:
         slip = sliding(leg, recording, recording.base, feet)
