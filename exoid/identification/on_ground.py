@@ -93,7 +93,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
     if group.preparation is None or any(group.preparation.parallel(rate) is None for rate in rates):
         raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
-    found: dict[tuple[str, ...], list[Recording]] = {}
+    found: dict[tuple[tuple[str, ...], bool], list[Recording]] = {}
     findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
     data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     if len(data) < len(group.data):
@@ -109,19 +109,22 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         if biased or own.imu is not None:
             findings.append(_imu_finding(own.imu, session, one, model.leg.parameter_names))
         for part in parts.stretches:
-            found.setdefault(part.links, []).append(part.recording)
+            # on plates, rows that need no plate come first: what plates add has their noise, and a cut-off of its own
+            for plates in (False, True) if part.plates else (False,):
+                found.setdefault((part.links or part.plates, plates), []).append(part.recording)
     groups: list[Group] = []
-    for links, data in found.items():
+    for (links, plates), data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
-        preparation = ZeroPhase(choose_cutoff(data, base_rows=not links)) if by_noise else group.preparation
+        cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
+        preparation = group.preparation if cutoff is None else ZeroPhase(cutoff)
         groups.append(
             replace(
                 group,
-                model=SupportModel.of(model, links, axes),
+                model=SupportModel.of(model, links, axes, plates=plates),
                 data=tuple(data),
                 preparation=preparation,
-                links=" and ".join(links) or MEASURED,
+                links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,
                 findings=() if groups else tuple(findings),
             )
         )

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -60,11 +61,22 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     free = Vt[:, rank:]
     P = np.swapaxes(free, 1, 2) @ free
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
+    loop, aligned = _orthonormal(P, E)
+    return Elimination(lever, loop, fit & aligned)
+
+
+def load_sharing(loop: FloatArray, axes: FloatArray) -> FloatArray:
+    """Find the directions of joint rows in which links share loads: all but those of closed chains, (N, n, n − r)."""
+    P = np.eye(len(axes)) - loop @ np.swapaxes(loop, 1, 2)
+    return _orthonormal(P, scipy.linalg.null_space(axes.T))[0]
+
+
+def _orthonormal(P: FloatArray, E: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Project axes, P E (Eᵀ P E)^(−1/2), and tell where enough of each axis is left."""
     PE = P @ E
     parts, turns = np.linalg.eigh(E.T @ PE)
-    fit &= parts.min(axis=1, initial=1.0) > ALIGNED
     roots = (turns / np.sqrt(np.maximum(parts, ALIGNED))[:, None, :]) @ np.swapaxes(turns, 1, 2)
-    return Elimination(lever, PE @ roots, fit)
+    return PE @ roots, parts.min(axis=1, initial=1.0) > ALIGNED
 
 
 def _constraints(leg: Leg, links: Sequence[str], q: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:

@@ -47,6 +47,7 @@ class Stretch(NamedTuple):
     """Part of a recording in which the same links rest by unknown wrenches."""
 
     links: tuple[str, ...]  # these links; the root link for a base that is held; none where no wrench is unknown
+    plates: tuple[str, ...]  # where none is unknown: feet under a floating base that rest by measured wrenches
     recording: Recording  # the recording with a mask of the samples, and with the motion of the base
 
 
@@ -101,7 +102,9 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
         slip = sliding(leg, recording, recording.base, feet)
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
-    for links, where in _patterns(unknown, len(recording)):
+    plates = {link: flags for link, flags in feet.items() if link in recording.wrenches and leg.base_rows}
+    for together, where in _patterns({**unknown, **plates}, len(recording)):
+        links = tuple(link for link in together if link in unknown)
         inside = counted & usual & where
         rows = eliminate(leg, links, slow) if links else None
         usable = inside.copy()
@@ -111,8 +114,11 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
-            about: dict[str, Any] = {"mask": usable, "base": _base(leg, recording, links, resting)}
-            found.append(Stretch(links, replace(recording, **about)))
+            # the plate of a foot in the air reads noise
+            loaded = {link: w for link, w in recording.wrenches.items() if link not in plates or link in together}
+            base = _base(leg, recording, links, resting)
+            about: dict[str, Any] = {"mask": usable, "base": base, "wrenches": loaded}
+            found.append(Stretch(links, () if links else together, replace(recording, **about)))
     if not found:
         raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
@@ -161,13 +167,13 @@ def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
     return contacts_from_wrench(wrench, up=up) if high > LEAST_LOAD and low < LIFT * high else None
 
 
-def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
+def _patterns(resting: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
     """Sets of links that rest at the same time, and the samples at which they do."""
-    if not unknown:
+    if not resting:
         return [((), np.ones(count, dtype=np.bool_))]
-    flags = np.column_stack(list(unknown.values()))
+    flags = np.column_stack(list(resting.values()))
     patterns, which = np.unique(flags, axis=0, return_inverse=True)
-    names = list(unknown)
+    names = list(resting)
     return [
         (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
         for k, pattern in enumerate(patterns)

@@ -15,7 +15,7 @@ from exoid.torques.model import TorqueModel
 from exoid.torques.motion import Motion, random_base, random_motion
 from exoid.torques.term import internal_states
 
-from .elimination import eliminate
+from .elimination import eliminate, load_sharing
 
 LOOP = "loop_"
 """Beginning of the names of rows of closed chains."""
@@ -26,31 +26,39 @@ class SupportModel(TorqueModel):
     """Torque model while links rest on the ground, or the base is held, by wrenches that were not measured."""
 
     # [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see `eliminate`
-    # (Aghili 2005; Mistry et al. 2010).
+    # (Aghili 2005; Mistry et al. 2010). Where the wrenches were measured, the other rows form a second model: those of
+    # the base, which hold no torque, and those in which links share a load. The noise of plates is in these alone.
 
     links: tuple[str, ...] = ()  # links with an unknown wrench; none where all wrenches were measured
     axes: FloatArray | None = None  # reference of closed chains, see `reference_axes`
+    plates: bool = False  # whether these are the rows that measured wrenches on the links add
 
     @classmethod
-    def of(cls, model: TorqueModel, links: Sequence[str], axes: FloatArray | None) -> SupportModel:
+    def of(
+        cls, model: TorqueModel, links: Sequence[str], axes: FloatArray | None, *, plates: bool = False
+    ) -> SupportModel:
         """Let links of a model rest on the ground."""
-        return cls(model.leg, model.terms, model.rigid, model.regrouped, model.separate, tuple(links), axes)
+        rest = (model.leg, model.terms, model.rigid, model.regrouped, model.separate)
+        return cls(*rest, tuple(links), axes, plates)
 
     @property
     def row_names(self) -> tuple[str, ...]:
         """Rows: those of the leg; joints where the base hangs on one link; directions of motion of closed chains."""
         if not self.links:
             return super().row_names
-        if self.axes is None:
-            return self.joint_names
-        return tuple(f"{LOOP}{k + 1}" for k in range(self.axes.shape[1]))
+        free = 0 if self.axes is None else self.axes.shape[1]
+        if self.plates:
+            shared = range(len(self.joint_names) - free) if free else ()
+            return (*super().row_names[: self.leg.base_rows], *(f"shared_{k + 1}" for k in shared))
+        return tuple(f"{LOOP}{k + 1}" for k in range(free)) or self.joint_names
 
     @property
     def row_joints(self) -> tuple[int, ...]:
         """Joint of each row; −1 for none."""
         if not self.links:
             return super().row_joints
-        return tuple(range(len(self.joint_names))) if self.axes is None else (-1,) * self.axes.shape[1]
+        own = self.axes is None and not self.plates
+        return tuple(range(len(self.joint_names))) if own else (-1,) * len(self.row_names)
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -78,9 +86,9 @@ class SupportModel(TorqueModel):
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Tell which rows have a measured side: joints of a closed chain share theirs."""
-        if self.links and self.axes is not None:
-            return np.full(self.axes.shape[1], bool(measured.all()))
-        return measured if self.links else super().measured_rows(measured)
+        if not self.links:
+            return super().measured_rows(measured)
+        return np.array([measured[joint] if joint >= 0 else measured.all() for joint in self.row_joints])
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Select the samples from which the terms can be identified."""
@@ -95,11 +103,22 @@ class SupportModel(TorqueModel):
         """Turn what holds for base rows and joints, (N, b + n), into what holds for rows, (N, R)."""
         if not self.links:
             return of_joints
-        joints = of_joints[:, self.leg.base_rows :]
-        if self.axes is None:
-            return joints
-        return np.repeat(together(joints, axis=1)[:, np.newaxis], self.axes.shape[1], axis=1)
+        base = self.leg.base_rows
+        joints, count = of_joints[:, base:], len(self.row_names)
+        shared = np.repeat(together(joints, axis=1)[:, np.newaxis], count, axis=1)
+        if self.plates:
+            return np.hstack([of_joints[:, :base], shared[:, base:]])
+        return joints if self.axes is None else shared
 
     def _reduced(self, rows: FloatArray, q: FloatArray) -> FloatArray:
-        """Combine rows (K, b + n, N) into those without the unknown wrenches."""
-        return eliminate(self.leg, self.links, q, self.axes).of(rows) if self.links else rows
+        """Combine rows (K, b + n, N) into those without unknown wrenches, or into the others."""
+        if not self.links:
+            return rows
+        elimination = eliminate(self.leg, self.links, q, self.axes)
+        if not self.plates:
+            return elimination.of(rows)
+        base = rows[:, : self.leg.base_rows]
+        if self.axes is None or elimination.loop is None:
+            return base
+        shared = elimination._replace(loop=load_sharing(elimination.loop, self.axes))
+        return np.concatenate([base, shared.of(rows)], axis=1)
