@@ -53,13 +53,14 @@ def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
 def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: float = 250.0, **options) -> Standing:
     """Squat, shift and pitch on "both" feet, or on the "left" while the right leg swings.
 
-    The load is shared by a share that varies, which is what only measured wrenches tell. The ground may "lean" [rad].
+    The load is shared by a share that varies, which is what only measured wrenches tell. The ground may "lean" [rad],
+    and the sole of the left foot tip by an angle of the time [rad].
     """
     rng = np.random.default_rng(seed)
     time = np.arange(0.0, seconds, 1.0 / rate)
     hip = np.column_stack([waves(time, rng, 0.02, 0.04), waves(time, rng, 0.74, 0.04)])
     pitch = waves(time, rng, 0.1, 0.12)
-    left = leg_angles(leg, hip, pitch)
+    left = leg_angles(leg, hip, pitch, options.pop("sole", lambda _: 0.0)(time))
     if feet == "both":
         right = leg_angles(leg, hip + np.array([0.08, 0.0]), pitch)
     else:

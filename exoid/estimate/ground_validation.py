@@ -162,8 +162,8 @@ def wrench_variance(
     axes: FloatArray | None = None,
 ) -> FloatArray:
     """Variance of rows by white noise of measured wrenches, Σ (Jᵀ)² σ² behind the filter, (N, R)."""
-    # On a fixed base, the residuals of the training have this noise where wrenches on the same links were measured. On a
-    # floating one, rows of joints are without the wrenches.
+    # On a fixed base, residuals of the training have this noise where wrenches on the same links were measured. On a
+    # floating one, the rows of joints were without wrenches.
     leg = estimate.model.leg
     trained = {link for each in estimate.inputs for link in each.wrenches if not leg.base_rows}
     variance = np.zeros((1, 1) if links else (len(q), leg.base_rows + len(leg.joint_names)))

@@ -31,7 +31,7 @@ from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
-from exoid.torques.contacts.support_model import LOOP
+from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .agreement import shared_agreement
 from .checkup import check_group, model_error
@@ -133,6 +133,9 @@ class Result:
         noise = None if standing else self.noise[joints.start : joints.stop]
         trends = None if standing else tuple(one for joint in joints for one in self.trends.get(joint, ()))
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
+        # what force plates add are differences of large torques, which no parameter alone would explain
+        ordinary = [k for k in parts if not (isinstance(one := self.fitted.models[k], SupportModel) and one.plates)]
+        factors = [each for k in ordinary for each in problem.groups[k].r_factors]
         residual_rms = (
             np.array([_of_joint(supports, joint) for joint in model.joint_names])
             if standing
@@ -163,9 +166,7 @@ class Result:
             actuators=rows.actuators,
             evidence=Evidence(
                 dof_each=self.dofs[places],
-                parameter_scale=parameter_scale([each for k in parts for each in problem.groups[k].r_factors])[
-                    : len(values)
-                ],
+                parameter_scale=parameter_scale(factors)[: len(values)],
                 reference_scale=self.reference[places],
                 collinearity=self.collinearity.indices[places],
                 noise=noise,

@@ -46,6 +46,7 @@ def test_the_lean_is_found_and_intervals_hold(exo, degrees):
     assert np.sqrt(np.mean(np.square(deviations))) < 1.4
     assert np.mean(np.abs(deviations) < 2.0) > 0.88
 
+
 @pytest.mark.slow
 def test_bands_of_the_ground_force_allow_for_a_floor_that_is_not_quite_level(exo):
     estimate = exoid.identify(exo, logs(exo, 0.0, 1002), TERMS)

@@ -9,6 +9,7 @@ from standing import GRAVITY, Standing, mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
 from exoid.estimate.ground_prediction import level_wrench
+from exoid.torques.contacts import split
 
 TERMS = (Coulomb(smoothing=0.05), Viscous())
 NOISE, ENCODER = 0.4, 1e-4
@@ -71,7 +72,7 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
     assert str(again) == str(estimate)
 
 
-def test_measured_wrenches_fix_the_mass(exo, stance):
+def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, estimate):
     rng = np.random.default_rng(1)
     recordings = []
     for log in stance:
@@ -85,7 +86,10 @@ def test_measured_wrenches_fix_the_mass(exo, stance):
     found = exoid.identify(exo, recordings, terms=TERMS)
     assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
-    assert [support.name for support in found.supports] == ["measured"]
+    assert found["M"].std < estimate["M"].std
+    wider = found.std / estimate.std
+    assert np.exp(np.mean(np.log(wider))) < 1.0  # plates of 3 N and 0.3 N·m were in every row of a joint
+    assert wider.max() < 1.3
 
 
 @pytest.mark.parametrize("feet", ["both", "left"])
@@ -149,6 +153,53 @@ def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
     (first, *_) = [finding for finding in found.findings if finding.kind == "imu-bias"]
     assert first.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.005)
+
+
+def tipped(time):
+    """Flat for most of the time, and on the toe or the heel by 20 mrad for a second each."""
+    onto = [np.tanh((time - at) / 0.1) - np.tanh((time - at - 1.0) / 0.1) for at in (2.0, 5.0, 8.0)]
+    return 0.01 * (onto[0] - onto[1] + onto[2])
+
+
+def test_a_foot_that_tips_over_does_not_hide_the_bias(exo):
+    bias = (0.1, 0.0, 0.15)
+    for seed, tips in ((1, lambda _: 0.0), (1, tipped)):
+        log = standing(exo, "left", seconds=12.0, seed=seed, noise=NOISE, encoder=ENCODER, friction=friction, sole=tips)
+        errors = split(exo, with_imu(log, seed, force_bias=bias)).imu
+        np.testing.assert_allclose(errors.force_bias, bias, atol=0.01)
+        np.testing.assert_allclose(errors.gyro_bias, (0.0, 0.01, 0.0), atol=0.001)
+
+
+def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
+    """No foot rests in a swing: the bias of 1 % of gravity was 1 % of every X."""
+    log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
+    swing = replace(with_imu(log, 9), contacts={}, wrenches={"left_foot": log.wrenches["left_foot"]})
+    # a load cell in place of the ground, on a foot that is said to move
+    swing = replace(swing, contacts={"left_foot": np.zeros(len(swing), dtype=bool)})
+    session = [with_imu(each, k) for k, each in enumerate(stance)]
+    found = exoid.identify(exo, [*session, swing], terms=TERMS)
+    assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
+    assert [each.kind for each in found.findings if each.kind.startswith("imu")] == ["imu-bias"] * 4
+    corrected = split(exo, session[0]).imu.corrected(swing.base)
+    again = exoid.identify(exo, [*session, replace(swing, base=corrected)], terms=TERMS)
+    np.testing.assert_allclose(again.values, found.values, atol=0.2 * found.std.min())
+
+
+def test_a_bias_that_could_not_be_checked_is_a_warning(exo):
+    log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
+    swing = replace(
+        with_imu(log, 9),
+        wrenches={"left_foot": log.wrenches["left_foot"]},
+        contacts={"left_foot": np.zeros(len(log.recording), dtype=bool)},
+    )
+    for recording, kinds in ((swing, ["imu-unchecked"]), (replace(swing, base=known(swing.base)), [])):
+        found = exoid.identify(exo, recording, terms=(*TERMS,))
+        assert [each.kind for each in found.findings if each.kind.startswith("imu")] == kinds
+        assert all(each.severity == "warning" for each in found.findings if each.kind == "imu-unchecked")
+
+
+def known(base):
+    return replace(base, calibrated=True)
 
 
 def test_a_bias_that_no_sensor_has_is_a_warning(exo, stance):
