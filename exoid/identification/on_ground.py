@@ -106,7 +106,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
         parts = split(model.leg, one, session) if biased and session is not None else own
         findings += _left_out(parts, one)
-        if biased or own.imu is not None:
+        if biased or (own.imu is not None and (own.imu.gyro_bias.any() or own.imu.force_bias.any())):
             findings.append(_imu_finding(own.imu, session, one, model.leg.parameter_names))
         for part in parts.stretches:
             # on plates, rows that need no plate come first: what plates add has their noise, and a cut-off of its own

@@ -27,11 +27,7 @@ def gls(problem: RowProblem) -> Fit:
     it is the model's own error, whitening stresses the frequencies at which the model is worst: the point then leaves
     that of weighted least squares by more than noise explains, and the fit carries a remark.
 
-    Args:
-        problem: The problem.
-
-    Returns:
-        The fit, with its noise models; a warning where it leaves weighted least squares by more than noise explains.
+    A warning says where it leaves weighted least squares by more than noise explains.
     """
     first = wls(problem)
     reference = sandwich(problem, first.point, first.solution)

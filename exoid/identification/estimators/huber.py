@@ -28,12 +28,6 @@ def huber(problem: RowProblem) -> Fit:
 
     s is 1.4826 times the median of the joint's absolute residuals. Solved by reweighting: rows count
     min(1, 1.345 / |r|). A spike of the torque sensor then pulls no more than a residual of 1.345 s.
-
-    Args:
-        problem: The problem.
-
-    Returns:
-        The fit.
     """
     solution, floor = wls(problem).solution, noise_floor(problem)
     scales = np.full(len(problem.r_factors), np.nan)

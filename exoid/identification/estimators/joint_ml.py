@@ -86,15 +86,7 @@ class JointML:
     def __call__(self, problem: Problem) -> Fit:
         """Start from weighted least squares on filtered rows, and fit.
 
-        Args:
-            problem: Problem of one group.
-
-        Returns:
-            The fit.
-
-        Raises:
-            ExoidError: A term has memory or depends on load, knots are too close, a recording has a payload, or there
-                are several groups.
+        Terms with memory or load, close knots, payloads and several groups are refused.
         """
         refuse_other_friction(problem.model, "ml")
         problem.refuse_beside_leg("ml")

@@ -65,15 +65,7 @@ class OutputError:
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
 
-        Args:
-            problem: Problem of one group.
-
-        Returns:
-            The fit.
-
-        Raises:
-            ExoidError: No loop was given, it cannot be simulated, a recording has a payload, or there are several
-                groups.
+        A problem without a loop, with a payload or with several groups is refused.
         """
         model = problem.model
         if self.loop is None:

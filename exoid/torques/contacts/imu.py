@@ -66,14 +66,14 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
     if len(means) > 1 and np.sqrt(np.var(means[:, 3:], axis=0).sum()) > DISAGREEMENT:
         return None
     scattered = _within_scatter(of_gyro), _within_scatter(of_force)
-    if all(scattered):
-        return None
     of_gyro, of_force = (
         x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
     )
     white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
     # A rotation is looked for where differences are smaller than so many times the white noise of the readings
     found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < 2.0 * white))
+    if all(scattered):
+        found = ImuErrors(*np.zeros((3, 3)), found.std)
     if len(means) < FEW:
         return found
     apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise

@@ -18,15 +18,7 @@ from exoid.signals.link_wrenches import link_placements
 
 
 def level_rotation(leg: Leg, link: str) -> FloatArray:
-    """Orientation of a link where all joint angles are zero and the base is upright: flat on the ground, (3, 3).
-
-    Args:
-        leg: The leg.
-        link: Name of the link in the URDF.
-
-    Returns:
-        Rotation, level axes from link.
-    """
+    """Level axes from a link, (3, 3), where all joint angles are zero and the base is upright: flat on the ground."""
     return np.asarray(link_placements(leg, np.zeros((1, len(leg.joint_names))), link).rotation[0])
 
 

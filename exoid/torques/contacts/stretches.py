@@ -15,7 +15,6 @@ from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
-from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
@@ -115,11 +114,13 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
-            loaded = {
-                link: wrench
-                for link, wrench in recording.wrenches.items()
-                if link in together or _is_loaded(wrench, usable, least=LEAST_LOAD if link in plates else 0.0)
+            # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
+            silent = {
+                link
+                for link in set(plates) - set(together)
+                if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
+            loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
             base = _base(leg, recording, links, resting)
             about: dict[str, Any] = {"mask": usable, "base": base, "wrenches": loaded}
             found.append(Stretch(links, () if links else together, replace(recording, **about)))
@@ -169,14 +170,6 @@ def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
     normal = wrench.force @ up
     low, high = np.quantile(normal, [0.02, 0.98])
     return contacts_from_wrench(wrench, up=up) if high > LEAST_LOAD and low < LIFT * high else None
-
-
-def _is_loaded(wrench: Wrench, rows: BoolArray, *, least: float) -> bool:
-    """Tell whether a force sensor reads more than noise, and than a least force [N]: of a foot in the air it does not."""
-    force = wrench.force[rows]
-    size = float(np.linalg.norm(force.mean(axis=0))) if least else float(np.linalg.norm(force) / np.sqrt(len(force)))
-    # white noise alone has a ratio of 1
-    return size > max(least, 1.5 * float(np.linalg.norm(white_noise(force))))
 
 
 def _patterns(resting: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:

@@ -82,7 +82,9 @@ def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, es
             )
             for link, w in log.wrenches.items()
         }
-        recordings.append(replace(log.recording, wrenches=wrenches))
+        open_switch = np.zeros(len(log.recording), dtype=bool)
+        switches = {link: log.recording.contacts.get(link, open_switch) for link in wrenches}
+        recordings.append(replace(log.recording, wrenches=wrenches, contacts=switches))
     found = exoid.identify(exo, recordings, terms=TERMS)
     assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
