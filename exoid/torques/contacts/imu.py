@@ -73,7 +73,8 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
     # A rotation is looked for where differences are smaller than so many times the white noise of the readings
     found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < 2.0 * white))
     if all(scattered):
-        found = ImuErrors(*np.zeros((3, 3)), found.std)
+        none = np.zeros(3)
+        found = ImuErrors(none, none, none, found.std)
     if len(means) < FEW:
         return found
     apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
