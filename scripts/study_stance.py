@@ -19,8 +19,8 @@ from joblib import Parallel, delayed
 
 from exoid import identify, load_leg
 from exoid.experiments.ground import bleex_machine, walking
-from exoid.lab.reproduce import StanceExtent, StanceReplay, reproduce_stance
-from exoid.lab.reproduce.stance import SIDES, TERMS, WALKING, relative_error, swinging_leg, true_values
+from exoid.lab.reproduce import StanceExtent, reproduce_stance
+from exoid.lab.reproduce.stance import SIDES, TERMS, WALKING, StanceReplay, relative_error, swinging_leg, true_values
 from exoid.lab.reproduce.stance_report import walk_error
 
 LIMITS = {
