@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import within
+from exoid.errors import in_file
 from exoid.leg.leg import Leg
 from exoid.tools.files import write_whole
 from exoid.tools.toml import read_toml, to_toml
@@ -49,7 +49,7 @@ def read_actuators(path: str | os.PathLike[str], leg: Leg) -> Actuators:
         ('N', 'N', 'N')
     """
     name = os.fspath(path)
-    with within(str(name)):
+    with in_file(str(name)):
         return actuators_from_data(_content(str(name)), leg)
 
 

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import BadArgumentError, within
+from exoid.errors import BadArgumentError, in_file
 from exoid.tools.files import write_whole
 from exoid.tools.toml import read_toml, to_toml
 
@@ -36,7 +36,7 @@ EXAMPLE = '[columns] and below it q_hip = "pos1:deg", tau_hip = "current:0.118"'
 def with_map(options: LogOptions, path: str) -> LogOptions:
     """Read a file of columns; what the command line says goes before it."""
     found: dict[str, Any] = {}
-    with within(path):
+    with in_file(path):
         for key, value in read_toml(Path(path), EXAMPLE).items():
             if key in TABLES:
                 if not isinstance(value, dict) or not all(isinstance(each, str) for each in value.values()):

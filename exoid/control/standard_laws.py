@@ -79,7 +79,7 @@ def standard_laws(
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], AnyLaw]] = {
-        "pd": lambda: pd(kp, kd, rate=rate),
+        "pd": lambda: replace(pd(kp, kd, rate=rate), model=model),  # which names the joints in C
         "gravity_friction_pd": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
         "feedforward_pd": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),

@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,7 +17,7 @@ from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
-from exoid.tools.files import refuse_content, write_whole
+from exoid.tools.files import read_json, refuse_content, write_whole
 from exoid.tools.json_values import json_value, record, records
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
@@ -66,19 +65,7 @@ def estimate_text(estimate: EstimateData) -> str:
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     """Read an estimate; see :meth:`Estimate.load`."""
-    try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        remedy = "give the path of a file that exoid identify wrote"
-        raise UnreadableInputError(
-            f"cannot be read ({error.strerror or error})", where=str(path), remedy=remedy
-        ) from error
-    except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise UnreadableInputError(f"not JSON ({error})", where=str(path), remedy="identify again and save") from error
-    if not isinstance(data, dict) or data.get("schema") not in (SCHEMA, FIRST_SCHEMA):
-        raise UnreadableInputError(
-            f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save"
-        )
+    data = read_json(path, "estimate", (SCHEMA, FIRST_SCHEMA), "give the path of a file that exoid identify wrote")
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import chain, for_leg
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 
@@ -103,13 +103,11 @@ def row_changes(
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values, where = fitted.values(k), np.append(problem.places[k], count + np.arange(more))
-        every = (group.blocks(decimated=True), *(other.groups[k].blocks(decimated=True) for other in others))
-        for blocks in zip(*every, strict=True):
-            first, usable = _residual(blocks[0].rows, values), blocks[0].rows.usable[..., None]
-            slopes = [
-                (first - _residual(block.rows, values)) / step for step, block in zip(steps, blocks[1:], strict=True)
-            ]
-            columns = [np.where(usable, blocks[0].rows.W, 0.0), np.stack(slopes, axis=-1)]
+        every = (_by_recording(group), *(_by_recording(other.groups[k]) for other in others))
+        for rows, *changed in zip(*every, strict=True):
+            first = _residual(rows, values)
+            changes = [first - _residual(each, values) for each in changed]
+            columns = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
             weighted = (np.concatenate(columns, axis=-1) * weights[:, None]).reshape(-1, len(where))
             information[np.ix_(where, where)] += weighted.T @ weighted
             right[where] += weighted.T @ (first * weights).ravel()
@@ -144,6 +142,16 @@ def _late(problem: Problem, parts: Sequence[int], joint: int) -> Problem:
         data = [one if isinstance(one, Poses) else without_torque_delay(one, {joint: DELAY}) for one in chosen]
         groups[k] = replace(groups[k], data=data)
     return replace(problem, groups=tuple(groups))
+
+
+def _by_recording(group: Group) -> Iterator[Rows]:
+    """Rows of each recording after decimation; blocks of long ones differ between rows that are kept and new ones."""
+    parts: list[Rows] = []
+    for block in group.blocks(decimated=True):
+        parts.append(block.rows)
+        if block.ends:
+            yield chain(parts)
+            parts = []
 
 
 def _residual(rows: Rows, values: FloatArray) -> FloatArray:

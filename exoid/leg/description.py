@@ -15,6 +15,7 @@ from pathlib import Path
 from lxml import etree
 
 from exoid.errors import UnreadableInputError
+from exoid.tools.files import read_bounded
 
 LARGEST_URDF = 20_000_000
 """Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
@@ -114,21 +115,8 @@ def _exact_angle(text: str) -> str:
 def read_description(path: str | Path) -> Description:
     """Read a URDF file."""
     path = Path(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_URDF + 1)
-    except (OSError, ValueError) as error:  # a path with a null byte is a ValueError
-        raise UnreadableInputError(
-            f"the URDF cannot be read ({getattr(error, 'strerror', None) or error})",
-            file=str(path),
-            remedy="give the path of a readable URDF file, or the name of a built-in leg ('bleex', 'cuhk')",
-        ) from error
-    if len(content) > LARGEST_URDF:
-        raise UnreadableInputError(
-            f"larger than {LARGEST_URDF / 1e6:.0f} MB, which no URDF needs",
-            file=str(path),
-            remedy="refer to meshes by file name instead of embedding them",
-        )
+    remedy = "give the path of a URDF file without embedded meshes, or the name of a built-in leg ('bleex', 'cuhk')"
+    content = read_bounded(path, LARGEST_URDF, remedy)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

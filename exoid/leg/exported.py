@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.tools.files import read_json
 
 from .description import Description, read_description
 from .leg import Leg
@@ -115,14 +115,7 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
         """Error of this file."""
         return UnreadableInputError(what, file=str(sidecar), remedy=REMEDY)
 
-    try:
-        data = json.loads(sidecar.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise refusal(f"cannot be read ({error.strerror or error})") from error
-    except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise refusal(f"not JSON ({error})") from error
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise refusal(f"not a sidecar of schema {SCHEMA!r}")
+    data = read_json(sidecar, "sidecar", (SCHEMA,), REMEDY)
     if not _is_complete(data):
         raise refusal("a field of the sidecar is missing or of the wrong type")
     if data["urdf"]["sha256"] != description.sha256:

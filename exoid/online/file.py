@@ -7,14 +7,13 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import fields
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 from exoid.leg.leg import Leg
-from exoid.tools.files import write_whole
+from exoid.tools.files import read_json, write_whole
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 
@@ -57,15 +56,7 @@ def write_memory(path: str | os.PathLike[str], settings: Settings, memory: Memor
 def read_memory(path: str | os.PathLike[str], leg: Leg) -> tuple[Settings, Memory]:
     """Read what :func:`write_memory` wrote; all that does not fit the schema is an :class:`UnreadableInputError`."""
     where, remedy = str(path), "give the path of a file that RecursiveEstimator.save wrote"
-    try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        what = f"cannot be read ({error.strerror or error})"
-        raise UnreadableInputError(what, where=where, remedy=remedy, file=where) from error
-    except (ValueError, RecursionError) as error:
-        raise UnreadableInputError(f"not JSON ({error})", where=where, remedy=remedy, file=where) from error
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise UnreadableInputError(f"no memory of schema {SCHEMA!r}", where=where, remedy=remedy, file=where)
+    data = read_json(path, "memory", (SCHEMA,), remedy)
     try:
         name = data["leg"]["name"]
         if data["leg"] == _leg(leg):

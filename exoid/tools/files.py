@@ -1,4 +1,4 @@
-"""Output files: they are checked before the work, written atomically, and never replace an input.
+"""Input files of a bounded size. Output files: checked before the work, written atomically, never over an input.
 
 A file appears under its name only when it is complete. A symbolic link stays, and the file that it names is written. A
 file that is replaced keeps its mode and, where the system allows it, its owner. Devices, pipes and sockets are refused.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import json
 import os
 import secrets
 import shutil
@@ -15,8 +16,9 @@ import stat
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 NAME_KEPT = 40
 """Characters of a file's name that stand in the name of its temporary file; names are limited to 255 bytes."""
@@ -27,6 +29,39 @@ STANDARD_OUTPUT = 1
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 REPLACES = "is an input, which the output would replace"
+
+
+LARGEST_JSON = 2**26
+"""Length of a file beyond which exoid did not write it [bytes]."""
+
+
+def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> bytes:
+    """Read a regular file of at most so many bytes: devices and pipes have no end."""
+    try:
+        mode = os.stat(path).st_mode  # noqa: PTH116 - a path with a null byte is a ValueError
+        if not stat.S_ISREG(mode):
+            what = "is a directory" if stat.S_ISDIR(mode) else "is a device or a pipe"
+            raise UnreadableInputError(what, file=str(path), remedy=remedy)
+        with Path(path).open("rb") as opened:
+            content = opened.read(largest + 1)
+    except (OSError, ValueError) as error:
+        what = f"cannot be read ({getattr(error, 'strerror', None) or error})"
+        raise UnreadableInputError(what, file=str(path), remedy=remedy) from error
+    if len(content) > largest:
+        raise UnreadableInputError(f"larger than {largest / 1e6:.3g} MB", file=str(path), remedy=remedy)
+    return content
+
+
+def read_json(path: str | os.PathLike[str], what: str, schemas: Collection[str], remedy: str) -> dict[str, Any]:
+    """Read a file that exoid wrote, of one of some schemas."""
+    content = read_bounded(path, LARGEST_JSON, remedy)
+    try:
+        data = json.loads(content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
+        raise UnreadableInputError(f"not JSON ({error})", file=str(path), remedy=remedy) from error
+    if not isinstance(data, dict) or data.get("schema") not in schemas:
+        raise UnreadableInputError(f"no {what} of schema {min(schemas)!r}", file=str(path), remedy=remedy)
+    return data
 
 
 def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:

@@ -11,6 +11,8 @@ from typing import Any
 
 from exoid.errors import UnreadableInputError
 
+from .files import read_bounded
+
 if sys.version_info >= (3, 11):
     import tomllib
 else:
@@ -28,20 +30,10 @@ parse_toml = tomllib.loads
 def read_toml(path: Path, example: str) -> dict[str, Any]:
     """Read a file; the example says what to write."""
     remedy = f"write {example}"
+    content = read_bounded(path, LARGEST, f"give the path of a TOML file; {remedy}")
     try:
-        with path.open("rb") as opened:
-            content = opened.read(LARGEST + 1)
-        text = content.decode("utf-8-sig")
-    except (OSError, ValueError) as error:  # a name with a null character, not UTF-8
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UnreadableInputError(
-            f"cannot be read ({reason})", remedy=f"give the path of a TOML file; {remedy}"
-        ) from None
-    if len(content) > LARGEST:
-        raise UnreadableInputError(f"more than {LARGEST} bytes", remedy=remedy)
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:  # also not UTF-8
         raise UnreadableInputError(f"not TOML ({error})", remedy=remedy) from None
 
 

@@ -402,10 +402,10 @@ def test_a_truncated_file_is_refused(estimate, tmp_path, share):
 
 @pytest.mark.parametrize(
     ("path", "reason"),
-    [("absent.json", "No such file or directory"), (".", "Is a directory"), ("a\0b", "embedded null byte")],
+    [("absent.json", "No such file or directory"), (".", "is a directory"), ("a\0b", "embedded null byte")],
 )
 def test_a_path_that_is_no_file_is_refused(tmp_path, path, reason):
-    with pytest.raises(ExoidError, match=rf"\({reason}\)"):
+    with pytest.raises(ExoidError, match=reason):
         Estimate.load(f"{tmp_path}/{path}")
 
 

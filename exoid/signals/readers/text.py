@@ -229,7 +229,8 @@ def _read_bytes(path: Path) -> bytes:
             raise UnreadableInputError("is a directory, not a file", remedy="name the CSV file in it")
         if path.exists() and not path.is_file():
             raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
-        return path.read_bytes()
+        with path.open("rb") as opened:
+            return b"".join(iter(lambda: _without_zeros(opened.read(BLOCK)), b""))
     except FileNotFoundError:
         raise UnreadableInputError("no such file", remedy=f"check the path; looked in {path.parent}") from None
     except (OSError, ValueError) as problem:
@@ -237,11 +238,16 @@ def _read_bytes(path: Path) -> bytes:
         raise UnreadableInputError(f"cannot be read ({reason})", remedy="check the path and its rights") from None
 
 
+def _without_zeros(block: bytes) -> bytes:
+    """Refuse a block of a binary file, before a sparse one of many gigabytes fills the memory."""
+    if b"\0" in block:
+        raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
+    return block
+
+
 def _decode(data: bytes) -> str:
     if not data.strip():
         raise UnreadableInputError("the file is empty", remedy="check that the logger closed it")
-    if b"\0" in data:
-        raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
