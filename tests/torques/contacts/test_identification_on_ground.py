@@ -9,6 +9,7 @@ from standing import GRAVITY, Standing, mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
 from exoid.estimate.ground_prediction import level_wrench
+from exoid.signals import ZeroPhase
 from exoid.torques.contacts import split
 
 TERMS = (Coulomb(smoothing=0.05), Viscous())
@@ -350,3 +351,19 @@ def test_a_known_payload_is_no_part_of_the_machine(exo):
     found = exoid.identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], terms=())
     assert abs(found["M"].value - exo.parameters[0]) < 0.05
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
+
+
+@pytest.mark.slow
+def test_delays_are_looked_for_in_long_recordings(exo):
+    """Rows of long recordings come in blocks, and those that are kept in one."""
+    options = {"rate": 500.0, "noise": NOISE, "encoder": ENCODER, "friction": friction}
+    late = []
+    for k, (feet, seconds) in enumerate((("left", 70.0), ("both", 10.0), ("left", 10.0))):
+        log = standing(exo, feet, seconds=seconds, seed=60 + k, **options)
+        log = mirrored(log) if k == 2 else log
+        base = BaseMotion(log.base.angular_velocity, log.base.specific_force, calibrated=True)
+        late.append(replace(log.recording, base=base, tau=np.roll(log.recording.tau, 10, axis=0)))
+    found = exoid.identify(exo, late, terms=TERMS, preparation=ZeroPhase(8.0, kinematics_cutoff=60.0))
+    delays = [each.value for each in found.findings if each.kind == "torque-delay"]
+    assert delays
+    np.testing.assert_allclose(delays, 0.02, atol=0.002)
