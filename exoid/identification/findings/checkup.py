@@ -20,6 +20,7 @@ from exoid.torques import TorqueModel
 
 from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
+from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence
 from .physics import (
     CheckedFit,
@@ -100,7 +101,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     found = list(time_unit(checked))
     explained = False  # impossible parameters
     if not broken and not found:
-        if (checked.nrmse > POOR).any() or checked.below.any():
+        found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
+        if not found and ((checked.nrmse > POOR).any() or checked.below.any()):
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))
         if not found:

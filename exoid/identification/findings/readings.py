@@ -204,8 +204,8 @@ def _corrected(fitted: FittedLeg, pair: tuple[int, int], B: FloatArray, *, round
             fixed = np.array([known.get(name, np.nan) for name in coupled.names])
             trial = fitted._replace(model=coupled, fixed=fixed)
             factors = torque_factors(trial, [_unmixed(log, pair, B) for log in fitted.data])
-            misfit, shares = fit_torques(trial, factors, mixed=pair)
-            B = np.array([[1.0, shares[0]], [shares[1], 1.0]]) @ B
+            misfit, values = fit_torques(trial, factors, mixed=pair)
+            B = np.array([[1.0, values[-2]], [values[-1], 1.0]]) @ B
             B = B / np.abs(B).max(axis=1, keepdims=True)
     except (ExoidError, np.linalg.LinAlgError):
         return
