@@ -8,15 +8,17 @@ from dataclasses import replace
 import numpy as np
 import scipy  # its parts load when they are first used
 
+from exoid._typing import FloatArray
+
 from .recording import Recording
 
 
-def without_torque_delay(recording: Recording, delays: Mapping[int, float]) -> Recording:
+def without_torque_delay(recording: Recording, delays: Mapping[int, float | FloatArray]) -> Recording:
     """Shift torques against the motion.
 
     Args:
         recording: A recording.
-        delays: Time by which the torque of each joint is late [s], by its index.
+        delays: Time by which the torque of each joint is late [s], by its index; or that of each even time, (N,).
 
     Returns:
         The recording at even times with torques at t + delay; the first or last value fills the end. Torques that were

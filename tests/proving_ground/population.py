@@ -174,13 +174,17 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
     "one torque as a magnitude": (column("tau", lambda x, _: np.abs(x)), "unsigned-torque"),
     "all torques as magnitudes": (lambda r, _: replace(r, tau=np.abs(r.tau)), "unsigned-torque"),
+    "torque clock 0.5 % slow": (
+        lambda r, _: replace(r, tau=np.column_stack([np.interp(0.995 * r.time, r.time, x) for x in r.tau.T])),
+        "two-clocks",
+    ),
     "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
 }
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
-OF_MODEL += ("unsigned-torque", "gravity-compensated-effort")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 
@@ -297,7 +301,7 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}
     # Of all, or of two joints of which only the ratio shows.
-    if mistake.startswith(("all", "efforts", "sign of all", "clock", "60 ms", "log")) or (
+    if mistake.startswith(("all", "efforts", "torque clock", "sign of all", "clock", "60 ms", "log")) or (
         kind == "torque-scale" and count == 2
     ):
         labels |= {"", *recording.joint_names}

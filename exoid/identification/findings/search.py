@@ -59,7 +59,9 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
             if best.is_corrected:
                 most = KINDS[best.kind].most
                 delta = float(np.clip(likely[0].delta[0], -most, most))
-                fitted = fitted._replace(data=tuple(_corrected(one, best, delta) for one in fitted.data))
+                fitted = fitted._replace(
+                    data=tuple(_corrected(one, best, delta, fitted.clock_start(one)) for one in fitted.data)
+                )
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
             beside.faults[best] = applied + delta, others
             if best.is_corrected:
@@ -174,11 +176,14 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     return bool(gain > least)
 
 
-def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Recording | Poses:
+def _corrected(data: Recording | Poses, fault: Nuisance, delta: float, start: float) -> Recording | Poses:
     """Take a fault out of a recording; gravity in another direction in a planar leg only."""
     joints = list(range(len(data.joint_names)) if fault.place < 0 else (fault.place,))
-    if fault.kind == "torque-delay":
-        return data if isinstance(data, Poses) else without_torque_delay(data, dict.fromkeys(joints, delta))
+    if fault.kind in ("torque-delay", "two-clocks"):
+        if isinstance(data, Poses):
+            return data
+        late = delta if fault.kind == "torque-delay" else delta * (data.time - start)
+        return without_torque_delay(data, dict.fromkeys(joints, late))
     changes: dict[str, Any] = {}
     if fault.kind in ("angle-offset", "gravity-direction"):
         changes["q"] = data.q.copy()
