@@ -33,6 +33,9 @@ NEGLIGIBLE = 0.02
 NARROW = 0.85
 """A band of 95 % that contains less than this share is too narrow,"""
 
+WIDE = 0.75
+"""A band is too wide to mean something if its RMS half width is this part of the torque's standard deviation."""
+
 SIGNIFICANT = 1e-3
 """where chance would give so small a share with less than this probability."""
 
@@ -124,7 +127,8 @@ def poor_predictions(
         elif error > POOR:
             value, severity = float(error), "error" if error > USELESS else "warning"
             worse = "; a constant torque would predict it better" if error > USELESS else ""
-            message = f"the estimate leaves {error:.0%} of the torque unexplained{worse}"
+            what = "torque less that of the measured wrenches" if is_loaded else "torque"
+            message = f"the estimate leaves {error:.0%} of the {what} unexplained{worse}"
             remedy = "check signs, units and joints of this recording, and whether the leg has changed (exoid check)"
         elif grown > GROWN and error > NEGLIGIBLE:
             message = f"the residual is {grown:.3g} times that of the training"
@@ -150,6 +154,18 @@ def narrow_bands(
             remedy = "identify from motions like this one, or check whether the leg has changed"
             remedy = PLATES if loaded[k] else remedy
             yield Finding("narrow-band", joint, share, "1", "warning", message, remedy, recording=source)
+
+
+def wide_bands(estimate: EstimateData, width: FloatArray, coverage: FloatArray, source: str = "") -> Iterator[Finding]:
+    """Find joints whose 95 % band is so wide, over the spread of the torque, that a torque inside it means little."""
+    for joint, size, share in zip(estimate.joint_names, width.tolist(), coverage.tolist(), strict=True):
+        if np.isfinite(size) and size > WIDE:
+            message = (
+                f"the 95 % band reaches {size:.2g} standard deviations of the torque to each side: that {share:.0%} of "
+                "the torque is inside means little"
+            )
+            remedy = "identify from a larger or longer motion, or with fewer parameters (known=, exoid select)"
+            yield Finding("wide-band", joint, size, "1", "warning", message, remedy, recording=source)
 
 
 def effective_share(estimate: EstimateData, joint: int) -> float:
