@@ -24,8 +24,7 @@ from exoid.torques.contacts.support_model import LOOP, SupportModel
 from .data import EstimateData
 from .torque_band import parameter_variance
 
-LEVEL = 0.95
-"""Probability that a band contains a measured torque."""
+LEVEL = 0.95  # probability that a band contains a measured torque
 
 
 class StandingTorques(NamedTuple):

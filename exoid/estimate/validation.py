@@ -37,8 +37,7 @@ from .validation_checks import (
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
 """Columns of :meth:`Validation.rows`."""
 
-LEVEL = 0.95
-"""Probability that the band contains a measured torque."""
+LEVEL = 0.95  # probability that the band contains a measured torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,13 +164,7 @@ class Validation(Report):
         return [
             (name, "not measured", "", "", "")
             if np.isnan(e)
-            else (
-                name,
-                f"{e:.4g}",
-                _ratio(n) + (f" (leg {leg:.4f})" if leg > 1.2 * n else ""),
-                _ratio(r),
-                f"{100.0 * c:.1f} %",
-            )
+            else (name, f"{e:.4g}", _ratio(n, leg), _ratio(r), f"{100.0 * c:.1f} %")
             for name, e, n, leg, r, c in zip(*columns, strict=True)
         ]
 

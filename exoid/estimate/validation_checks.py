@@ -15,35 +15,13 @@ from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Severity
 
-BEYOND = 1.3
-"""A speed or acceleration so many times larger than in the training is an extrapolation,"""
-
-ANGLE = 0.2
-"""and an angle that goes beyond the training's range by this part of the range."""
-
-POOR, USELESS = 0.5, 1.0
-"""NRMSE beyond which a prediction is poor, and worse than a constant torque."""
-
-GROWN = 2.0
-"""A residual so many times larger than that of the training is large,"""
-
-NEGLIGIBLE = 0.02
-"""unless its NRMSE is below this."""
-
-NARROW = 0.85
-"""A band of 95 % that contains less than this share is too narrow,"""
-
-WIDE = 0.75
-"""A band is too wide to mean something if its RMS half width is this part of the torque's standard deviation."""
-
-SIGNIFICANT = 1e-3
-"""where chance would give so small a share with less than this probability."""
-
+BEYOND, ANGLE = 1.3, 0.2  # speeds and accelerations over the training's, and angles beyond its range, in parts of that
+POOR, USELESS = 0.5, 1.0  # NRMSE beyond which a prediction is poor, and worse than a constant torque
+GROWN, NEGLIGIBLE = 2.0, 0.02  # a residual over the training's is large, unless NRMSE is below the second
+NARROW, SIGNIFICANT = 0.85, 1e-3  # share inside a 95 % band that is too narrow, where chance is less probable than this
+WIDE = 0.75  # RMS half width of a band, in standard deviations of the torque, that is too wide to mean something
+LATE = 0.5  # correlation of the residual with the time derivative of a torque that is late
 PLATES = "check the force plates: their clock, their axes and the centre of pressure; then signs and units"
-"""Remedy where wrenches that were measured have a larger part in the torque than the residual."""
-
-LATE = 0.5
-"""A torque is late where so large a correlation with its time derivative is left in the residual."""
 
 
 def as_trained(estimate: EstimateData, recording: Recording) -> Recording:

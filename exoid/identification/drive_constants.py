@@ -25,21 +25,11 @@ from .group_rows import Data
 from .problem import Fitted, Problem
 from .recording_summary import RecordingSummary
 
-ROUNDS = 30
-"""Linearisations at most."""
-
-STRIDE = 5.0
-"""In one of them a constant changes by this factor at most."""
-
-STILL = 0.02
-"""The search has converged when no constant moves by more than this part of its standard deviation,"""
-
-ROUNDING = 1e-7
-"""and this part of itself, where there is no noise."""
-
-UNDETERMINED = 0.3
-"""A constant whose standard deviation is larger than this part of it is refused."""
-
+ROUNDS = 30  # linearisations at most
+STRIDE = 5.0  # in one of them a constant changes by this factor at most
+STILL = 0.02  # the search has converged when no constant moves by more than this part of its standard deviation,
+ROUNDING = 1e-7  # and this part of itself, where there is no noise
+UNDETERMINED = 0.3  # a constant whose standard deviation is larger than this part of it is refused
 ADVICE = (
     "record the motion once more with a weighed payload on the last segment, Recording(payloads=...), record the "
     "torque of a joint by a sensor, or say what is known in N·m (known=, torque_constant of a motor)"

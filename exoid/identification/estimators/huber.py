@@ -13,14 +13,9 @@ from exoid.regression.least_squares import RFactor, factorize, joint_table, stac
 from exoid.regression.problem import RowProblem
 from exoid.signals.cutoff import robust_std
 
-TUNING = 1.345
-"""Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
-
-ROUNDS = 50
-"""Reweightings at most."""
-
-SETTLED = 1e-4
-"""They have converged when no parameter moves by more than this part of its standard deviation."""
+TUNING = 1.345  # residuals of this many standard deviations start to count less; 95 % efficient for normal noise
+ROUNDS = 50  # reweightings at most
+SETTLED = 1e-4  # they have converged when no parameter moves by more than this part of its standard deviation
 
 
 def huber(problem: RowProblem) -> Fit:

@@ -25,23 +25,14 @@ from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
 from .outside_rows import default_preparation, default_start, refuse_other_friction
 
-COARSE = 0.04
-"""Knot spacing [s] to begin with."""
-
-LADDER = math.sqrt(2.0)
-"""Ratio of one knot spacing that is tried to the next."""
-
-FINEST = 2.0
-"""Knots of the ladder are at least so many samples apart."""
-
-CLOSEST = 1.5
-"""Knots closer than so many samples are refused: measurements would not hold the motion."""
-
+COARSE = 0.04  # knot spacing [s] to begin with
+LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
+FINEST = 2.0  # knots of the ladder are at least so many samples apart
+CLOSEST = 1.5  # knots closer than so many samples are refused: measurements would not hold the motion
 ROUGHLY = 0.05
 """How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
 
-SHARP = 0.01
-"""A sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]."""
+SHARP = 0.01  # a sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]
 
 
 @dataclass(frozen=True)

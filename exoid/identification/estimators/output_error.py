@@ -21,18 +21,10 @@ from exoid.signals import Poses
 from .closed_loop import ClosedLoop, as_possible
 from .outside_rows import LinearisedRows, default_start, linearised_block, refuse_other_friction
 
-ROUNDS = 12
-"""Gauss–Newton steps at most."""
-
-HALVINGS = 6
-"""A step that does not reduce the sum of squares is halved so often."""
-
-SETTLED = 1e-2
-"""Converged when no parameter moves by more than this part of its standard deviation,"""
-
-EXACT = 1e-9
-"""or by this part of itself."""
-
+ROUNDS = 12  # Gauss–Newton steps at most
+HALVINGS = 6  # a step that does not reduce the sum of squares is halved so often
+SETTLED = 1e-2  # converged when no parameter moves by more than this part of its standard deviation,
+EXACT = 1e-9  # or by this part of itself
 NEEDS_LOOP = "OutputError(ClosedLoop(controller, reference))"
 
 

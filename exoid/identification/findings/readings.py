@@ -24,9 +24,7 @@ from exoid.torques import CoupledTerm, TorqueModel
 from .factors import driven_joints, fit_torques, torque_factors
 from .sample import FittedLeg
 
-POOR = 0.2
-"""Other readings of the log are worth trying where the model leaves so large a part of a torque."""
-
+POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
 FITS_BETTER, CLEARLY = 1.6, 1.1
 """Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
 joints there are; and in one that is more far-fetched than another."""
