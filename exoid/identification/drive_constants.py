@@ -18,7 +18,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
-from .drive_model import DriveModel
+from .drives import DriveModel
 from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .group_rows import Data
@@ -49,7 +49,7 @@ class _Point(NamedTuple):
 
 def search_constants(given: Problem, estimator: Estimator, actuators: Actuators) -> Fitted:
     """Find unknown constants of drives beside the parameters of a leg; the actuators of the result have them."""
-    # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drive_model.DriveModel`, and
+    # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drives.DriveModel`, and
     # goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
     group, model = given.single, given.model
     constants = unknown_constants(actuators)

@@ -34,7 +34,7 @@ def huber(problem: RowProblem) -> Fit:
     scales = np.full(len(problem.r_factors), np.nan)
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
-        r_factors = _reweighted(problem, solution.values, scales)
+        r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
@@ -53,11 +53,6 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     every = [np.concatenate(size) for size in sizes]
     return np.array([robust_std(size) if len(size) else 0.0 for size in every])
-
-
-def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:
-    """R factors of reweighted rows."""
-    return _weighted(problem, values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
 
 
 def _inside(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:

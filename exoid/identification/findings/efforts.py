@@ -46,13 +46,9 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
         if all(np.array_equal(predicted[j], sign) for j, sign in signs.items()):
             break
         signs = predicted
-    better = {}
-    for j in signs:
-        as_logged, signed = (
-            float(np.linalg.norm(R[:, count + j] - R[:, :count] @ x))
-            for R, x in zip((plain[j], factors[j]), solutions, strict=True)
-        )
-        better[j] = as_logged / max(signed, 1e-12)
+    both = tuple(zip((plain, factors), solutions, strict=True))
+    left = {j: [np.linalg.norm(R[j][:, count + j] - R[j][:, :count] @ x) for R, x in both] for j in signs}
+    better = {j: float(as_logged / max(signed, 1e-12)) for j, (as_logged, signed) in left.items()}
     turned = {j: float(np.mean(sign < 0.0)) for j, sign in signs.items()}
     if not any(better[j] > FITS_BETTER and 0.02 < share < 0.98 for j, share in turned.items()):
         return
@@ -62,11 +58,12 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
                 f"the torque is logged as a magnitude: by the model it is negative {share:.0%} of the time; residuals "
                 f"are {better[j]:.3g} times smaller with that sign"
             )
-            remedy = "log torque or current with its sign"
-            names = tuple(np.array(model.names)[model.acting[j]].tolist())
-            yield Finding(
-                "unsigned-torque", model.joint_names[j], share, "1", "error", message, remedy, parameters=names
+            remedy, names = (
+                "log torque or current with its sign",
+                tuple(np.array(model.names)[model.acting[j]].tolist()),
             )
+            joint = model.joint_names[j]
+            yield Finding("unsigned-torque", joint, share, "1", "error", message, remedy, parameters=names)
 
 
 def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
@@ -90,23 +87,17 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
     rows = np.vstack([w * part for w, part in zip(weights, parts, strict=True)])
     gravity, inertia = scaled_lstsq(rows[:, :-1], rows[:, -1])[:2].tolist()
     sizes = np.array([np.linalg.norm(part, axis=0) for part in parts])
-    seen = (sizes[:, :2] * [inertia, inertia] > 0.1 * sizes[:, -1:]).any(axis=0)
+    seen = (inertia * sizes[:, :2] > 0.1 * sizes[:, -1:]).any(axis=0)
     if not seen.all() or abs(gravity) > 0.15 * inertia:
         return
-    full = [np.delete(R, np.s_[count : count + rigid], axis=1) for R in every]
-    bare = [R.copy() for R in full]
-    for without, R in zip(bare, every, strict=True):
-        without[:, :rigid] -= R[:, count : count + rigid]
+    parted = [np.split(R, [rigid, count, count + rigid], axis=1) for R in every]
+    full, bare = ([np.hstack([W - g * G, rest, tau]) for W, rest, G, tau in parted] for g in (0.0, 1.0))
     if fit_torques(fitted, bare)[0] > fit_torques(fitted, full)[0] + np.log(1.2):  # gravity may point elsewhere
         return
     message = (
         f"the torques contain {abs(gravity / inertia):.0%} of the gravity torque that goes with their inertial part: "
         "they are efforts without gravity, or the leg lies on its side"
     )
-    remedy = (
-        "log currents or raw torques, or add the gravity torque of the controller's model; a base that is turned needs "
-        "another URDF"
-    )
-    yield Finding(
-        "gravity-compensated-effort", "", gravity / inertia, "1", "error", message, remedy, parameters=model.names
-    )
+    remedy = "log currents or raw torques, add the controller's gravity torque, or turn the base in the URDF"
+    kind, share = "gravity-compensated-effort", gravity / inertia
+    yield Finding(kind, "", share, "1", "error", message, remedy, parameters=model.names)
