@@ -17,6 +17,7 @@ from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
@@ -47,8 +48,8 @@ class JointML:
     noise in the angles does not bias β as it does where W is formed from angles as measured. Most precise if the noise
     of angles and of torques is white; intervals allow for correlated noise of both. No controller needs to be known.
     Torques of poses join in, their angles count as exact. Recorded velocities and accelerations are not used. Where
-    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band count as angles, not as
-    torques.
+    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band, and at reversals that
+    wls takes out too, count as angles, not as torques.
 
     Attributes:
         spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
@@ -132,6 +133,9 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
     recording = replace(for_leg(model, recording).resampled(), v=None, a=None)
     q, v, _, _ = preparation.kinematics(recording)
     usable = model.usable(v).astype(np.float64)
+    slow, parallel = model.reversing(v), preparation.parallel(recording.sample_rate)
+    if slow is not None and parallel is not None:  # friction is unknown there
+        usable *= ~around_stops(slow, parallel)
     if recording.mask is not None:
         usable *= recording.mask[:, None]
     return Moving(

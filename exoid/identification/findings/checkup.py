@@ -89,7 +89,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         acting = [np.array(model.names)[acts].tolist() for acts in model.acting]
         for (kind, joint), finding in found.items():
             doubtful = dict.fromkeys(name for of_joint in acting for name in of_joint)
-            if joint and not kind.startswith("velocity"):  # velocities couple the joints
+            if joint and not kind.startswith("velocity") and "angle" not in finding.message:  # both couple the joints
                 doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
             yield replace(finding, parameters=tuple(doubtful), recording=names[-1] if len(data) > 1 else "")
     if len(recordings) > 1:
