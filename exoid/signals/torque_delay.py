@@ -28,11 +28,8 @@ def without_torque_delay(recording: Recording, delays: Mapping[int, float | Floa
         return recording
     even = recording.resampled()
     assert even.tau is not None
-    tau = even.tau.copy()
-    measured = even.measured
-    for joint, delay in delays.items():
-        if not measured[joint]:
-            continue
-        at = np.clip(even.time + delay, even.time[0], even.time[-1])
+    tau, measured = even.tau.copy(), even.measured
+    for joint in (one for one in delays if measured[one]):
+        at = np.clip(even.time + delays[joint], even.time[0], even.time[-1])
         tau[:, joint] = scipy.interpolate.CubicSpline(even.time, even.tau[:, joint])(at)
     return replace(even, tau=tau)

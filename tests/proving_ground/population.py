@@ -138,6 +138,13 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     "one torque 40 ms late": (column("tau", late(0.04)), "torque-delay"),
     "two far joints swapped": (swap("tau"), "joint-order"),
     "velocity 5 ms late": (velocity(0.005), "velocity-delay"),
+    "one torque as a magnitude": (column("tau", lambda x, _: np.abs(x)), "unsigned-torque"),
+    "all torques as magnitudes": (lambda r, _: replace(r, tau=np.abs(r.tau)), "unsigned-torque"),
+    "torque clock 0.5 % slow": (
+        lambda r, _: replace(r, tau=np.column_stack([np.interp(0.995 * r.time, r.time, x) for x in r.tau.T])),
+        "two-clocks",
+    ),
+    "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
     "one torque 25 ms late": (column("tau", late(0.025)), "torque-delay"),
     "all torques 20 ms late": (
         lambda r, _: replace(r, tau=np.column_stack([late(0.02)(x, r) for x in r.tau.T])),
@@ -172,13 +179,6 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
         "angle-wrap",
     ),
     "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
-    "one torque as a magnitude": (column("tau", lambda x, _: np.abs(x)), "unsigned-torque"),
-    "all torques as magnitudes": (lambda r, _: replace(r, tau=np.abs(r.tau)), "unsigned-torque"),
-    "torque clock 0.5 % slow": (
-        lambda r, _: replace(r, tau=np.column_stack([np.interp(0.995 * r.time, r.time, x) for x in r.tau.T])),
-        "two-clocks",
-    ),
-    "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
 }
 """Mistakes of a log, and the kind of finding that names them."""

@@ -54,9 +54,9 @@ class FittedLeg(NamedTuple):
 
     def clock_start(self, one: Recording | Poses) -> float:
         """First time of the recording that a sample was cut from."""
-        parts = (x for x in self.data if isinstance(x, Recording) and x.source is not None)
-        same = (x.time[0] for x in parts if isinstance(one, Recording) and x.source is one.source)
-        return min(same, default=one.time[0] if isinstance(one, Recording) else 0.0)
+        parts = (x for x in self.data if isinstance(x, Recording))
+        same = (x for x in parts if x is one or (x.source is not None and x.source is one.source))
+        return min((x.time[0] for x in same), default=0.0)  # poses have no time
 
 
 def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:

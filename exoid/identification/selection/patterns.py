@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -205,9 +204,3 @@ class JointFriction(NamedTuple):
             f"vs {self.stribeck_velocity:.2g} rad/s" if self.stribeck_velocity else "",
         )
         return ", ".join([*self.coefficients, *filter(None, settings)]) or "none"
-
-
-def numbers_of(columns: Sequence[Columns]) -> int:
-    """Number of coefficients and settings of all joints."""
-    settings = [{(name, getattr(c, name)) for c in of_joint for name in ("length", "velocity")} for of_joint in columns]
-    return sum(map(len, columns)) + sum(1 for of_joint in settings for _, value in of_joint if value)
