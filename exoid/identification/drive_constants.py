@@ -70,7 +70,12 @@ def search_constants(given: Problem, estimator: Estimator, actuators: Actuators)
         backwards = backwards + 1 if step.backwards else 0
         # So often in a row the sign of a constant must be wrong to be refused
         if backwards == 3:
-            raise _wrong_sign(step.backwards)
+            raise NotIdentifiableError(
+                f"{', '.join(step.backwards)} would be negative: current and torque have opposite signs, or a payload "
+                "was not there",
+                remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
+                command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
+            )
         if step.is_small:
             held.update(step.at_bounds)
         point = step.take()
@@ -194,15 +199,6 @@ def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
         if any(name in error.what for name in names):
             error.remedy, error.command = ADVICE, COMMAND
         raise
-
-
-def _wrong_sign(names: Sequence[str]) -> ExoidError:
-    """Make the error about constants that would be negative."""
-    return NotIdentifiableError(
-        f"{', '.join(names)} would be negative: current and torque have opposite signs, or a payload was not there",
-        remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
-        command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
-    )
 
 
 def _refuse_undetermined(step: _Step) -> None:

@@ -126,7 +126,9 @@ def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: flo
     plain, *others = readings(fitted.model.joint_names)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
-    for reading in others:
+    spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
+    still = [name for name, span in zip(fitted.model.joint_names, spans, strict=True) if span < 0.05]
+    for reading in (one for one in others if one.joint not in still):
         moved = [(j, k) for j, k in enumerate(reading.torque_order) if j != k]
         if not all(driven[j] and driven[k] for j, k in moved):
             continue

@@ -121,6 +121,9 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
             break  # a second test with other noise would not bring it to the best
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN else score
         if again is not None and again.p_value < limit and again.evidence > 0.0:
+            columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
+            if kind == "two-clocks" and beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005:
+                continue  # what friction that drifts may do too
             likely += [again] if again.moves.max(initial=0.0) > SMALLEST_MOVE else []
     likely.sort(key=lambda one: -one.evidence)
     return [one for one in likely if one.evidence > likely[0].evidence - UNDECIDED]
