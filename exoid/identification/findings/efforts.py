@@ -47,8 +47,8 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
             break
         signs = predicted
     both = tuple(zip((plain, factors), solutions, strict=True))
-    left = {j: [np.linalg.norm(R[j][:, count + j] - R[j][:, :count] @ x) for R, x in both] for j in signs}
-    better = {j: float(as_logged / max(signed, 1e-12)) for j, (as_logged, signed) in left.items()}
+    left = {j: [float(np.linalg.norm(R[j][:, count + j] - R[j][:, :count] @ x)) for R, x in both] for j in signs}
+    better = {j: as_logged / max(signed, 1e-12) for j, (as_logged, signed) in left.items()}
     turned = {j: float(np.mean(sign < 0.0)) for j, sign in signs.items()}
     if not any(better[j] > FITS_BETTER and 0.02 < share < 0.98 for j, share in turned.items()):
         return
@@ -58,11 +58,8 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
                 f"the torque is logged as a magnitude: by the model it is negative {share:.0%} of the time; residuals "
                 f"are {better[j]:.3g} times smaller with that sign"
             )
-            remedy, names = (
-                "log torque or current with its sign",
-                tuple(np.array(model.names)[model.acting[j]].tolist()),
-            )
-            joint = model.joint_names[j]
+            remedy, joint = "log torque or current with its sign", model.joint_names[j]
+            names = tuple(np.array(model.names)[model.acting[j]].tolist())
             yield Finding("unsigned-torque", joint, share, "1", "error", message, remedy, parameters=names)
 
 
