@@ -135,10 +135,10 @@ def truth(estimate: exoid.Estimate, case: Case) -> FloatArray:
     return np.array([known.get(name, 0.0) for name in estimate.names])
 
 
-def replicate(seed: int, case: Case, terms: tuple[exoid.Term, ...] | None) -> Outcome:
+def replicate(seed: int, case: Case, terms: tuple[exoid.Term, ...] | None, estimator: str = "wls") -> Outcome:
     """Simulate and identify once."""
     leg, recording = record(case, seed)
-    estimate = exoid.identify(leg, recording, terms, check=False)
+    estimate = exoid.identify(leg, recording, terms, estimator=estimator, check=False)
     true, (low, high) = truth(estimate, case), estimate.interval().T
     return Outcome((estimate.values - true) / scale(estimate.names, true), (low <= true) & (true <= high))
 
@@ -150,10 +150,11 @@ def scale(names: Sequence[str], true: FloatArray) -> FloatArray:
     return np.array([values[beside[name]] for name in names])
 
 
-def study(case: Case, motions: int, terms: tuple[exoid.Term, ...] | None, workers: int) -> None:
+def study(case: Case, seeds: range, terms: tuple[exoid.Term, ...] | None, estimator: str, workers: int) -> None:
     """Print a line for each parameter, and the whole."""
+    motions = len(seeds)
     with ProcessPoolExecutor(workers) as pool:
-        outcomes = list(pool.map(partial(replicate, case=case, terms=terms), range(motions)))
+        outcomes = list(pool.map(partial(replicate, case=case, terms=terms, estimator=estimator), seeds))
     errors, inside = (np.array(x) for x in zip(*outcomes, strict=True))
     names = exoid.torques.TorqueModel(exoid.load_leg(case.leg), terms or exoid.torques.DEFAULT_TERMS).names
     print(f"{'':14}{'bias %':>9}{'worst %':>9}{'coverage':>10}{'within':>9}")
@@ -182,13 +183,16 @@ def main() -> None:
     parser.add_argument("--torque-noise", type=float, default=0.0, help="[N·m]")
     parser.add_argument("--angle-noise", type=float, default=0.0, help="[rad]")
     parser.add_argument("--width", type=float, help="Coulomb friction tanh(v / width) [rad/s], also at reversals")
+    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--estimator", default="wls")
     parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args()
     case = Case(given.leg, given.seconds, given.rate, given.stiffness, given.torque_noise, given.angle_noise)
     terms: tuple[exoid.Term, ...] | None = None
     if given.width is not None:
         terms = (exoid.Coulomb(smoothing=given.width), *exoid.torques.DEFAULT_TERMS[1:])
-    study(case, given.motions, terms, given.workers)
+    seeds = range(given.first_seed, given.first_seed + given.motions)
+    study(case, seeds, terms, given.estimator, given.workers)
 
 
 if __name__ == "__main__":

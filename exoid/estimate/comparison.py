@@ -18,8 +18,7 @@ from exoid.tools.tables import DataTable, Report, make_table, with_error
 
 from .data import EstimateData
 
-SIGNIFICANT = 0.05
-"""A smaller probability is called a difference."""
+SIGNIFICANT = 0.05  # a smaller probability is called a difference
 
 
 @dataclass(frozen=True, eq=False, repr=False)

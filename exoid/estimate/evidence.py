@@ -13,8 +13,7 @@ from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
 from exoid.regression.trends import Trend
 
-OUTLYING = 0.001
-"""Share of the samples at each end of a range that may be outliers."""
+OUTLYING = 0.001  # share of the samples at each end of a range that may be outliers
 
 
 @dataclass(frozen=True, eq=False)

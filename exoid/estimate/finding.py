@@ -18,7 +18,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
 
 Verdict = Literal["predicts", "predicts poorly", "does not predict"]
 
-LOWERING = ("large-residual", "narrow-band", "torque-delay")
+LOWERING = ("large-residual", "narrow-band", "wide-band", "torque-delay")
 """Findings that lower the verdict on a prediction."""
 
 HEADERS = ("finding", "joint", "value", "95 % from", "to", "unit", "severity")

@@ -24,8 +24,7 @@ from exoid.torques.contacts.support_model import LOOP, SupportModel
 from .data import EstimateData
 from .torque_band import parameter_variance
 
-LEVEL = 0.95
-"""Probability that a band contains a measured torque."""
+LEVEL = 0.95  # probability that a band contains a measured torque
 
 
 class StandingTorques(NamedTuple):
@@ -49,6 +48,7 @@ class Compared(NamedTuple):
     measured: FloatArray  # measured torque [N·m], (N, n)
     predicted: FloatArray  # predicted torque [N·m], (N, n)
     variance: FloatArray  # variance of the measured torque about the predicted one [N²·m²], (N, n)
+    known: FloatArray  # part of both that is known: torque of measured wrenches and of payloads [N·m], (N, n)
 
 
 def stands(estimate: EstimateData, recording: Recording) -> bool:
@@ -130,7 +130,7 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
     axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
     support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
     rows = make_rows(support, recording, preparation)
-    known = 0.0 if rows.known is None else rows.known
+    known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known
     q = recording.q[np.searchsorted(recording.time, rows.time)]
     variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
@@ -138,10 +138,11 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
     if axes is not None:
         loop = eliminate(model.leg, links, q, axes).loop
         assert loop is not None
-        measured, predicted = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted))
-        return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance))
+        parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
+        measured, predicted, known = parts
+        return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance), known)
     joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
-    return Compared(rows.time, measured[:, joints], predicted[:, joints], variance[:, joints])
+    return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
 
 
 def wrench_torques(leg: Leg, recording: Recording) -> FloatArray:

@@ -24,8 +24,7 @@ from .text import assumptions, condition, residual_sizes, written
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "class")
 """Of what tables say of a parameter."""
 
-DIFFERENT = 0.05
-"""Probability with which own parameters of equal legs would be said to differ."""
+DIFFERENT = 0.05  # probability with which own parameters of equal legs would be said to differ
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,20 +14,13 @@ from exoid.errors import BadArgumentError
 from exoid.torques import InternalState, Motion, Presliding, TorqueModel
 from exoid.torques.with_columns import WithColumns
 
-LENGTHS = (3e-3, 1e-2, 3e-2)
-"""Presliding lengths [rad]."""
-
-STRIBECK = (0.1, 0.3)
-"""Stribeck velocities, as parts of the largest speed of the training."""
-
-WIDTH = 0.02
-"""Velocity over which the sign of the other forms changes [rad/s]."""
-
+LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
+STRIBECK = (0.1, 0.3)  # Stribeck velocities, as parts of the largest speed of the training
+WIDTH = 0.02  # velocity over which the sign of the other forms changes [rad/s]
 KINDS: dict[str, tuple[int, ...]] = {"presliding": (0, 1, 2), "stribeck": (3, 4), "quadratic": (5,), "load": (6,)}
 """Columns of each form of friction."""
 
-COUNT = sum(map(len, KINDS.values()))
-"""Number K of columns of each joint."""
+COUNT = sum(map(len, KINDS.values()))  # number K of columns of each joint
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,5 +99,4 @@ class NonlinearParameters:
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])
 
 
-NO_NONLINEAR_PARAMETERS = NonlinearParameters()
-"""Of a model that is linear in all parameters."""
+NO_NONLINEAR_PARAMETERS = NonlinearParameters()  # of a model that is linear in all parameters

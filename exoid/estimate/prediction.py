@@ -19,11 +19,8 @@ from exoid.signals.moving_base import base_during
 
 from .data import EstimateData
 
-STEP = 2e-3
-"""Longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds."""
-
-FASTEST = 1e3
-"""A joint faster than this [rad/s] has diverged."""
+STEP = 2e-3  # longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds
+FASTEST = 1e3  # a joint faster than this [rad/s] has diverged
 
 
 def predict_motion(estimate: EstimateData, recording: Recording, horizon: float = 0.5) -> Recording:

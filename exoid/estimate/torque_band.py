@@ -10,8 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.regression.model import MotionSamples, RegressorModel
 
-BLOCK = 8192
-"""Samples worked on at once."""
+BLOCK = 8192  # samples worked on at once
 
 
 class TorqueBand(NamedTuple):

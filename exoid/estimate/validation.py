@@ -31,13 +31,13 @@ from .validation_checks import (
     poor_predictions,
     shifted_torques,
     unmeasured_torques,
+    wide_bands,
 )
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
 """Columns of :meth:`Validation.rows`."""
 
-LEVEL = 0.95
-"""Probability that the band contains a measured torque."""
+LEVEL = 0.95  # probability that the band contains a measured torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,6 +55,8 @@ class Validation(Report):
         half_width: Half the width of the 95 % band of the filtered measured torque [N·m], (N, n): errors of parameters
             and of the form of friction, and noise of torques and of force plates.
         filter: Filter of both torques.
+        wrench_torque: Part of both torques that is that of measured wrenches, −Σ Jᵀ w, with that of payloads [N·m],
+            (N, n); zero without wrenches.
     """
 
     joint_names: tuple[str, ...]
@@ -66,10 +68,11 @@ class Validation(Report):
     findings: tuple[Finding, ...] = ()
     half_width: FloatArray = field(kw_only=True)
     filter: TorqueFilter = field(kw_only=True)
+    wrench_torque: FloatArray = field(kw_only=True)
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.time, self.measured, self.predicted, self.half_width):
+        for array in (self.time, self.measured, self.predicted, self.half_width, self.wrench_torque):
             array.flags.writeable = False
 
     @property
@@ -85,8 +88,12 @@ class Validation(Report):
     @property
     def nrmse(self) -> FloatArray:
         """RMSE over the standard deviation of the measured torque, (n,); not a number where that is constant."""
-        spread = np.sqrt(_mean((self.measured - _mean(self.measured)) ** 2))
-        return np.asarray(np.divide(self.rmse, spread, out=np.full(len(spread), np.nan), where=spread > 0.0))
+        return _over_spread(self.rmse, self.measured)
+
+    @property
+    def leg_nrmse(self) -> FloatArray:
+        """RMSE over the standard deviation of the torque less that of measured wrenches, which is known, (n,)."""
+        return _over_spread(self.rmse, self.measured - self.wrench_torque)
 
     @property
     def r2(self) -> FloatArray:
@@ -122,6 +129,7 @@ class Validation(Report):
             "joint_names": list(self.joint_names),
             "rmse": json_value(self.rmse),
             "nrmse": json_value(self.nrmse),
+            "leg_nrmse": json_value(self.leg_nrmse),
             "r2": json_value(self.r2),
             "coverage_95": json_value(self.coverage),
             "findings": json_value(self.findings),
@@ -152,18 +160,25 @@ class Validation(Report):
         Returns:
             One row a joint.
         """
-        columns = (self.joint_names, self.rmse, self.nrmse, self.r2, self.coverage)
+        columns = (self.joint_names, self.rmse, self.nrmse, self.leg_nrmse, self.r2, self.coverage)
         return [
             (name, "not measured", "", "", "")
             if np.isnan(e)
-            else (name, f"{e:.4g}", _ratio(n), _ratio(r), f"{100.0 * c:.1f} %")
-            for name, e, n, r, c in zip(*columns, strict=True)
+            else (name, f"{e:.4g}", _ratio(n, leg), _ratio(r), f"{100.0 * c:.1f} %")
+            for name, e, n, leg, r, c in zip(*columns, strict=True)
         ]
 
 
-def _ratio(value: float) -> str:
-    """Write a ratio to the spread of the torque, which a passive joint has not."""
-    return "–" if np.isnan(value) else f"{value:.4f}"
+def _ratio(value: float, of_leg: float = 0.0) -> str:
+    """Write a ratio to the spread of the torque, which a passive joint has not; and that of the leg if far larger."""
+    more = f" (leg {of_leg:.4f})" if 0.0 < 1.2 * value < of_leg else ""
+    return "–" if np.isnan(value) else f"{value:.4f}{more}"
+
+
+def _over_spread(size: FloatArray, torque: FloatArray) -> FloatArray:
+    """Sizes over the standard deviations of torques, (n,); not a number where that is zero."""
+    spread = np.sqrt(_mean((torque - _mean(torque)) ** 2))
+    return np.asarray(np.divide(size, spread, out=np.full(len(spread), np.nan), where=spread > 0.0))
 
 
 def _mean(x: FloatArray) -> FloatArray:
@@ -229,15 +244,14 @@ def validate(
     parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
         return parts[0]
-    time, measured, predicted, half = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("time", "measured", "predicted", "half_width")
+    names = "time", "measured", "predicted", "half_width", "wrench_torque"
+    time, measured, predicted, half, wrench = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in names
     )
     source = ", ".join(part.source for part in parts)
     findings = ordered([finding for part in parts for finding in part.findings])
-    return Validation(
-        estimate.joint_names, time, measured, predicted, source, parts, findings, half_width=half, filter=chosen
-    )
+    how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
+    return Validation(estimate.joint_names, time, measured, predicted, source, parts, findings, **how)
 
 
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
@@ -248,16 +262,16 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     preparation = chosen.preparation
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
     if stands(estimate, recording):
-        (time, measured, predicted, variance), ranges = (
-            compare_on_ground(estimate, recording, preparation, bandwidth),
-            None,
-        )
+        compared, ranges = compare_on_ground(estimate, recording, preparation, bandwidth), None
     else:
-        (time, measured, predicted, variance), ranges = _compare(estimate, recording, preparation, bandwidth)
+        compared, ranges = _compare(estimate, recording, preparation, bandwidth)
+    time, measured, predicted, variance, known = compared
     half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
     name = recording.source.name if recording.source else ""
     measured[:, ~chosen_joints.measured] = np.nan
-    alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
+    wrench = known if recording.wrenches else np.zeros_like(known)
+    how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
+    alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", **how)
     found = list(shifted_torques(estimate, name))
     found += [] if ranges is None else extrapolations(estimate, ranges, name)
     joints = slice(estimate.model.leg.base_rows, None)
@@ -274,7 +288,8 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, loaded, name)
     found += unmeasured_torques(estimate, chosen_joints.measured, name)
     passive = chosen_joints.measured & ~chosen_joints.driven
-    found += poor_predictions(estimate, alone.nrmse, growth, passive, loaded, name)
+    found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage, name)
+    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive, loaded, name)
     return replace(alone, findings=ordered(found))
 
 
@@ -286,10 +301,10 @@ def _compare(
     prepared, data = prepare(model, recording, preparation, every=True), for_leg(model, recording)
     parts = []
     for rows in each_row(model, prepared):
-        known = 0.0 if rows.known is None else rows.known
+        known = np.zeros_like(rows.tau) if rows.known is None else rows.known
         variance = estimate.measured_variance(rows.W, bandwidth)
         variance = variance + wrench_variance(estimate, data, preparation, rows.q)
-        parts.append((rows.time, rows.tau + known, rows.W[..., :count] @ estimate.values + known, variance))
+        parts.append((rows.time, rows.tau + known, rows.W[..., :count] @ estimate.values + known, variance, known))
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
     return Compared(*(np.concatenate(part) for part in zip(*parts, strict=True))), ranges

@@ -15,32 +15,13 @@ from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Severity
 
-BEYOND = 1.3
-"""A speed or acceleration so many times larger than in the training is an extrapolation,"""
-
-ANGLE = 0.2
-"""and an angle that goes beyond the training's range by this part of the range."""
-
-POOR, USELESS = 0.5, 1.0
-"""NRMSE beyond which a prediction is poor, and worse than a constant torque."""
-
-GROWN = 2.0
-"""A residual so many times larger than that of the training is large,"""
-
-NEGLIGIBLE = 0.02
-"""unless its NRMSE is below this."""
-
-NARROW = 0.85
-"""A band of 95 % that contains less than this share is too narrow,"""
-
-SIGNIFICANT = 1e-3
-"""where chance would give so small a share with less than this probability."""
-
+BEYOND, ANGLE = 1.3, 0.2  # speeds and accelerations over the training's, and angles beyond its range, in parts of that
+POOR, USELESS = 0.5, 1.0  # NRMSE beyond which a prediction is poor, and worse than a constant torque
+GROWN, NEGLIGIBLE = 2.0, 0.02  # a residual over the training's is large, unless NRMSE is below the second
+NARROW, SIGNIFICANT = 0.85, 1e-3  # share inside a 95 % band that is too narrow, where chance is less probable than this
+WIDE = 0.75  # RMS half width of a band, in standard deviations of the torque, that is too wide to mean something
+LATE = 0.5  # correlation of the residual with the time derivative of a torque that is late
 PLATES = "check the force plates: their clock, their axes and the centre of pressure; then signs and units"
-"""Remedy where wrenches that were measured have a larger part in the torque than the residual."""
-
-LATE = 0.5
-"""A torque is late where so large a correlation with its time derivative is left in the residual."""
 
 
 def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
@@ -124,7 +105,8 @@ def poor_predictions(
         elif error > POOR:
             value, severity = float(error), "error" if error > USELESS else "warning"
             worse = "; a constant torque would predict it better" if error > USELESS else ""
-            message = f"the estimate leaves {error:.0%} of the torque unexplained{worse}"
+            what = "torque less that of the measured wrenches" if is_loaded else "torque"
+            message = f"the estimate leaves {error:.0%} of the {what} unexplained{worse}"
             remedy = "check signs, units and joints of this recording, and whether the leg has changed (exoid check)"
         elif grown > GROWN and error > NEGLIGIBLE:
             message = f"the residual is {grown:.3g} times that of the training"
@@ -150,6 +132,18 @@ def narrow_bands(
             remedy = "identify from motions like this one, or check whether the leg has changed"
             remedy = PLATES if loaded[k] else remedy
             yield Finding("narrow-band", joint, share, "1", "warning", message, remedy, recording=source)
+
+
+def wide_bands(estimate: EstimateData, width: FloatArray, coverage: FloatArray, source: str = "") -> Iterator[Finding]:
+    """Find joints whose 95 % band is so wide, over the spread of the torque, that a torque inside it means little."""
+    for joint, size, share in zip(estimate.joint_names, width.tolist(), coverage.tolist(), strict=True):
+        if np.isfinite(size) and size > WIDE:
+            message = (
+                f"the 95 % band reaches {size:.2g} standard deviations of the torque to each side: that {share:.0%} of "
+                "the torque is inside means little"
+            )
+            remedy = "identify from a larger or longer motion, or with fewer parameters (known=, exoid select)"
+            yield Finding("wide-band", joint, size, "1", "warning", message, remedy, recording=source)
 
 
 def effective_share(estimate: EstimateData, joint: int) -> float:

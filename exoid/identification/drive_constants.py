@@ -18,28 +18,18 @@ from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
-from .drive_model import DriveModel
+from .drives import DriveModel
 from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .group_rows import Data
 from .problem import Fitted, Problem
 from .recording_summary import RecordingSummary
 
-ROUNDS = 30
-"""Linearisations at most."""
-
-STRIDE = 5.0
-"""In one of them a constant changes by this factor at most."""
-
-STILL = 0.02
-"""The search has converged when no constant moves by more than this part of its standard deviation,"""
-
-ROUNDING = 1e-7
-"""and this part of itself, where there is no noise."""
-
-UNDETERMINED = 0.3
-"""A constant whose standard deviation is larger than this part of it is refused."""
-
+ROUNDS = 30  # linearisations at most
+STRIDE = 5.0  # in one of them a constant changes by this factor at most
+STILL = 0.02  # the search has converged when no constant moves by more than this part of its standard deviation,
+ROUNDING = 1e-7  # and this part of itself, where there is no noise
+UNDETERMINED = 0.3  # a constant whose standard deviation is larger than this part of it is refused
 ADVICE = (
     "record the motion once more with a weighed payload on the last segment, Recording(payloads=...), record the "
     "torque of a joint by a sensor, or say what is known in N·m (known=, torque_constant of a motor)"
@@ -59,7 +49,7 @@ class _Point(NamedTuple):
 
 def search_constants(given: Problem, estimator: Estimator, actuators: Actuators) -> Fitted:
     """Find unknown constants of drives beside the parameters of a leg; the actuators of the result have them."""
-    # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drive_model.DriveModel`, and
+    # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drives.DriveModel`, and
     # goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
     group, model = given.single, given.model
     constants = unknown_constants(actuators)
@@ -80,7 +70,12 @@ def search_constants(given: Problem, estimator: Estimator, actuators: Actuators)
         backwards = backwards + 1 if step.backwards else 0
         # So often in a row the sign of a constant must be wrong to be refused
         if backwards == 3:
-            raise _wrong_sign(step.backwards)
+            raise NotIdentifiableError(
+                f"{', '.join(step.backwards)} would be negative: current and torque have opposite signs, or a payload "
+                "was not there",
+                remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
+                command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
+            )
         if step.is_small:
             held.update(step.at_bounds)
         point = step.take()
@@ -204,15 +199,6 @@ def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
         if any(name in error.what for name in names):
             error.remedy, error.command = ADVICE, COMMAND
         raise
-
-
-def _wrong_sign(names: Sequence[str]) -> ExoidError:
-    """Make the error about constants that would be negative."""
-    return NotIdentifiableError(
-        f"{', '.join(names)} would be negative: current and torque have opposite signs, or a payload was not there",
-        remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
-        command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
-    )
 
 
 def _refuse_undetermined(step: _Step) -> None:

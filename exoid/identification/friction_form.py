@@ -18,8 +18,7 @@ from exoid.signals import Recording
 
 from .findings.sample import FittedLeg, few_of, some_samples
 
-TINY = 1e-12
-"""Smallest norm to divide by."""
+TINY = 1e-12  # smallest norm to divide by
 
 
 def friction_form_error(

@@ -25,9 +25,7 @@ from exoid.torques import TorqueModel
 
 from .recording_summary import RecordingSummary
 
-KEPT_BYTES = 2**26
-"""Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
-
+KEPT_BYTES = 2**26  # rows are kept between passes as long as together they stay below this, and made again otherwise,
 T = TypeVar("T")
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]

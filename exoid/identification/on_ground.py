@@ -30,15 +30,9 @@ from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import Footing, find_footing, tilted
 
-FAR = 6.0
-"""Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
-
-LEAST = 0.003
-"""Residuals within so large a part of the torque of their row are errors of filters, not of contacts."""
-
-MUCH_LEFT_OUT = 0.2
-"""More than this part of the samples left out is worth a warning."""
-
+FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
+LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
+MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
 MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
@@ -131,8 +125,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     return groups
 
 
-MANY = 2000
-"""Samples that the reference of closed chains is chosen for."""
+MANY = 2000  # samples that the reference of closed chains is chosen for
 
 
 def _left_out(parts: Split, recording: Recording) -> list[Finding]:

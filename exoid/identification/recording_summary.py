@@ -20,8 +20,7 @@ from exoid.torques import TorqueModel
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
-MOST = 0.5
-"""Torque that has one and the same value in more than this part of the samples was not measured."""
+MOST = 0.5  # torque that has one and the same value in more than this part of the samples was not measured
 
 
 class Torques(NamedTuple):

@@ -33,15 +33,15 @@ from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
-from .agreement import shared_agreement
 from .checkup import check_group, model_error
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
 from .findings.physics import never_negative
-from .ground_check import torque_findings
 from .group_rows import Group
+from .groups import shared_agreement
 from .problem import Fitted
+from .row_changes import torque_findings
 
 
 @dataclass(frozen=True, eq=False)

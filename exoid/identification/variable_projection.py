@@ -20,38 +20,17 @@ from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .problem import Fitted, Problem
 
-PASSES = 6
-"""Passes over the rows at most to settle the parameters at given settings."""
-
-SETTLED = 1e-3
-"""They have settled when predictions change by less than this part of the residual."""
-
-ROUNDS = 2
-"""Sets of weights at most."""
-
-XTOL, FTOL = 3e-3, 1e-6
-"""Search ends when settings, relatively, or the sum of squares change by less."""
-
-INSIDE = 1e-6
-"""A trust-region search begins this far from the bounds of the settings' logarithms."""
-
-TINY = 1e-9
-"""Residuals below this part of the torque are rounding."""
-
-UNDETERMINED = 1.0
-"""A setting whose standard deviation is larger than this part of it is not determined."""
-
-POLISH = 8
-"""Steps at most with the estimator asked for, from the optimum of weighted least squares."""
-
-STRIDE = 3.0
-"""In one of them a setting changes by this factor at most."""
-
-STILL = 0.1
-"""These have converged when nothing moves by more than this part of its standard deviation,"""
-
-ROUNDING = 1e-6
-"""and this part of itself, where there is no noise; or when predictions have settled."""
+PASSES = 6  # passes over the rows at most to settle the parameters at given settings
+SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual
+ROUNDS = 2  # sets of weights at most
+XTOL, FTOL = 3e-3, 1e-6  # search ends when settings, relatively, or the sum of squares change by less
+INSIDE = 1e-6  # a trust-region search begins this far from the bounds of the settings' logarithms
+TINY = 1e-9  # residuals below this part of the torque are rounding
+UNDETERMINED = 1.0  # a setting whose standard deviation is larger than this part of it is not determined
+POLISH = 8  # steps at most with the estimator asked for, from the optimum of weighted least squares
+STRIDE = 3.0  # in one of them a setting changes by this factor at most
+STILL = 0.1  # these have converged when nothing moves by more than this part of its standard deviation,
+ROUNDING = 1e-6  # and this part of itself, where there is no noise; or when predictions have settled
 
 
 class VariableProjection:

@@ -149,19 +149,18 @@ def _without_torque(recording: Recording) -> ExoidError:
         ("motor_angle", "qm", "motor angles", "rad"),
     ):
         if getattr(recording, quantity) is not None:
-            scaled = f"or say N·m per {unit} where it is read"
+            each, scaled = "describe the drive of each joint", f"or say N·m per {unit} where it is read"
+            python = f"columns={{'tau_{joint}': exoid.signals.Column('{prefix}_{joint}', scale=0.118)}}"
             return UnreadableInputError(
                 f"the recording has {name} and no torque",
                 where=where,
-                remedy=f"describe the drive of each joint (actuators=, exoid.actuators), {scaled}: "
-                f"columns={{'tau_{joint}': exoid.signals.Column('{prefix}_{joint}', scale=0.118)}}",
-                command=f"describe the drive of each joint (--actuators drives.toml), {scaled}, e.g. --column "
-                f"tau_{joint}={prefix}_{joint}:0.118",
+                remedy=f"{each} (actuators=, exoid.actuators), {scaled}: {python}",
+                command=f"{each} (--actuators drives.toml), {scaled}, e.g. --column tau_{joint}={prefix}_{joint}:0.118",
             )
-    columns = ", ".join(f"tau_{name}" for name in recording.joint_names)
-    return UnreadableInputError(
-        "there is no torque in the recording", where=where, remedy=f"record tau, in columns {columns}"
-    )
+    log = f"record torques (tau_{joint}), currents (i_…), forces (f_…) or motor torques (tm_…), or map a column of them"
+    what = "there is no torque, current or force in the recording: angles, commanded ones too, identify nothing"
+    remedy, command = f"{log}: columns={{'tau_{joint}': '<header>'}}", f"{log}: --column tau_{joint}=HEADER"
+    return UnreadableInputError(what, where=where, remedy=remedy, command=command)
 
 
 def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:

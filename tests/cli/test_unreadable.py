@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
 import pytest
 from one_joint import swing, write_urdf
 
@@ -130,3 +131,17 @@ def test_standard_output_in_a_file_is_no_output(tmp_path, refused, monkeypatch):
     with (tmp_path / "table.txt").open("w", encoding="utf-8") as file:
         monkeypatch.setattr("exoid.tools.files.STANDARD_OUTPUT", file.fileno())
         assert "it is the standard output" in refused("identify", "one.urdf", "log.csv", "-o", "table.txt")
+
+
+@pytest.mark.parametrize("verb", ["identify", "select"])
+def test_angles_and_commands_without_torque_end_in_what_columns_would_do(inputs, tmp_path, exoid_, verb):
+    """The log of a position controller: it says which headers are torque, current or force."""
+    log = exoid.Recording.from_csv(inputs / "log.csv")
+    (name,) = log.joint_names
+    header, table = f"time,q_{name},q_cmd_{name}", np.column_stack([log.time, log.q, log.q])
+    np.savetxt(tmp_path / "commands.csv", table, delimiter=",", header=header, comments="")
+    code, out, err = exoid_(verb, str(inputs / "one.urdf"), "commands.csv")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("exoid: commands.csv: there is no torque, current or force")
+    for column in (f"tau_{name}", "i_…", "f_…", "tm_…", f"--column tau_{name}=HEADER"):
+        assert column in err

@@ -93,7 +93,8 @@ def test_a_validation_prints_one_line_a_joint():
     half = np.full((4, 2), [0.6, 0.2])
     low_pass = TorqueFilter(ZeroPhase(8.0), "of the estimate", "8 Hz, chosen by the noise of the angles")
     name = "a_rather_long_file_name_of_a_log.csv"
-    validation = Validation(("hip", "knee"), time, measured, predicted, name, half_width=half, filter=low_pass)
+    how = {"half_width": half, "filter": low_pass, "wrench_torque": np.zeros((4, 2))}
+    validation = Validation(("hip", "knee"), time, measured, predicted, name, **how)
     same("validation.txt", str(validation))
     assert repr(validation) == "Validation(nrmse: hip 0.500, knee nan)"
 
@@ -125,7 +126,9 @@ def test_validation_predicts_what_the_estimate_predicts(estimate, swing):
 def test_validation_json_has_null_where_there_is_no_number():
     flat = np.ones((3, 1))
     plain = TorqueFilter(FiniteDifference(), "of the estimate", "")
-    validation = Validation(("hip",), np.arange(3.0), flat, flat, "x", half_width=flat, filter=plain)
+    validation = Validation(
+        ("hip",), np.arange(3.0), flat, flat, "x", half_width=flat, filter=plain, wrench_torque=0.0 * flat
+    )
     text = json.dumps(validation.to_json(), allow_nan=False)
     assert json.loads(text)["cutoff"] is None
     assert json.loads(text)["nrmse"] == [None]

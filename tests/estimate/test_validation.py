@@ -213,3 +213,32 @@ def test_a_measured_force_belongs_to_the_prediction(swing, estimate):
     apart = (found.measured - plain.measured + push[rows])[50:-50]  # at the ends, a filter is one-sided
     assert np.abs(apart).max() < 0.02 * np.abs(push).max()
     assert np.ptp(push[:, :2], axis=0).min() > 10.0
+
+
+def test_a_leg_is_judged_on_what_measured_forces_leave(swing, estimate):
+    """A force that carries nearly all of the torque hides a leg that is wrong; the error over the rest shows it."""
+    test = swing.test
+    force = np.outer(np.sin(test.time), [400.0, 0.0, 900.0])
+    push = np.einsum("ncj,nc->nj", swing.leg.frame_jacobian(test.q, "left_foot"), np.hstack([force, 0.0 * force]))
+    wrong = with_torque(test, 0.3 * test.tau)
+    pushed = replace(wrong, tau=wrong.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)})
+    plain, found = exoid.validate(estimate, wrong), exoid.validate(estimate, pushed)
+    np.testing.assert_allclose(plain.leg_nrmse, plain.nrmse, rtol=1e-12)
+    np.testing.assert_allclose(found.leg_nrmse, plain.nrmse, rtol=0.02)
+    assert (found.nrmse[:2] < 0.5).all()
+    assert (found.leg_nrmse > 1.0).all()
+    assert plain.verdict == found.verdict == "does not predict"
+    assert f"(leg {found.leg_nrmse[0]:.4f})" in str(found)
+    assert "(leg" not in str(plain)
+    assert found.to_json()["leg_nrmse"] == found.leg_nrmse.tolist()
+
+
+def test_a_band_as_wide_as_the_torque_is_no_prediction(swing, estimate):
+    """Parameters that hardly anything determines: every torque is inside, and nothing is said."""
+    vague = replace(estimate, covariance=2000.0 * estimate.covariance)
+    found = exoid.validate(vague, swing.test)
+    assert (found.coverage == 1.0).any()
+    assert {kind for kind, _ in kinds(found)} == {"wide-band"}
+    assert found.verdict == "predicts poorly"
+    assert "verdict: predicts poorly (wide-band at" in str(found)
+    assert not exoid.validate(estimate, swing.test).findings

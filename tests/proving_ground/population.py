@@ -127,11 +127,24 @@ def mixed(recording: Recording, joint: int) -> Recording:
     return column("tau", lambda x, _: x + 0.3 * x.std() / max(other.std(), 1e-9) * other)(recording, joint)
 
 
+def without_gravity(machine: Machine, recording: Recording) -> Recording:
+    """Log the efforts of a controller that takes the gravity torque of its own, true model out."""
+    driven = [not joint.passive for joint in machine.joints]
+    return replace(recording, tau=recording.tau - driven * machine.leg(believed=False).gravity(recording.q))
+
+
 MISTAKES: dict[str, tuple[Spoil, str]] = {
     "sign of one torque": (column("tau", lambda x, _: -x), "torque-sign"),
     "one torque 40 ms late": (column("tau", late(0.04)), "torque-delay"),
     "two far joints swapped": (swap("tau"), "joint-order"),
     "velocity 5 ms late": (velocity(0.005), "velocity-delay"),
+    "one torque as a magnitude": (column("tau", lambda x, _: np.abs(x)), "unsigned-torque"),
+    "all torques as magnitudes": (lambda r, _: replace(r, tau=np.abs(r.tau)), "unsigned-torque"),
+    "torque clock 0.5 % slow": (
+        lambda r, _: replace(r, tau=np.column_stack([np.interp(0.995 * r.time, r.time, x) for x in r.tau.T])),
+        "two-clocks",
+    ),
+    "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
     "one torque 25 ms late": (column("tau", late(0.025)), "torque-delay"),
     "all torques 20 ms late": (
         lambda r, _: replace(r, tau=np.column_stack([late(0.02)(x, r) for x in r.tau.T])),
@@ -171,6 +184,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 
@@ -279,11 +293,17 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         return
     driven = [k for k, joint in enumerate(outcome.machine.joints) if not joint.passive]
     joint = driven[outcome.machine.seed % len(driven)]
+    if kind == "unsigned-torque" and not 0.05 < np.mean(recording.tau[:, joint] < 0.0) < 0.95:
+        return
+    if kind == "gravity-compensated-effort":
+        recording = without_gravity(outcome.machine, recording)
     found = exoid.check(leg, spoil(recording, joint))
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}
     # Of all, or of two joints of which only the ratio shows.
-    if mistake.startswith(("all", "sign of all", "clock", "60 ms", "log")) or (kind == "torque-scale" and count == 2):
+    if mistake.startswith(("all", "efforts", "torque clock", "sign of all", "clock", "60 ms", "log")) or (
+        kind == "torque-scale" and count == 2
+    ):
         labels |= {"", *recording.joint_names}
     if kind == "angle-offset" and joint == 0:  # of the first joint it is the direction of gravity
         kind = "gravity-direction"

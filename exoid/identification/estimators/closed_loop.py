@@ -108,11 +108,6 @@ class _Later(NamedTuple):
         return self.reference.at(self.start + time)
 
 
-def as_possible(model: TorqueModel, values: FloatArray) -> FloatArray:
-    """Values that can be simulated: no friction and no rotor inertia is negative."""
-    return np.where(model.nonnegative, np.maximum(values, 0.0), values)
-
-
 def as_plant(
     model: TorqueModel, values: FloatArray, recording: Recording
 ) -> tuple[Plant, type[PlanarStepper] | partial[SmoothStepper]]:

@@ -13,11 +13,8 @@ from exoid.regression.least_squares import RFactor, Solution, factorize, stack
 from exoid.regression.problem import RowProblem
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
-ROUNDS = 6
-"""Noise and parameters are estimated in turn at most so often."""
-
-DISAGREEMENT = 0.05
-"""Probability with which GLS and WLS would be said to disagree although both are right."""
+ROUNDS = 6  # noise and parameters are estimated in turn at most so often
+DISAGREEMENT = 0.05  # probability with which GLS and WLS would be said to disagree although both are right
 
 
 def gls(problem: RowProblem) -> Fit:

@@ -13,14 +13,9 @@ from exoid.regression.least_squares import RFactor, factorize, joint_table, stac
 from exoid.regression.problem import RowProblem
 from exoid.signals.cutoff import robust_std
 
-TUNING = 1.345
-"""Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
-
-ROUNDS = 50
-"""Reweightings at most."""
-
-SETTLED = 1e-4
-"""They have converged when no parameter moves by more than this part of its standard deviation."""
+TUNING = 1.345  # residuals of this many standard deviations start to count less; 95 % efficient for normal noise
+ROUNDS = 50  # reweightings at most
+SETTLED = 1e-4  # they have converged when no parameter moves by more than this part of its standard deviation
 
 
 def huber(problem: RowProblem) -> Fit:
@@ -33,7 +28,7 @@ def huber(problem: RowProblem) -> Fit:
     scales = np.full(len(problem.r_factors), np.nan)
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
-        r_factors = _reweighted(problem, solution.values, scales)
+        r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
@@ -52,11 +47,6 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     every = [np.concatenate(size) for size in sizes]
     return np.array([robust_std(size) if len(size) else 0.0 for size in every])
-
-
-def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:
-    """R factors of reweighted rows."""
-    return _weighted(problem, values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
 
 
 def _inside(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:

@@ -17,6 +17,7 @@ from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
@@ -25,23 +26,14 @@ from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
 from .outside_rows import default_preparation, default_start, refuse_other_friction
 
-COARSE = 0.04
-"""Knot spacing [s] to begin with."""
-
-LADDER = math.sqrt(2.0)
-"""Ratio of one knot spacing that is tried to the next."""
-
-FINEST = 2.0
-"""Knots of the ladder are at least so many samples apart."""
-
-CLOSEST = 1.5
-"""Knots closer than so many samples are refused: measurements would not hold the motion."""
-
+COARSE = 0.04  # knot spacing [s] to begin with
+LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
+FINEST = 2.0  # knots of the ladder are at least so many samples apart
+CLOSEST = 1.5  # knots closer than so many samples are refused: measurements would not hold the motion
 ROUGHLY = 0.05
 """How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
 
-SHARP = 0.01
-"""A sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]."""
+SHARP = 0.01  # a sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]
 
 
 @dataclass(frozen=True)
@@ -56,8 +48,8 @@ class JointML:
     noise in the angles does not bias β as it does where W is formed from angles as measured. Most precise if the noise
     of angles and of torques is white; intervals allow for correlated noise of both. No controller needs to be known.
     Torques of poses join in, their angles count as exact. Recorded velocities and accelerations are not used. Where
-    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band count as angles, not as
-    torques.
+    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band, and at reversals that
+    wls takes out too, count as angles, not as torques.
 
     Attributes:
         spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
@@ -133,6 +125,9 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
     recording = replace(for_leg(model, recording).resampled(), v=None, a=None)
     q, v, _, _ = preparation.kinematics(recording)
     usable = model.usable(v).astype(np.float64)
+    slow, parallel = model.reversing(v), preparation.parallel(recording.sample_rate)
+    if slow is not None and parallel is not None:  # friction is unknown there
+        usable *= ~around_stops(slow, parallel)
     if recording.mask is not None:
         usable *= recording.mask[:, None]
     return Moving(

@@ -17,9 +17,7 @@ from .bordered import eliminate
 from .motion_system import Levels, MotionState, Moving, Still, System
 from .trajectory import Trajectory
 
-ROUNDS = 30
-"""Gauss–Newton steps at most."""
-
+ROUNDS = 30  # Gauss–Newton steps at most
 SETTLED = 1e-3
 """Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
 

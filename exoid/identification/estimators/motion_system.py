@@ -15,14 +15,9 @@ from .bordered import BorderedRows, ReducedSystem, eliminate
 from .outside_rows import LinearisedRows, linearised_block, respond, torque
 from .trajectory import WIDTH, Trajectory
 
-HALVINGS = 10
-"""A step that does not reduce the sum of squares is halved so often."""
-
-PROBES = 6
-"""Random vectors with which traces are estimated."""
-
-QUIET = 1e-9
-"""Noise below this [rad], or part of the torque, is rounding."""
+HALVINGS = 10  # a step that does not reduce the sum of squares is halved so often
+PROBES = 6  # random vectors with which traces are estimated
+QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
 
 
 class Moving(NamedTuple):

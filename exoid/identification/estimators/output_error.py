@@ -18,22 +18,13 @@ from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses
 
-from .closed_loop import ClosedLoop, as_possible
+from .closed_loop import ClosedLoop
 from .outside_rows import LinearisedRows, default_start, linearised_block, refuse_other_friction
 
-ROUNDS = 12
-"""Gauss–Newton steps at most."""
-
-HALVINGS = 6
-"""A step that does not reduce the sum of squares is halved so often."""
-
-SETTLED = 1e-2
-"""Converged when no parameter moves by more than this part of its standard deviation,"""
-
-EXACT = 1e-9
-"""or by this part of itself."""
-
-NEEDS_LOOP = "OutputError(ClosedLoop(controller, reference))"
+ROUNDS = 12  # Gauss–Newton steps at most
+HALVINGS = 6  # a step that does not reduce the sum of squares is halved so often
+SETTLED = 1e-2  # converged when no parameter moves by more than this part of its standard deviation,
+EXACT = 1e-9  # or by this part of itself
 
 
 @dataclass(frozen=True)
@@ -71,13 +62,14 @@ class OutputError:
         if self.loop is None:
             raise BadArgumentError(
                 "output error simulates the loop, and must know its controller and reference",
-                remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
+                remedy="pass estimator=OutputError(ClosedLoop(controller, reference)), or use ml, which needs neither",
             )
         refuse_other_friction(model, "output error")
         problem.refuse_beside_leg("output error", moving_base=False)
         first = wls(problem)
         matching = _Matching(self.loop, problem)
-        values = as_possible(model, default_start(problem))
+        start = default_start(problem)  # friction and rotor inertia that are negative cannot be simulated
+        values = np.where(model.nonnegative, np.maximum(start, 0.0), start)
         answer = matching.answer(values, np.sqrt(np.diag(first.solution.covariance)))
         converged = False
         for _ in range(ROUNDS):

@@ -11,12 +11,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-DEGREE = 5
-"""Of the splines: accelerations are then cubic pieces with a continuous slope and curvature."""
-
-WIDTH = DEGREE + 1
-"""Basis functions that are not zero at a sample."""
-
+DEGREE = 5  # of the splines: accelerations are then cubic pieces with a continuous slope and curvature
+WIDTH = DEGREE + 1  # basis functions that are not zero at a sample
 RIDGE = 1e-10
 """Part of the diagonal that is added to normal equations: a coefficient that hardly any sample sees does no harm."""
 

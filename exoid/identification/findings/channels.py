@@ -16,8 +16,7 @@ from exoid.signals import Recording
 from exoid.signals.cutoff import robust_std
 from exoid.signals.quantities import UNITS
 
-FROZEN_TORQUE = 0.15
-"""Shortest time for which a torque that moves has to stand still to count as frozen [s]."""
+FROZEN_TORQUE = 0.15  # shortest time for which a torque that moves has to stand still to count as frozen [s]
 
 
 def runs_of(x: FloatArray, tolerance: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

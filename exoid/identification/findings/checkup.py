@@ -20,6 +20,7 @@ from exoid.torques import TorqueModel
 
 from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
+from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence
 from .physics import (
     CheckedFit,
@@ -88,7 +89,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         acting = [np.array(model.names)[acts].tolist() for acts in model.acting]
         for (kind, joint), finding in found.items():
             doubtful = dict.fromkeys(name for of_joint in acting for name in of_joint)
-            if joint and not kind.startswith("velocity"):  # velocities couple the joints
+            if joint and not kind.startswith("velocity") and "angle" not in finding.message:  # both couple the joints
                 doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
             yield replace(finding, parameters=tuple(doubtful), recording=names[-1] if len(data) > 1 else "")
     if len(recordings) > 1:
@@ -100,7 +101,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     found = list(time_unit(checked))
     explained = False  # impossible parameters
     if not broken and not found:
-        if (checked.nrmse > POOR).any() or checked.below.any():
+        found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
+        if not found and ((checked.nrmse > POOR).any() or checked.below.any()):
             found += gross_findings(checked.fitted)
         scales = [] if found else list(torque_scale(checked))
         if not found:

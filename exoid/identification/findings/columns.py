@@ -184,6 +184,7 @@ def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
 COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "delay": _delay,
     "delays": lambda at, _, other: _delay(at, slice(None), other),
+    "drift": lambda at, *_: _delay(at, slice(None), -1),  # times the time since the log began, see the rows of a check
     "gain": lambda at, j, _: at.torque[j],
     "cross-talk": lambda at, _, other: at.torque[other],
     "zero": _zero,
@@ -202,5 +203,5 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 }
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
-OF_ALL_JOINTS = ("delays", "zero", "scale", "gravity", "length", "clock")
+OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock")
 """Columns that act on the torques of all joints."""

@@ -11,23 +11,30 @@ from exoid._typing import FloatArray
 from exoid.regression.least_squares import column_scale, scaled_lstsq
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, Recording
+from exoid.torques import Motion
 
 from .evidence import r_factor
 from .physics import never_negative
 from .sample import FittedLeg
 
 
-def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses]) -> list[FloatArray]:
-    """R factor of the rows [W τ₁ … τₙ] of each joint, with the torques of all joints, n of (M, P + n)."""
-    model = fitted.model
+def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weights: bool = False) -> list[FloatArray]:
+    """R factors of rows [W τ₁ … τₙ], or [W G τ₁ … τₙ] with G that of gravity, n of (M, P + n) or (M, P + p + n)."""
+    model, rigid = fitted.model, len(fitted.model.leg.parameter_names)
     tables: list[list[FloatArray]] = [[] for _ in model.joint_names]
     for one in data:
         # torques may be another joint's, with other reversals: none is taken out
         prepared = prepare(model, one, fitted.preparation)._replace(reversals=None)
+        at_rest = None
+        if weights:
+            assert isinstance(prepared.motion, Motion)
+            still = np.zeros_like(prepared.motion.v)
+            at_rest = prepared._replace(motion=prepared.motion._replace(v=still, a=still))
         for stretch in prepared.stretches():
             rows = form_rows(model, prepared, stretch)
+            gravity = form_rows(model, at_rest, stretch).W[..., :rigid] if at_rest else rows.W[..., :0]
             for j, table in enumerate(tables):
-                table.append(np.column_stack([rows.W[:, j], rows.tau])[rows.usable[:, j]])
+                table.append(np.column_stack([rows.W[:, j], gravity[:, j], rows.tau])[rows.usable[:, j]])
     return [r_factor(np.vstack(of_joint)) for of_joint in tables]
 
 
@@ -43,7 +50,7 @@ def fit_torques(
     factors: Sequence[float] = (),
     mixed: tuple[int, int] | None = None,
 ) -> tuple[float, FloatArray]:
-    """Fit torques read otherwise, or with a share of each other in two joints: mean log residual/torque, the shares."""
+    """Fit torques read otherwise, or with a share of each other in two joints: mean log residual/torque, all values."""
     model, n, driven = fitted.model, len(of_joints), driven_joints(of_joints)
     order, factors = order or range(n), factors or (1.0,) * n
     count, free = len(model.names), ~np.isfinite(fitted.fixed)
@@ -66,7 +73,7 @@ def fit_torques(
         x = _bounded(A, b, lower)
         left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
         weights = 1.0 / np.maximum(left, 1e-6 * level)
-    return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level))), x[int(free.sum()) :]
+    return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level))), x
 
 
 def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:

@@ -76,6 +76,13 @@ KINDS = {
         most=0.1,
         signs=("after the motion, or its sensor has a low-pass of that time constant", "before the motion"),
     ),
+    "two-clocks": Kind(
+        1e-4,
+        "the clock of the torques runs {percent:.3g} % slow against that of the angles: their delay changes by "
+        "{milli:.3g} ms a second",
+        "stamp both by one clock, or scale the time of one of them; a delay that stays does not mend it",
+        most=0.02,
+    ),
     "torque-scale": Kind(
         5e-3,
         "{whose} is {x:.3g} times what the other joints' torques ask for; one log cannot tell which of the joints is "
@@ -197,6 +204,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
+    faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))
         faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt))

@@ -82,8 +82,11 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     model = checked.fitted.model
     urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
     scales: dict[str, float] = {}
-    for j, joint in enumerate(model.joint_names):
+    for j, (joint, label) in enumerate(zip(model.joint_names, model.joint_labels, strict=True)):
         R, terms = checked.evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
+        # A rotor that counts as inertia of a link is in no URDF: where gravity does not act, it is most of the torque.
+        rotors = [name for one in model.regrouped if one.name == f"Ia_{label}" for name in one.into]
+        terms = np.append(terms, [k for k, name in enumerate(model.names) if name in rotors]).astype(np.intp)
         expected, torque = R[:, :rigid] @ urdf, R[:, -1]
         A = np.column_stack([expected, R[:, terms]])
         if not A.any(axis=0).all():

@@ -24,9 +24,7 @@ from exoid.torques import CoupledTerm, TorqueModel
 from .factors import driven_joints, fit_torques, torque_factors
 from .sample import FittedLeg
 
-POOR = 0.2
-"""Other readings of the log are worth trying where the model leaves so large a part of a torque."""
-
+POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
 FITS_BETTER, CLEARLY = 1.6, 1.1
 """Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
 joints there are; and in one that is more far-fetched than another."""
@@ -128,7 +126,9 @@ def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: flo
     plain, *others = readings(fitted.model.joint_names)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
-    for reading in others:
+    spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
+    still = [name for name, span in zip(fitted.model.joint_names, spans, strict=True) if span < 0.05]
+    for reading in (one for one in others if one.joint not in still):
         moved = [(j, k) for j, k in enumerate(reading.torque_order) if j != k]
         if not all(driven[j] and driven[k] for j, k in moved):
             continue
@@ -204,8 +204,8 @@ def _corrected(fitted: FittedLeg, pair: tuple[int, int], B: FloatArray, *, round
             fixed = np.array([known.get(name, np.nan) for name in coupled.names])
             trial = fitted._replace(model=coupled, fixed=fixed)
             factors = torque_factors(trial, [_unmixed(log, pair, B) for log in fitted.data])
-            misfit, shares = fit_torques(trial, factors, mixed=pair)
-            B = np.array([[1.0, shares[0]], [shares[1], 1.0]]) @ B
+            misfit, values = fit_torques(trial, factors, mixed=pair)
+            B = np.array([[1.0, values[-2]], [values[-1], 1.0]]) @ B
             B = B / np.abs(B).max(axis=1, keepdims=True)
     except (ExoidError, np.linalg.LinAlgError):
         return

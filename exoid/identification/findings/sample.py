@@ -52,6 +52,12 @@ class FittedLeg(NamedTuple):
         }
         return self._replace(data=tuple(averaged(one, preparation) for one in data), preparation=preparation, arms=arms)
 
+    def clock_start(self, one: Recording | Poses) -> float:
+        """First time of the recording that a sample was cut from."""
+        parts = (x for x in self.data if isinstance(x, Recording))
+        same = (x for x in parts if x is one or (x.source is not None and x.source is one.source))
+        return min((x.time[0] for x in same), default=0.0)  # poses have no time
+
 
 def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
     """Take at most 60 000 samples, in segments of 6 000 spread evenly: more would find no smaller faults."""
@@ -167,10 +173,12 @@ def _rows(
         values = values.copy()
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
     columns = library(model, fitted.arms).columns
+    drift = len(model.names) + next(k for k, column in enumerate(columns) if column.kind == "drift")
     faults = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
     extras = (faults,) if friction is None or not moving else (faults, friction)
     every = WithColumns(model, extras)
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
+    rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
     if len(extras) == 1:
         return rows, None
     count = len(model.names) + len(columns)

@@ -59,7 +59,9 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
             if best.is_corrected:
                 most = KINDS[best.kind].most
                 delta = float(np.clip(likely[0].delta[0], -most, most))
-                fitted = fitted._replace(data=tuple(_corrected(one, best, delta) for one in fitted.data))
+                fitted = fitted._replace(
+                    data=tuple(_corrected(one, best, delta, fitted.clock_start(one)) for one in fitted.data)
+                )
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
             beside.faults[best] = applied + delta, others
             if best.is_corrected:
@@ -119,6 +121,9 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
             break  # a second test with other noise would not bring it to the best
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN else score
         if again is not None and again.p_value < limit and again.evidence > 0.0:
+            columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
+            if kind == "two-clocks" and beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005:
+                continue  # what friction that drifts may do too
             likely += [again] if again.moves.max(initial=0.0) > SMALLEST_MOVE else []
     likely.sort(key=lambda one: -one.evidence)
     return [one for one in likely if one.evidence > likely[0].evidence - UNDECIDED]
@@ -174,11 +179,14 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     return bool(gain > least)
 
 
-def _corrected(data: Recording | Poses, fault: Nuisance, delta: float) -> Recording | Poses:
+def _corrected(data: Recording | Poses, fault: Nuisance, delta: float, start: float) -> Recording | Poses:
     """Take a fault out of a recording; gravity in another direction in a planar leg only."""
     joints = list(range(len(data.joint_names)) if fault.place < 0 else (fault.place,))
-    if fault.kind == "torque-delay":
-        return data if isinstance(data, Poses) else without_torque_delay(data, dict.fromkeys(joints, delta))
+    if fault.kind in ("torque-delay", "two-clocks"):
+        if isinstance(data, Poses):
+            return data
+        late = delta if fault.kind == "torque-delay" else delta * (data.time - start)
+        return without_torque_delay(data, dict.fromkeys(joints, late))
     changes: dict[str, Any] = {}
     if fault.kind in ("angle-offset", "gravity-direction"):
         changes["q"] = data.q.copy()

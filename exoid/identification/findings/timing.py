@@ -107,14 +107,12 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
     for k, joint in enumerate(even.joint_names):
         rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])
         late = _delay(rows, logged[inner, k])
-        if late is None:
+        if late is None or np.ptp(q[inner, k]) < 0.02:  # [rad], at a stall the derivative is noise
             continue
         gain, delay, error = late
         if abs(delay) > max(4.5 * error, 1e-3):
-            message = (
-                f"the logged velocity comes {1e3 * delay:.3g} ms {'after' if delay > 0.0 else 'before'} the derivative "
-                "of the angle"
-            )
+            when = "after" if delay > 0.0 else "before"
+            message = f"the logged velocity comes {1e3 * delay:.3g} ms {when} the derivative of the angle"
             remedy = "leave the velocity out of the log, as identify did: it is derived from the angle without delay"
             interval = delay - 2.0 * error, delay + 2.0 * error
             yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)

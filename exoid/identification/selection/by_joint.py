@@ -19,7 +19,7 @@ from exoid.torques import Armature, Term
 
 from .design import base_model
 from .held_out import held_out_errors
-from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, numbers_of, terms_of, zeros_of
+from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, same_at_all_joints, search_joint_by_joint
 
 
@@ -172,7 +172,8 @@ def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
         nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
         return replace(candidate, nrmse=nothing, folds=folds, extrapolation=nothing, failure=error.what)
     failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
-    numbers = len(choice.base) + numbers_of(choice.columns)
+    settings = [{(key, getattr(c, key)) for c in one for key in ("length", "velocity")} for one in choice.columns]
+    numbers = len(choice.base) + sum(map(len, choice.columns)) + sum(bool(x) for one in settings for _, x in one)
     return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
 
 

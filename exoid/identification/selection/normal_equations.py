@@ -14,9 +14,7 @@ from exoid._typing import FloatArray
 
 from .design import Design
 
-RIDGE = 1e-10
-"""Added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent."""
-
+RIDGE = 1e-10  # added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent
 TINY = 1e-300
 
 Active = Sequence[NDArray[np.intp]]

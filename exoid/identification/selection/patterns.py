@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -20,12 +19,8 @@ DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""
 
-REVERSAL = 0.03
-"""Speed below which the last fit leaves rows of sharp friction out, as the default terms do [rad/s]."""
-
-SMOOTHING = 0.015
-"""Smoothing of friction without presliding [rad/s], that of the default terms."""
-
+REVERSAL = 0.03  # speed below which the last fit leaves rows of sharp friction out, as the default terms do [rad/s]
+SMOOTHING = 0.015  # smoothing of friction without presliding [rad/s], that of the default terms
 VELOCITIES = (0.02, 0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
 """Stribeck velocities that are tried [rad/s]. A model whose best velocity describes reversals loses; the last is an
 upper bound. Beyond, it is no matter of slow motion."""
@@ -209,9 +204,3 @@ class JointFriction(NamedTuple):
             f"vs {self.stribeck_velocity:.2g} rad/s" if self.stribeck_velocity else "",
         )
         return ", ".join([*self.coefficients, *filter(None, settings)]) or "none"
-
-
-def numbers_of(columns: Sequence[Columns]) -> int:
-    """Number of coefficients and settings of all joints."""
-    settings = [{(name, getattr(c, name)) for c in of_joint for name in ("length", "velocity")} for of_joint in columns]
-    return sum(map(len, columns)) + sum(1 for of_joint in settings for _, value in of_joint if value)

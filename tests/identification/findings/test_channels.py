@@ -123,3 +123,16 @@ def test_a_dead_torque_channel_is_a_finding_not_an_exception():
     found = exoid.check(leg, with_column(log, "tau", 1, lambda x: 0.0 * x))
     assert {"stuck-channel", "not-identifiable"} <= kinds(found)
     assert found[0].severity == "error"
+
+
+def test_a_velocity_at_a_stall_is_no_wrong_velocity():
+    """The drive stalls: an observer logs noise of its own, and the encoder hardly a count."""
+    leg, log = clean()
+    rng, q = np.random.default_rng(5), np.array(log.q)
+    q[:, 2] = q[0, 2] + 1e-3 * np.round(rng.standard_normal(len(q)))
+    v = np.gradient(log.q, log.time, axis=0)
+    v[:, 2] = 0.02 * rng.standard_normal(len(q))
+    found = [f for f in exoid.check(leg, dataclasses.replace(log, q=q, v=v)) if f.kind.startswith("velocity")]
+    assert "left_ankle" not in {f.joint for f in found}
+    scaled = exoid.check(leg, dataclasses.replace(log, q=log.q, v=2.0 * np.gradient(log.q, log.time, axis=0)))
+    assert {f.joint for f in scaled if f.kind == "velocity-scale"} == {*leg.joint_names}

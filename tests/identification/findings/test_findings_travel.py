@@ -108,3 +108,21 @@ def test_a_finding_needs_numbers_and_a_severity():
         Finding("dropout", "hip", np.nan, "1", "error", "m", "r")
     with pytest.raises(exoid.ExoidError, match="severity"):
         Finding("dropout", "hip", 1.0, "1", "fatal", "m", "r")
+
+
+@pytest.mark.parametrize(("quantity", "all_joints"), [("tau", False), ("q", True)])
+def test_a_frozen_channel_leaves_no_parameter_well_that_it_acts_on(quantity, all_joints):
+    leg, log = clean()
+    fastest = int(np.abs(np.diff(log.q[500:-500, 1])).argmax()) + 500
+
+    def freeze(x):
+        x[fastest : fastest + 100] = x[fastest]
+        return x
+
+    estimate = exoid.identify(leg, with_column(log, quantity, 1, freeze))
+    stuck = of_kind(estimate.findings, "stuck-channel")
+    acting = np.array(estimate.names)[estimate.model.acting[1]]
+    assert {*acting} <= {*stuck.parameters}
+    assert ({*estimate.names} == {*stuck.parameters}) == all_joints
+    classes = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert "well" not in {classes[name] for name in stuck.parameters}
