@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
@@ -147,6 +146,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         raise UnreadableInputError(
             "the URDF inside is not the one identified: its hash differs", remedy="identify again"
         )
+    if not isinstance(data["warnings"], list) or not all(isinstance(text, str) for text in data["warnings"]):
+        raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
     terms = tuple(term_from_json(term) for term in data["terms"])
     model = TorqueModel(leg, terms, separate=tuple(data["values"]))
     if tuple(data["values"]) != model.names:
@@ -164,12 +165,12 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         estimator=str(data["estimator"]),
         preparation=preparation_from_json(data["preparation"]),
         inputs=records(Input, data["inputs"]),
-        warnings=_warnings(data["warnings"]),
+        warnings=tuple(data["warnings"]),
         prior_knowledge=_prior_knowledge(data, model),
         nonlinear=_shapes(data["shapes"]),
         findings=records(Finding, data["findings"]),
         model_error=record(ModelError, data["model_error"]) if data["model_error"] else None,
-        torque_delays=_by_name(data["torque_delays"], leg.joint_names),
+        torque_delays=np.array([data["torque_delays"][name] for name in leg.joint_names], dtype=np.float64),
         actuators=None
         if data["actuators"] is None
         else actuators_from_data(data["actuators"], leg, transmissions=False),
@@ -235,14 +236,3 @@ def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
     return NonlinearParameters(
         names, units, np.array(list(data["values"].values())), data["covariance"], tuple(data["held"])
     )
-
-
-def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:
-    """Read a number of each parameter."""
-    return np.array([data[name] for name in names], dtype=np.float64)
-
-
-def _warnings(data: Sequence[str]) -> tuple[str, ...]:
-    if not isinstance(data, list) or not all(isinstance(text, str) for text in data):
-        raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
-    return tuple(data)

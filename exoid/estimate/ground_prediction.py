@@ -169,11 +169,7 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
         for link, wrench in recording.wrenches.items():
             force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
             wrenches[link] = replace(wrench, force=force, moment=moment)
-        shaken = replace(
-            recording,
-            q=q,
-            wrenches=wrenches,
-        )
+        shaken = replace(recording, q=q, wrenches=wrenches)
         base = recording.base
         if base is None:
             yield shaken
