@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from exoid.errors import BadArgumentError, within
+from exoid.errors import BadArgumentError, nearest, within
 from exoid.tools.files import write_whole
 from exoid.tools.toml import read_toml, to_toml
 
@@ -55,9 +54,8 @@ def with_map(options: LogOptions, path: str) -> LogOptions:
 def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of a file
     """Refuse a key that is no option of a laboratory, and a value of another kind."""
     if key not in KEYS:
-        close = get_close_matches(key, KEYS, n=1)
-        nearest = f"did you mean {close[0]!r}? " if close else ""
-        raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest}keys are {', '.join((*KEYS, *TABLES))}")
+        keys = (*TABLES, *KEYS)
+        raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest(key, keys)}keys are {', '.join(keys)}")
     fits, wanted = isinstance(value, str), "a text in quotes"
     if LogOptions._field_defaults[key] is False:
         fits, wanted = isinstance(value, bool), "true or false"

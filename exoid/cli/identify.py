@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import find_leg, refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .messages import note
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
@@ -129,6 +129,7 @@ def identify(
         return
     recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
     held_out = read_logs(tests, reading, beside=logs)
+    refuse_without_base(choice, recordings)
     settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
     with with_progress(recordings) as source:
         estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)

@@ -49,6 +49,9 @@ RANGES = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed"
 OPTIONAL = ("segments", "payloads", "moving_base", "wrenches")
 """Keys of a recording that are left out of a file where there is nothing to say."""
 
+WRITTEN = "give the file that exoid identify -o wrote; it stands before the logs"
+"""Remedy for a file that is no estimate."""
+
 E = TypeVar("E", bound=EstimateData)
 
 
@@ -68,16 +71,12 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        remedy = "give the path of a file that exoid identify wrote"
-        raise UnreadableInputError(
-            f"cannot be read ({error.strerror or error})", where=str(path), remedy=remedy
-        ) from error
+        what = f"cannot be read ({error.strerror or error})"
+        raise UnreadableInputError(what, where=str(path), remedy=WRITTEN) from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise UnreadableInputError(f"not JSON ({error})", where=str(path), remedy="identify again and save") from error
+        raise UnreadableInputError(f"no estimate: not JSON ({error})", where=str(path), remedy=WRITTEN) from error
     if not isinstance(data, dict) or data.get("schema") not in (SCHEMA, FIRST_SCHEMA):
-        raise UnreadableInputError(
-            f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save"
-        )
+        raise UnreadableInputError(f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy=WRITTEN)
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:

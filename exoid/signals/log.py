@@ -215,7 +215,11 @@ def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str,
     for name in headers:
         joint = name.removeprefix(f"{quantity}_")
         if joint not in (name, *known) and get_close_matches(name, absent, n=1, cutoff=0.8):
-            raise _missing(absent[0], f"and no angle belongs to {name}", table)
+            lacking = absent[0].removeprefix(f"{quantity}_")
+            what = f"no angle belongs to column {name}, and no {name} to q_{lacking}: one of both names is misspelt"
+            pairs = (f"q_{joint}={headers[f'q_{lacking}']}", f"{absent[0]}={headers[name]}")
+            both = f"--column {pairs[0]}, or --column {pairs[1]}"
+            raise UnreadableInputError(f"{what} (of {', '.join(table.header[:20])})", remedy=both, column=name)
 
 
 def _numbers(
@@ -252,9 +256,7 @@ def _missing(column: str, why: str, table: Table, name: str | None = None) -> Ex
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
     return UnreadableInputError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
-        remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
-        if name is None
-        else "pass columns={exoid's name: <header in the file>}",
+        remedy=f"rename it in the file or pass columns={{{name or column!r}: <header in the file>}}",
         column=name or column,
         command=f"rename it in the file or give its header: --column {name or column}=HEADER",
     )
