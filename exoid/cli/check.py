@@ -53,8 +53,8 @@ def check(
 
     refuse_unknown_leg(leg)
     recordings = read_logs(logs, reading)
-    refuse_without_base(choice, recordings)
     found_leg = find_leg(leg, choice, recordings[0].joint_names)
+    refuse_without_base(choice, recordings)
     drives, values = read_drives(actuators, found_leg), parse_known(known)
     found = exoid.check(found_leg, recordings, given_terms(terms), cutoff=cutoff, known=values, actuators=drives)
     print_result(_text(found), as_json=as_json, data={"findings": json_value(found)})

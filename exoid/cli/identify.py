@@ -129,8 +129,8 @@ def identify(
         return
     recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
     held_out = read_logs(tests, reading, beside=logs)
-    refuse_without_base(choice, recordings)
     settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
+    refuse_without_base(choice, recordings)
     with with_progress(recordings) as source:
         estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)
     predicted = [exoid.validate(estimate, recording) for recording in held_out]

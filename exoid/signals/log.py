@@ -154,10 +154,8 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             raise _missing(header, f"to be read as {name}", table, name)
         rivals = [other for other, used in columns.items() if used == header]
         if len(rivals) > 1 and not _may_share(rivals):
-            raise UnreadableInputError(
-                f"column {header!r} is to be read as {' and '.join(rivals)}",
-                remedy="map each exoid column to a different header",
-            )
+            what = f"column {header!r} is to be read as {' and '.join(rivals)}"
+            raise UnreadableInputError(what, remedy="map each exoid column to a different header")
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
     own = {header: header for header in table.header if header and header not in taken}
     return {**matrix_headers(table.header), **own, **columns}

@@ -44,10 +44,8 @@ class Registry(Mapping[str, T], Generic[T]):
     def register(self, name: str, thing: T) -> T:
         """Register an object under a name."""
         if not isinstance(name, str) or not NAME.fullmatch(name):
-            raise BadArgumentError(
-                f"{name!r} is no name for a {self.what}",
-                remedy=f'write {self.call}("name", ...) with letters, digits, ".", "_" and "-"',
-            )
+            remedy = f'write {self.call}("name", ...) with letters, digits, ".", "_" and "-"'
+            raise BadArgumentError(f"{name!r} is no name for a {self.what}", remedy=remedy)
         self._check(thing)
         known = self._registered.get(name)
         if known is not None and known is not thing and not _redefined(known, thing):
@@ -63,7 +61,7 @@ class Registry(Mapping[str, T], Generic[T]):
         if name in self:
             return self._load(name)
         source = f" (the file has it from the module {origin})" if origin else ""
-        some = f"{nearest(name, self)}use some of {', '.join(self)}; or install the package that provides another one"
+        some = f"{nearest(name, self)}use some of {', '.join(self)}; or install the package that provides it"
         raise BadArgumentError(
             f"no {self.what} {name!r}{source}",
             remedy=f"{some}, or import it and call {self.call}({name!r}, ...)",

@@ -67,7 +67,7 @@ def test_columns_are_saved_and_the_command_line_goes_before_the_file(values, log
     [
         ("degree = true", "did you mean 'degrees'"),
         ("degrees = 1", "give true or false"),
-        ("start = 2.0", "keys are degrees"),
+        ("start = 2.0", "keys are columns, plates, degrees"),
         ("mask = 3", "give a text in quotes"),
         ("wrench = 'left_foot:link'", "give a list of texts"),
         ("columns = 3", "columns is no table of texts"),
