@@ -44,7 +44,7 @@ AsJson = Annotated[bool, Option("--json", help="Print JSON instead of a table.")
 
 
 class LogOptions(NamedTuple):
-    """How logs are read."""
+    """Reading logs."""
 
     columns: Annotated[
         Text,
