@@ -50,7 +50,7 @@ class LogOptions(NamedTuple):
         Text,
         Option(
             metavar="LAB.TOML",
-            help="Columns and other options of these logs in a file; options of the command line go before it.",
+            help="Columns and options of these logs in a file, or EST.JSON that remembers them; none: as they stand.",
         ),
     ] = None
     column: Annotated[

@@ -116,6 +116,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             {key: value for key, value in json_value(source).items() if value or key not in OPTIONAL}
             for source in estimate.inputs
         ],
+        **({"columns": dict(estimate.columns)} if estimate.columns else {}),
         "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
@@ -173,6 +174,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         actuators=None
         if data["actuators"] is None
         else actuators_from_data(data["actuators"], leg, transmissions=False),
+        columns=data.get("columns", {}),
         evidence=_evidence(_moved(data, model) if data["schema"] == FIRST_SCHEMA else data["evidence"]),
     )
 
