@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from copy import copy
 
@@ -91,6 +91,15 @@ class NotSupportedError(ExoidError):
 
 class BadArgumentError(ExoidError):
     """An argument out of its range, of the wrong shape, or in conflict with another one."""
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Begin the remedy for a misspelt name with the closest one: "did you mean 'coulomb'? ", or "" if none is close."""
+    from difflib import get_close_matches  # noqa: PLC0415 - rarely needed
+
+    known = {each.lower(): each for each in names}
+    close = get_close_matches(str(name).lower(), list(known), n=1)
+    return f"did you mean {known[close[0]]!r}? " if close else ""
 
 
 @contextmanager

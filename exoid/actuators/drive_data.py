@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from exoid.errors import NotSupportedError, UnreadableInputError, within
+from exoid.errors import NotSupportedError, UnreadableInputError, nearest, within
 from exoid.leg.leg import Leg
 
 from .actuators import Actuators
@@ -113,9 +112,8 @@ def _made(kind: type[Any], table: Table) -> Any:  # noqa: ANN401 - of the given 
 def _check_keys(table: Table, known: set[str], required: Mapping[str, str]) -> None:
     for key in table:
         if key not in known:
-            close = get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise UnreadableInputError(f"unknown key {key!r}", remedy=f"{hint}keys are {', '.join(sorted(known))}")
+            remedy = f"{nearest(key, known)}keys are {', '.join(sorted(known))}"
+            raise UnreadableInputError(f"unknown key {key!r}", remedy=remedy)
     for key, remedy in required.items():
         if key not in table:
             raise UnreadableInputError(f"no {key}", remedy=remedy)

@@ -9,7 +9,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import find_leg, refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .numbers import parse_known
 from .option_groups import expand_options
 from .options import (
@@ -54,6 +54,7 @@ def check(
     refuse_unknown_leg(leg)
     recordings = read_logs(logs, reading)
     found_leg = find_leg(leg, choice, recordings[0].joint_names)
+    refuse_without_base(choice, recordings)
     drives, values = read_drives(actuators, found_leg), parse_known(known)
     found = exoid.check(found_leg, recordings, given_terms(terms), cutoff=cutoff, known=values, actuators=drives)
     print_result(_text(found), as_json=as_json, data={"findings": json_value(found)})

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from exoid.errors import BadArgumentError, in_file
-from exoid.tools.files import write_whole
-from exoid.tools.toml import read_toml, to_toml
+import exoid
+from exoid.errors import BadArgumentError, in_file, nearest
+from exoid.tools.toml import read_toml
 
+from .legs import DATASETS
+from .messages import note
 from .options import LogOptions
+
+if TYPE_CHECKING:
+    from exoid.estimate import Estimate
 
 TABLES = {"columns": "column", "plates": "plate"}
 """Option that each table of the file stands for: headers by exoid's column, links by plate."""
@@ -33,31 +38,52 @@ KEYS = (
 EXAMPLE = '[columns] and below it q_hip = "pos1:deg", tau_hip = "current:0.118"'
 
 
+AS_THEY_STAND = "none"
+"""In place of a file: read logs as they stand, also if an estimate remembers another way."""
+
+
 def with_map(options: LogOptions, path: str) -> LogOptions:
-    """Read a file of columns; what the command line says goes before it."""
-    found: dict[str, Any] = {}
+    """Read a file of columns, or what an estimate remembers; what the command line says goes before it."""
+    if path == AS_THEY_STAND:
+        return options
     with in_file(path):
-        for key, value in read_toml(Path(path), EXAMPLE).items():
-            if key in TABLES:
-                if not isinstance(value, dict) or not all(isinstance(each, str) for each in value.values()):
-                    raise BadArgumentError(f"{key} is no table of texts", remedy=f"write {EXAMPLE}")
-                given = getattr(options, TABLES[key]) or []
-                own = {pair.partition("=")[0].strip() for pair in given}
-                found[TABLES[key]] = [*given, *(f"{name}={text}" for name, text in value.items() if name not in own)]
-            else:
-                name = key.replace("-", "_")
-                _refuse_wrong(name, value)
-                if getattr(options, name) == LogOptions._field_defaults[name]:
-                    found[name] = value
+        return _before(
+            options, exoid.Estimate.load(path).columns if path.endswith(".json") else read_toml(Path(path), EXAMPLE)
+        )
+
+
+def with_remembered(options: LogOptions, estimate: Estimate, name: str, logs: Sequence[str]) -> LogOptions:
+    """Read logs like those of an estimate, unless a file of columns was given or a log is a dataset."""
+    if options.columns is not None or not estimate.columns or any(log.partition(":")[0] in DATASETS for log in logs):
+        return options
+    note(f"columns and units of the logs as {name} remembers them; --columns {AS_THEY_STAND} reads them as they stand")
+    with in_file(name):
+        return _before(options, estimate.columns)
+
+
+def _before(options: LogOptions, known: Mapping[str, Any]) -> LogOptions:
+    """Put options of a command before those of a laboratory."""
+    found: dict[str, Any] = {}
+    for key, value in known.items():
+        if key in TABLES:
+            if not isinstance(value, dict) or not all(isinstance(each, str) for each in value.values()):
+                raise BadArgumentError(f"{key} is no table of texts", remedy=f"write {EXAMPLE}")
+            given = getattr(options, TABLES[key]) or []
+            own = {pair.partition("=")[0].strip() for pair in given}
+            found[TABLES[key]] = [*given, *(f"{name}={text}" for name, text in value.items() if name not in own)]
+        else:
+            name = key.replace("-", "_")
+            _refuse_wrong(name, value)
+            if getattr(options, name) == LogOptions._field_defaults[name]:
+                found[name] = value
     return options._replace(**found)
 
 
 def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of a file
     """Refuse a key that is no option of a laboratory, and a value of another kind."""
     if key not in KEYS:
-        close = get_close_matches(key, KEYS, n=1)
-        nearest = f"did you mean {close[0]!r}? " if close else ""
-        raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest}keys are {', '.join((*KEYS, *TABLES))}")
+        keys = (*TABLES, *KEYS)
+        raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest(key, keys)}keys are {', '.join(keys)}")
     fits, wanted = isinstance(value, str), "a text in quotes"
     if LogOptions._field_defaults[key] is False:
         fits, wanted = isinstance(value, bool), "true or false"
@@ -67,12 +93,11 @@ def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of 
         raise BadArgumentError(f"{key} is {value!r}", remedy=f"give {wanted}")
 
 
-def save_map(options: LogOptions, path: str) -> None:
-    """Write the options of a call that are those of a laboratory."""
+def columns_of(options: LogOptions) -> dict[str, Any]:
+    """Options of a call that are those of a laboratory."""
     said: dict[str, Any] = {key: getattr(options, key) for key in KEYS}
     said = {key: value for key, value in said.items() if value != LogOptions._field_defaults[key]}
     for table, option in TABLES.items():
-        pairs = [pair.partition("=") for pair in getattr(options, option) or ()]
-        if pairs:
+        if pairs := [pair.partition("=") for pair in getattr(options, option) or ()]:
             said[table] = {name.strip(): text.strip() for name, _, text in pairs}
-    write_whole(path, [to_toml(said)])
+    return said

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 from typer import Argument
 
 import exoid
+from exoid.errors import BadArgumentError
 
 from .options import AsJson, EstimateName
 from .outputs import print_result
@@ -21,4 +23,6 @@ def compare(
 
     Example: exoid compare est.json other.json
     """
+    if Path(first).resolve() == Path(second).resolve():
+        raise BadArgumentError("is given twice", where=first, remedy="name two estimates, of other logs or another leg")
     print_result(exoid.compare(exoid.Estimate.load(first), exoid.Estimate.load(second)), as_json=as_json)

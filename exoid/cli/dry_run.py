@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid import control
 from exoid.control import LawReplay, Limited
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
 from exoid.experiments import follow_log
 
 from .inputs import read_log
@@ -49,7 +49,7 @@ def _law(name: str, source: ModelSource, recording: Recording, gains: GainOption
         return make(source, rate=rate)
     known = (*WITHOUT_TARGET, *control.LAWS)
     if name not in known:
-        raise BadArgumentError(f"no controller {name!r}", remedy=f"use one of {', '.join(known)}")
+        raise BadArgumentError(f"no controller {name!r}", remedy=f"{nearest(name, known)}use one of {', '.join(known)}")
     followed = follow_log(recording)
     usual = control.default_gains(source, control.mean_pose(followed, followed.duration), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, control.ControlModel.of(source).leg.joint_labels, usual)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ def identify_grouped(
     own: Sequence[str],
     find: Callable[[Sequence[str]], Leg],
     read_drives: Callable[[Leg], Actuators | None],
+    columns: Mapping[str, Any],
     settings: Mapping[str, Any],
     paths: Mapping[str, Path],
 ) -> tuple[str, dict[str, Any]]:
@@ -33,7 +35,7 @@ def identify_grouped(
             couplings = {f"{name} of {', '.join(each.joints)}": each for name, each in mounted.couplings.items()}
             drives |= {**mounted.drives, **couplings}
     found = identification.identify(legs, recordings, own=own, actuators=drives or None, **settings)
-    write_together({path: estimate_text(found[name]) for name, path in paths.items()})
+    write_together({path: estimate_text(replace(found[name], columns=columns)) for name, path in paths.items()})
     data = found.to_json()
     for estimate in data["groups"].values():
         del estimate["leg"]["urdf"]

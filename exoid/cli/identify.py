@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from typer import Option
@@ -9,7 +10,7 @@ from typer import Option
 import exoid
 
 from .inputs import given_terms, read_drives, read_logs
-from .legs import find_leg, refuse_unknown_leg
+from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .messages import note
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
@@ -99,7 +100,10 @@ def identify(
 
     Example: exoid identify bleex bleex_swing:train -o est.json
     """
-    from .column_map import save_map  # noqa: PLC0415 - help needs no files
+    from exoid.tools.files import write_whole  # noqa: PLC0415 - help needs no files
+    from exoid.tools.toml import to_toml  # noqa: PLC0415
+
+    from .column_map import columns_of  # noqa: PLC0415
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
     from .log_parts import refuse_other  # noqa: PLC0415
     from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
@@ -109,7 +113,7 @@ def identify(
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
     check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, actuators])
     if save_columns is not None:
-        save_map(reading, save_columns)
+        write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     refuse_other(reading, [*logs, *tests])
@@ -122,6 +126,7 @@ def identify(
             split_names(own) or (),
             lambda joints: find_leg(leg, choice, joints),
             lambda found: read_drives(actuators, found),
+            columns_of(reading),
             fit.settings(),
             paths,
         )
@@ -130,8 +135,10 @@ def identify(
     recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
     held_out = read_logs(tests, reading, beside=logs)
     settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
+    refuse_without_base(choice, recordings)
     with with_progress(recordings) as source:
         estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)
+    estimate = replace(estimate, columns=columns_of(reading))
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)

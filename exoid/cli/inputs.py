@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import exoid
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, nearest
 
 from .legs import DATASETS, dataset
 from .messages import Amount, note
 from .numbers import parse_numbers, split_names, values_by_name
 from .options import LogOptions, given
-from .refusals import is_readable, refuse
+from .refusals import is_readable, names_beside, refuse, refuse_form
 
 if TYPE_CHECKING:
     from exoid.actuators import Actuators
@@ -70,6 +72,9 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
     """Read a log from a file or a bag."""
     from .log_parts import payloads_of  # noqa: PLC0415
 
+    refuse_form(name, "LOG")
+    if not os.path.lexists(name) and (similar := nearest(Path(name).name, names_beside(name))):
+        raise UnreadableInputError("no such file", where=name, remedy=f"{similar}check the path")
     example = "NAME=HEADER, e.g. --column q_hip=pos1"
     columns = values_by_name(options.column, "--column", exoid.signals.Column.from_text, example)
     plates = values_by_name(options.plate, "--plate", str, "PLATE=LINK, e.g. --plate 1=right_foot")

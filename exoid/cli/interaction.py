@@ -42,10 +42,13 @@ def interaction(
 
     Example: exoid interaction est.json bleex_swing:test
     """
+    from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
+
     check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.segments, actuators])
     if output is not None and len(logs) > 1:
         raise BadArgumentError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
     loaded = exoid.Estimate.load(estimate)
+    reading = with_remembered(reading, loaded, estimate, logs)
     recordings, drives = read_logs(logs, reading), read_drives(actuators, loaded.model.leg)
     times = parse_numbers(strides, "--strides")
     result = exoid.interaction(loaded, recordings, strides=times, cutoff=cutoff, actuators=drives)

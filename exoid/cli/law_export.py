@@ -10,7 +10,7 @@ from exoid import control
 from exoid.codegen import Safety, write_c, write_ros2
 from exoid.codegen.drives import with_form_in_c
 from exoid.control import ControlModel
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotSupportedError, nearest
 from exoid.estimate.text import provenance
 
 from .export_options import LawOptions, Target
@@ -75,7 +75,9 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=rate)
     known = (*control.LAWS, *WORN)
     if name not in known:
-        raise BadArgumentError(f"no controller {name}", remedy=f"use one of {', '.join((*known, *OBSERVERS))}")
+        all_of_them = (*known, *OBSERVERS)
+        remedy = f"{nearest(name, all_of_them)}use one of {', '.join(all_of_them)}"
+        raise BadArgumentError(f"--law {name}: no such controller", remedy=remedy)
     reference, period, _ = (
         gait(model.leg, options.period, None, None, options.role)
         if name == "lqr"

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import exoid
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
 
+from .messages import note
 from .numbers import split_names
 from .options import LegOptions
-from .refusals import is_readable, refuse
+from .refusals import is_readable, names_beside, refuse, refuse_form
 from .robots import how_to_name_one, is_robot, urdf_of_robot
 
 if TYPE_CHECKING:
     from exoid.leg.leg import Leg
+    from exoid.signals import Poses, Recording
     from exoid.signals.datasets import Dataset
 
 BUILT_IN = ("bleex", "cuhk")
@@ -67,22 +68,17 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
 
 def refuse_unknown_leg(name: str) -> None:
     """Refuse what is neither a leg nor a file, before logs are read whose columns would be blamed."""
-    if name in BUILT_IN or name in DATASETS or is_readable(name) or is_robot(name):
+    if is_readable(name):
+        refuse_form(name, "LEG")
+        return
+    if name in BUILT_IN or name in DATASETS or is_robot(name):
         return
     if os.path.isdir(name):  # noqa: PTH112 - as in is_readable
         raise BadArgumentError("is a folder, not a URDF file", where=name, remedy="name the URDF file in it")
     known = ", ".join([*BUILT_IN, *DATASETS])
-    similar = get_close_matches(Path(name).name, _names_beside(Path(name)), n=3, cutoff=0.6)
-    beside = f"; there is {', '.join(similar)}" if similar else ""
-    remedy = f"name a built-in leg ({known}), a URDF file, or {how_to_name_one()}"
-    raise BadArgumentError(f"no leg or URDF file {name!r}{beside}", remedy=remedy)
-
-
-def _names_beside(path: Path) -> list[str]:
-    try:
-        return [each.name for each in path.parent.iterdir()]
-    except (OSError, ValueError):
-        return []
+    similar = nearest(Path(name).name, [*BUILT_IN, *DATASETS, *names_beside(name)])
+    remedy = f"{similar}name a built-in leg ({known}), a URDF file, or {how_to_name_one()}"
+    raise BadArgumentError(f"no leg or URDF file {name!r}", remedy=remedy)
 
 
 def _side(logged: Sequence[str]) -> str:
@@ -107,7 +103,20 @@ def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
             where=str(urdf),
             remedy=f"map the log's columns, e.g. --column q_{joints[0]}=HEADER --column tau_{joints[0]}=HEADER",
         )
+    if held := [joint for joint in joints if joint not in moving]:
+        note(f"not in the log, and held at zero: {', '.join(held[:6])}{', …' if len(held) > 6 else ''}")
     return moving
+
+
+def refuse_without_base(options: LegOptions, recordings: Sequence[Recording | Poses]) -> None:
+    """Refuse the rows of a base whose motion, or whose support, no recording has."""
+    imu = "its columns are base_gyro_x to _z and base_acc_x to _z, or base_x to _z and base_qw to _qz"
+    if options.moving_base and not any(each.base or each.torso for each in recordings):
+        raise BadArgumentError("--moving-base, but no log has the motion of the base", remedy=f"{imu}; or leave it out")
+    if options.floating_base and not any(each.contacts or each.wrenches for each in recordings):
+        what = "--floating-base, but no log says what the leg stands on or hangs from"
+        remedy = "add columns contact_<foot> (0 or 1) or wrench_<link>_fx to _mz; or leave it out"
+        raise BadArgumentError(what, remedy=remedy)
 
 
 def _joint_order(urdf: Path) -> tuple[str, ...]:

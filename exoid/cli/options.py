@@ -44,13 +44,13 @@ AsJson = Annotated[bool, Option("--json", help="Print JSON instead of a table.")
 
 
 class LogOptions(NamedTuple):
-    """How logs are read."""
+    """Reading logs."""
 
     columns: Annotated[
         Text,
         Option(
             metavar="LAB.TOML",
-            help="Columns and other options of these logs in a file; options of the command line go before it.",
+            help="Columns and options of these logs in a file, or EST.JSON that remembers them; none: as they stand.",
         ),
     ] = None
     column: Annotated[

@@ -65,7 +65,7 @@ class SearchOptions(NamedTuple):
 
 
 class LimitOptions(NamedTuple):
-    """Limits of a motion."""
+    """Limiting the motion."""
 
     angles: Annotated[Texts, Option(metavar="JOINT=LOW:HIGH", help="Narrower range [deg]. Repeatable.")] = None
     margin: Annotated[float, Option(metavar="DEG", help="Distance to the URDF's joint limits.")] = 3.0

@@ -13,7 +13,7 @@ from .progress import progress_bar
 
 def reproduce(
     document: Annotated[Literal["bleex", "cuhk", "stance"], Argument(help="Exoskeleton of the document, or stance.")],
-    seed: Annotated[int, Option(min=0, help="Seed of random poses and sensor noise.")] = 0,
+    seed: Annotated[int, Option(min=0, metavar="N", help="Seed of random poses and sensor noise.")] = 0,
     figures: Figures = None,
     report: Report = None,
     as_json: AsJson = False,

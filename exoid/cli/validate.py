@@ -32,7 +32,10 @@ def validate(
 
     Example: exoid validate est.json bleex_swing:test
     """
+    from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
+
     loaded = exoid.Estimate.load(estimate)
+    reading = with_remembered(reading, loaded, estimate, logs)
     drives = read_drives(actuators, loaded.model.leg)
     result = exoid.validate(loaded, read_logs(logs, reading), cutoff=cutoff, actuators=drives)
     print_result(result, as_json=as_json)

@@ -59,9 +59,14 @@ def view(
         refuse({"--reference": reference}, "name the log to replay beside it with --log")
         refuse(given(reading), "only the logs of --log and --reference are read")
     check_outputs({"--html": html}, [leg, log, reference])
+    names = [each for each in (log, reference) if each is not None]
     if not leg.endswith(".json"):
         refuse_unknown_leg(leg)
-    logs = read_logs([each for each in (log, reference) if each is not None], reading)
+    elif names:
+        from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
+
+        reading = with_remembered(reading, exoid.Estimate.load(leg), leg, names)
+    logs = read_logs(names, reading)
     recording, ghost = (*logs, None, None)[:2]
     shown, identified = _shown(leg, choice, () if recording is None else recording.joint_names)
     with status("drawing"):

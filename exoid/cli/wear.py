@@ -23,7 +23,7 @@ def wear(
     height: Annotated[float, Option(metavar="M", help="Height of the wearer.")] = 1.75,
     mass: Annotated[float, Option(metavar="KG", help="Mass of the wearer.")] = 70.0,
     role: Roles = None,
-    seed: Annotated[int, Option(min=0, help="Seed of noise and draws.")] = 0,
+    seed: Annotated[int, Option(min=0, metavar="N", help="Seed of noise and draws.")] = 0,
     figures: Figures = None,
     report: Report = None,
     as_json: AsJson = False,

@@ -136,8 +136,12 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
         Differences with their tests.
 
     Raises:
-        ExoidError: There is no common parameter, or units differ.
+        ExoidError: They are of two machines, there is no common parameter, or units differ.
     """
+    joints = [estimate.model.leg.joint_labels for estimate in (first, second)]
+    if joints[0] != joints[1]:
+        what = f"estimates of two machines, with joints {', '.join(joints[0])} and {', '.join(joints[1])}"
+        raise BadArgumentError(what, remedy="compare estimates of one machine, or of two of its legs")
     shared = {source.sha256 for source in first.inputs} & {source.sha256 for source in second.inputs}
     names = tuple(name for name in first.names if name in second.names)
     if not names:
@@ -226,7 +230,9 @@ def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -
     """Say what differs in what both were told, and which priors count twice."""
     held, held_too = first.prior_knowledge.known, second.prior_knowledge.known
     unlike = [f"{name} ({x:.6g} and {held_too[name]:.6g})" for name, x in held.items() if held_too.get(name, x) != x]
-    told = []
+    told, urdfs = [], [each.model.leg.description for each in (first, second)]
+    if urdfs[0].sha256 != urdfs[1].sha256:
+        told.append(f"the URDFs {' and '.join(urdf.name for urdf in urdfs)} differ: these may be two machines")
     if unlike:
         told.append(f"{', '.join(unlike)} held at different values: that was assumed, not found, and may move others")
     if unknown:

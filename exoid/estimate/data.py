@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,7 @@ class EstimateData(ParameterTable):
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
         evidence: What recordings say beside the values: noise, trends, influence, scales.
+        columns: How the command line read its logs, as in a file for ``--columns``; empty if as they stand.
     """
 
     model: TorqueModel
@@ -94,6 +96,7 @@ class EstimateData(ParameterTable):
     torque_delays: FloatArray = None  # type: ignore[assignment]  # None only until it is zero here
     actuators: Actuators | None = None
     evidence: Evidence = field(default_factory=Evidence)
+    columns: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""

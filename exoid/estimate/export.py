@@ -118,21 +118,15 @@ class Export:
         """Name the files."""
         return f"Export({str(self.urdf)!r}, {str(self.sidecar)!r})"
 
-    def _advice_on_rotors(self) -> list[str]:
-        """Say how rotors that are part of links get out of them."""
-        rotors = [one.name for one in self.estimate.regrouped if one.name.startswith(f"{ROTOR}_")]
-        if not rotors:
-            return []
-        known = ", ".join(f'"{name}": …' for name in rotors)
-        return [f"note: links contain rotors; known={{{known}}} of exoid.identify takes them out of the links"]
-
     def __str__(self) -> str:
         """Print what is where, and by how much the estimate had to move."""
         lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
         lines += [f"note: {regrouped} (also in the URDF)" for regrouped in self.estimate.regrouped]
-        lines += self._advice_on_rotors()
+        if rotors := [one.name for one in self.estimate.regrouped if one.name.startswith(f"{ROTOR}_")]:
+            known = ", ".join(f'"{name}": …' for name in rotors)
+            lines.append(f"note: links contain rotors; known={{{known}}} of exoid.identify takes them out of the links")
         if self.not_dissipative:
             names = ", ".join(self.not_dissipative)
             lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")
@@ -157,11 +151,7 @@ class Export:
 
 
 def export_urdf(
-    estimate: EstimateData,
-    path: str | os.PathLike[str],
-    *,
-    pull: float = PULL,
-    mass_factor: float = MASS_FACTOR,
+    estimate: EstimateData, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR
 ) -> Export:
     """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
     urdf = Path(path)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
@@ -49,6 +48,9 @@ RANGES = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed"
 OPTIONAL = ("segments", "payloads", "moving_base", "wrenches")
 """Keys of a recording that are left out of a file where there is nothing to say."""
 
+WRITTEN = "give the file that exoid identify -o wrote; it stands before the logs"
+"""Remedy for a file that is no estimate."""
+
 E = TypeVar("E", bound=EstimateData)
 
 
@@ -65,7 +67,7 @@ def estimate_text(estimate: EstimateData) -> str:
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     """Read an estimate; see :meth:`Estimate.load`."""
-    data = read_json(path, "estimate", (SCHEMA, FIRST_SCHEMA), "give the path of a file that exoid identify wrote")
+    data = read_json(path, "estimate", (SCHEMA, FIRST_SCHEMA), WRITTEN)
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:
@@ -105,6 +107,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             {key: value for key, value in json_value(source).items() if value or key not in OPTIONAL}
             for source in estimate.inputs
         ],
+        **({"columns": dict(estimate.columns)} if estimate.columns else {}),
         "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
@@ -134,6 +137,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         raise UnreadableInputError(
             "the URDF inside is not the one identified: its hash differs", remedy="identify again"
         )
+    if not isinstance(data["warnings"], list) or not all(isinstance(text, str) for text in data["warnings"]):
+        raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
     terms = tuple(term_from_json(term) for term in data["terms"])
     model = TorqueModel(leg, terms, separate=tuple(data["values"]))
     if tuple(data["values"]) != model.names:
@@ -151,15 +156,16 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         estimator=str(data["estimator"]),
         preparation=preparation_from_json(data["preparation"]),
         inputs=records(Input, data["inputs"]),
-        warnings=_warnings(data["warnings"]),
+        warnings=tuple(data["warnings"]),
         prior_knowledge=_prior_knowledge(data, model),
         nonlinear=_shapes(data["shapes"]),
         findings=records(Finding, data["findings"]),
         model_error=record(ModelError, data["model_error"]) if data["model_error"] else None,
-        torque_delays=_by_name(data["torque_delays"], leg.joint_names),
+        torque_delays=np.array([data["torque_delays"][name] for name in leg.joint_names], dtype=np.float64),
         actuators=None
         if data["actuators"] is None
         else actuators_from_data(data["actuators"], leg, transmissions=False),
+        columns=data.get("columns", {}),
         evidence=_evidence(_moved(data, model) if data["schema"] == FIRST_SCHEMA else data["evidence"]),
     )
 
@@ -222,14 +228,3 @@ def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
     return NonlinearParameters(
         names, units, np.array(list(data["values"].values())), data["covariance"], tuple(data["held"])
     )
-
-
-def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:
-    """Read a number of each parameter."""
-    return np.array([data[name] for name in names], dtype=np.float64)
-
-
-def _warnings(data: Sequence[str]) -> tuple[str, ...]:
-    if not isinstance(data, list) or not all(isinstance(text, str) for text in data):
-        raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
-    return tuple(data)

@@ -19,7 +19,7 @@ from .estimate import Estimate
 from .evidence import Evidence, frozen
 from .finding import Finding
 from .parameter import ParameterTable
-from .text import assumptions, condition, residual_sizes, written
+from .text import assumptions, condition, in_words, written
 
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "class")
 """Of what tables say of a parameter."""
@@ -224,7 +224,7 @@ def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
     """Write each parameter's numbers."""
     columns = (grouped.values, grouped.std, grouped.interval(), grouped.units, grouped.identifiability)
     for value, std, interval, unit, judged in zip(*columns, strict=True):
-        yield *written(value, std, interval), unit, judged
+        yield *written(value, std, interval), unit, in_words(judged, interval)
 
 
 def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
@@ -239,7 +239,9 @@ def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> 
 def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
     for group in grouped:
         estimate = grouped[group]
-        yield f"residual RMS of {group} [N·m]: {residual_sizes(estimate)}"
+        residuals = zip(estimate.joint_names, estimate.residual_rms, estimate.trained, strict=True)
+        each = (f"{joint} {f'{rms:.3g}' if there else 'not measured'}" for joint, rms, there in residuals)
+        yield f"residual RMS of {group} [N·m]: {', '.join(each)}"
     yield condition(grouped.condition_number)
     if grouped.own and len(grouped) > 1:
         yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(DIFFERENT)) or 'none'}"

@@ -77,9 +77,7 @@ class MjcfExport:
         """Print what is in the file, and what is not."""
         leg = self.estimate.model.leg
         lines = [f"{self.path}: joints {', '.join(leg.joint_names)} with a motor each, on a base that does not move"]
-        lines.append(
-            "armature, damping and frictionloss are the identified rotor inertia, viscous and Coulomb friction"
-        )
+        lines.append("armature, damping and frictionloss: identified rotor inertia, viscous and Coulomb friction")
         lines += [f"note: {regrouped} (also in the file)" for regrouped in self.estimate.regrouped]
         if self.left_out:
             lines.append(f"note: MuJoCo's joints have no place for {', '.join(self.left_out)}: left out")
@@ -94,11 +92,7 @@ class MjcfExport:
 
 
 def export_mjcf(
-    estimate: EstimateData,
-    path: str | os.PathLike[str],
-    *,
-    pull: float = PULL,
-    mass_factor: float = MASS_FACTOR,
+    estimate: EstimateData, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR
 ) -> MjcfExport:
     """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`."""
     leg = estimate.model.leg
@@ -125,14 +119,8 @@ def export_mjcf(
         if value < 0.0:
             raised.append(name)
     limits = leg.limits
-    numbers = JointNumbers(
-        armature=found["armature"],
-        damping=found["damping"],
-        friction=found["frictionloss"],
-        lower=limits.lower,
-        upper=limits.upper,
-        effort=limits.effort,
-    )
+    friction = found.pop("frictionloss")
+    numbers = JointNumbers(**found, friction=friction, lower=limits.lower, upper=limits.upper, effort=limits.effort)
     links = tuple(leg.description.child_links[joint] for joint in leg.joint_names)
     model = with_dynamic_parameters(leg.model, lifted.lift.link_parameters)
     write_whole(path, [to_mjcf(model, links, numbers, Path(leg.description.name).stem)])

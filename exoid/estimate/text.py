@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators.drive_data import describe_actuators
-from exoid.regression.diagnostics import ILL_CONDITIONED
+from exoid.regression.diagnostics import ILL_CONDITIONED, identifiability_class
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import ZeroPhase
@@ -26,7 +26,15 @@ def report(estimate: EstimateData) -> list[DataTable | str]:
     leg = estimate.model.leg
     given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     parameters = compared_table("", parameter_rows(estimate), {"URDF": given})
-    return [title, parameters, fit_table(estimate), *_closing_lines(estimate)]
+    return [title, parameters, *below_parameters(estimate), fit_table(estimate), *_closing_lines(estimate)]
+
+
+def below_parameters(estimate: EstimateData) -> Iterator[str]:
+    """Say below the table of parameters what J contains, and why some are not determined."""
+    leg = estimate.model.leg
+    if leg.cumulative and {"J1", "J2"} <= {name.partition("_")[0] for name in leg.parameter_names}:
+        yield "J contains the J of the segments below: J1 − J2 is that of the first segment alone"
+    yield from reasons(estimate)
 
 
 def compared_table(
@@ -45,12 +53,37 @@ def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
     nonlinear = estimate.nonlinear
     both = ((estimate, estimate.interval()), (nonlinear, nonlinear.interval(estimate.dof)))
     return [
-        (name, *written(value, std, interval), unit, judged)
+        (name, *written(value, std, interval), unit, in_words(judged, interval))
         for of, intervals in both
         for name, value, std, interval, unit, judged in zip(
             of.names, of.values, of.std, intervals, of.units, of.identifiability, strict=True
         )
     ]
+
+
+def in_words(judged: str, interval: FloatArray) -> str:
+    """Call a value "about zero" that is well determined, thus small in torque, and may as well be zero."""
+    return "about zero" if judged == "well" and interval[0] <= 0.0 <= interval[1] else judged
+
+
+def reasons(estimate: EstimateData) -> Iterator[str]:
+    """Say why parameters are weakly or not determined where their standard deviations do not show it."""
+    correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
+    by_reason: dict[str, list[str]] = {}
+    sizes = (estimate.parameter_scale, estimate.reference_scale, estimate.collinearity)
+    rows = zip(estimate.identifiability, estimate.values, estimate.std, *sizes, strict=True)
+    for k, (judged, value, std, scale, reference, index) in enumerate(rows):
+        if judged not in ("weakly", "not"):
+            continue
+        if judged == identifiability_class(value, std, max(scale, abs(value)), reference):
+            continue  # the standard deviation alone says so
+        found = [one.kind for one in estimate.findings if estimate.names[k] in one.parameters]
+        reason = f"doubtful by {', '.join(dict.fromkeys(found))}"
+        if identifiability_class(value, 0.0, scale, index=index) == judged:
+            likely = [i for i in np.argsort(-correlation[k])[:2] if correlation[k, i] > 0.5 * correlation[k].max()]
+            reason = f"confounded with {', '.join(estimate.names[i] for i in likely)}; ± counts noise only"
+        by_reason.setdefault(f"{judged} determined: {reason}", []).append(estimate.names[k])
+    yield from (f"{', '.join(names)} {reason}" for reason, names in by_reason.items())
 
 
 def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
@@ -103,12 +136,6 @@ def _preparation(estimate: EstimateData) -> str:
     return f"{used.name} preparation, cut-off {used.cutoff:.4g} Hz{how}"
 
 
-def residual_sizes(estimate: EstimateData) -> str:
-    """Write the RMS residual of each joint, or that its torque was not measured."""
-    residuals = zip(estimate.joint_names, estimate.residual_rms, estimate.trained, strict=True)
-    return ", ".join(f"{joint} {rms:.3g}" if there else f"{joint} not measured" for joint, rms, there in residuals)
-
-
 def condition(number: float) -> str:
     """Say a condition number, and what to do if it is large."""
     advice = "" if number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
@@ -151,14 +178,8 @@ def provenance(estimate: EstimateData) -> list[str]:
         lines.append(f"  sha256 {source.sha256}")
     lines += [f"Warning: {warning}" for warning in estimate.warnings]
     lines += [f"Note: {regrouped}." for regrouped in estimate.regrouped]
-    parameters = zip(
-        *(estimate.names, estimate.values, estimate.std, estimate.units, estimate.identifiability),
-        strict=True,
-    )
+    rows = zip(estimate.names, estimate.values, estimate.std, estimate.units, estimate.identifiability, strict=True)
     return [
         *(*lines, "", "Parameters, with their standard deviations:"),
-        *(
-            f"  {name} = {value:.6g} +- {std:.2g} {unit}, {how} determined"
-            for name, value, std, unit, how in parameters
-        ),
+        *(f"  {name} = {value:.6g} +- {std:.2g} {unit}, {how} determined" for name, value, std, unit, how in rows),
     ]

@@ -136,7 +136,7 @@ def identify(
     if noise not in ("correlated", "white"):
         raise BadArgumentError(f"no noise {noise!r}", remedy="use one of correlated, white")
     if delay not in (None, "auto"):
-        raise BadArgumentError(f"no delay {delay!r}", remedy='use delay="auto", or leave it out')
+        raise BadArgumentError(f"no delay {delay!r}", remedy="the only one is auto; or leave it out")
     chosen, by_noise = find_estimator(estimator), preparation is None and cutoff is None
     if preparation is not None and cutoff is not None:
         raise BadArgumentError(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
 
 from .description import Description
 from .reduction import Plane
@@ -30,11 +29,8 @@ def link_frame(model: pin.Model, description: Description, link: str) -> LinkFra
     same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
     if not same:
         names = [element.get("name", "") for element in description.parse().findall("link")]
-        close = get_close_matches(str(link), names, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        raise BadArgumentError(
-            f"no link {link!r} in the URDF", where=description.name, remedy=f"{hint}it has {', '.join(names)}"
-        )
+        remedy = f"{nearest(str(link), names)}it has {', '.join(names)}"
+        raise BadArgumentError(f"no link {link!r} in the URDF", where=description.name, remedy=remedy)
     return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())
 
 

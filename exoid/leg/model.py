@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 
 import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError, nearest
 
 from .description import Description
 
@@ -129,13 +128,11 @@ def _missing(name: str, single: list[str], model: pin.Model, description: Descri
     if name in list(model.names):
         what = f"joint {name!r} has {model.nvs[model.getJointId(name)]} degrees of freedom"
         return BadArgumentError(what, where=description.name, remedy="use joints of one degree of freedom")
-    close = get_close_matches(name, single, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
     return BadArgumentError(
         f"no moving joint {name!r}",
         joints=(name,),
         where=description.name,
-        remedy=f"{hint}it has {', '.join(single) or 'none'}",
+        remedy=f"{nearest(name, single)}it has {', '.join(single) or 'none'}",
     )
 
 

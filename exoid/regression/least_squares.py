@@ -256,6 +256,6 @@ def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
     return NotIdentifiableError(
         f"the recordings do not determine every parameter: {'; '.join(what)}",
         remedy="move all joints at once, through different angles and speeds, leave out terms that cannot act, "
-        "or say what is known of them (known=, prior=)",
+        "or say what is known of them (known, prior)",
         parameters=(*alone, *together),
     )

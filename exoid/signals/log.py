@@ -154,10 +154,8 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             raise _missing(header, f"to be read as {name}", table, name)
         rivals = [other for other, used in columns.items() if used == header]
         if len(rivals) > 1 and not _may_share(rivals):
-            raise UnreadableInputError(
-                f"column {header!r} is to be read as {' and '.join(rivals)}",
-                remedy="map each exoid column to a different header",
-            )
+            what = f"column {header!r} is to be read as {' and '.join(rivals)}"
+            raise UnreadableInputError(what, remedy="map each exoid column to a different header")
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
     own = {header: header for header in table.header if header and header not in taken}
     return {**matrix_headers(table.header), **own, **columns}
@@ -215,7 +213,11 @@ def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str,
     for name in headers:
         joint = name.removeprefix(f"{quantity}_")
         if joint not in (name, *known) and get_close_matches(name, absent, n=1, cutoff=0.8):
-            raise _missing(absent[0], f"and no angle belongs to {name}", table)
+            lacking = absent[0].removeprefix(f"{quantity}_")
+            what = f"no angle belongs to column {name}, and no {name} to q_{lacking}: one of both names is misspelt"
+            pairs = (f"q_{joint}={headers[f'q_{lacking}']}", f"{absent[0]}={headers[name]}")
+            both = f"--column {pairs[0]}, or --column {pairs[1]}"
+            raise UnreadableInputError(f"{what} (of {', '.join(table.header[:20])})", remedy=both, column=name)
 
 
 def _numbers(
@@ -252,9 +254,7 @@ def _missing(column: str, why: str, table: Table, name: str | None = None) -> Ex
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
     return UnreadableInputError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
-        remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
-        if name is None
-        else "pass columns={exoid's name: <header in the file>}",
+        remedy=f"rename it in the file or pass columns={{{name or column!r}: <header in the file>}}",
         column=name or column,
         command=f"rename it in the file or give its header: --column {name or column}=HEADER",
     )

@@ -58,7 +58,7 @@ def read_json(path: str | os.PathLike[str], what: str, schemas: Collection[str],
     try:
         data = json.loads(content.decode("utf-8"))
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
-        raise UnreadableInputError(f"not JSON ({error})", file=str(path), remedy=remedy) from error
+        raise UnreadableInputError(f"no {what}: not JSON ({error})", file=str(path), remedy=remedy) from error
     if not isinstance(data, dict) or data.get("schema") not in schemas:
         raise UnreadableInputError(f"no {what} of schema {min(schemas)!r}", file=str(path), remedy=remedy)
     return data

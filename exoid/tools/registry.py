@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError, ExoidError, nearest
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 """Form of a name: it has no comma and no space, which separate names on the command line."""
@@ -44,17 +44,13 @@ class Registry(Mapping[str, T], Generic[T]):
     def register(self, name: str, thing: T) -> T:
         """Register an object under a name."""
         if not isinstance(name, str) or not NAME.fullmatch(name):
-            raise BadArgumentError(
-                f"{name!r} is no name for a {self.what}",
-                remedy=f'write {self.call}("name", ...) with letters, digits, ".", "_" and "-"',
-            )
+            remedy = f'write {self.call}("name", ...) with letters, digits, ".", "_" and "-"'
+            raise BadArgumentError(f"{name!r} is no name for a {self.what}", remedy=remedy)
         self._check(thing)
         known = self._registered.get(name)
         if known is not None and known is not thing and not _redefined(known, thing):
-            raise BadArgumentError(
-                f"the {self.what} {name!r} exists: {_described(known)}",
-                remedy=f"give {_described(thing)} another name",
-            )
+            what = f"the {self.what} {name!r} exists: {_described(known)}"
+            raise BadArgumentError(what, remedy=f"give {_described(thing)} another name")
         self._registered[name] = thing
         return thing
 
@@ -65,10 +61,11 @@ class Registry(Mapping[str, T], Generic[T]):
         if name in self:
             return self._load(name)
         source = f" (the file has it from the module {origin})" if origin else ""
+        some = f"{nearest(name, self)}use some of {', '.join(self)}; or install the package that provides it"
         raise BadArgumentError(
             f"no {self.what} {name!r}{source}",
-            remedy=f"use some of {', '.join(self)}; to make another one known, install the package that provides it, "
-            f"or import it and call {self.call}({name!r}, ...)",
+            remedy=f"{some}, or import it and call {self.call}({name!r}, ...)",
+            command=some,
         )
 
     def name_of(self, thing: T) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,7 +81,9 @@ def test_compare_prints_a_table_or_json(two):
 
 
 def test_compare_says_that_errors_of_one_log_depend_on_each_other(two):
-    done = run("compare", two[0], two[0])
+    again = Path(two[0]).with_name("again.json")
+    again.write_bytes(Path(two[0]).read_bytes())
+    done = run("compare", two[0], str(again))
     assert done.exit_code == 0
     assert "their errors depend on each other" in " ".join(done.output.split())
     assert "no difference beyond their errors" in done.output

@@ -62,12 +62,33 @@ def test_columns_are_saved_and_the_command_line_goes_before_the_file(values, log
     assert values("--columns", "saved.toml", "--column", other) == halved != first
 
 
+def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
+    """The command line goes before it; --columns none forgets it."""
+    run = exoid_("identify", "bleex", "log.csv", *OPTIONS, "--unmeasured", "knee", "--no-check", "-o", "est.json")
+    assert run.code == 0, run.err
+    told = exoid_("validate", "est.json", "log.csv", *OPTIONS, "--unmeasured", "knee", "--json")
+    alike = exoid_("validate", "est.json", "log.csv", "--json")
+    assert (alike.code, alike.out) == (told.code, told.out)
+    line = "columns and units of the logs as est.json remembers them; --columns none reads them as they stand\n"
+    assert alike.err == line
+    for verb in (("interaction", "est.json", "log.csv"), ("view", "est.json", "--log", "log.csv", "--html", "v.html")):
+        assert exoid_(*verb).err.startswith(line)
+    assert exoid_("check", "bleex", "log.csv", "--columns", "est.json").code == 0
+    other = exoid_("validate", "est.json", "log.csv", "--column", "tau_hip=cur:-0.059:3", "--json")
+    assert other.out != alike.out
+    assert "no column" in exoid_("validate", "est.json", "log.csv", "--columns", "none").err
+    assert exoid_("validate", "est.json", "bleex_swing:test").err == ""
+    again = exoid.Estimate.load("est.json")
+    assert again.columns["columns"]["time"] == "t_ms:ms"
+    assert exoid.Estimate.from_json(again.to_json()).columns == again.columns
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
         ("degree = true", "did you mean 'degrees'"),
         ("degrees = 1", "give true or false"),
-        ("start = 2.0", "keys are degrees"),
+        ("start = 2.0", "keys are columns, plates, degrees"),
         ("mask = 3", "give a text in quotes"),
         ("wrench = 'left_foot:link'", "give a list of texts"),
         ("columns = 3", "columns is no table of texts"),

@@ -52,7 +52,7 @@ def test_a_urdf_whose_joints_are_all_fixed_is_named(refused):
 def test_a_misspelt_urdf_is_blamed_and_not_the_columns_of_the_log(refused, verb):
     option = {"plan": ["--assess"], "view": ["--log"]}.get(verb, [])
     line = refused(verb, "oen.urdf", *option, "other.csv")
-    assert "no leg or URDF file 'oen.urdf'; there is one.urdf" in line
+    assert "no leg or URDF file 'oen.urdf'. To fix it: did you mean 'one.urdf'?" in line
 
 
 def test_a_start_after_the_end_is_answered_with_the_times_of_the_log(refused):

@@ -132,12 +132,26 @@ def test_without_a_verb_the_help_is_shown(exoid_):
 def test_the_help_shows_every_unit(verb, exoid_, monkeypatch):
     """Rich takes [s] for markup, and drops it."""
     monkeypatch.setenv("COLUMNS", "400")
-    texts = [parameter.help for parameter in load_verb(verb).params if getattr(parameter, "help", None)]
+    known = load_verb(verb).params
+    asked = [option for each in known for option in each.opts if option.startswith("--help-")]
+    texts = [parameter.help for parameter in known if getattr(parameter, "help", None)]
     units = [word for text in texts for word in text.replace("\\[", "[").split() if word.startswith("[")]
-    shown = exoid_(verb, "--help").out
+    shown = "".join(exoid_(verb, option).out for option in ("--help", *asked))
     for unit in set(units):
         assert shown.count(unit) >= units.count(unit), unit
     assert "\\[" not in shown
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_the_help_of_a_verb_shows_at_most_25_options_and_the_others_on_request(verb, exoid_):
+    known = [each for each in load_verb(verb).params if each.param_type_name == "option"]
+    asked = [option for each in known for option in each.opts if option.startswith("--help-")]
+    usual, *groups = (exoid_(verb, option).out for option in ("--help", *asked))
+    assert sum(line.startswith("  -") for line in usual.splitlines()) <= 25
+    assert not re.search("<(str|int|float)>", usual)
+    for option in (each.opts[0] for each in known):
+        shown = sum(bool(re.search(rf"(^| |,){option}\b(?!-)", text, re.M)) for text in (usual, *groups))
+        assert shown >= 1, option
 
 
 @pytest.mark.nightly

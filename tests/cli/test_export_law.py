@@ -164,7 +164,7 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--law", "fuzzy", "--c", "law.c"), "no controller fuzzy"),
+        (("--law", "fuzzy", "--c", "law.c"), "--law fuzzy: no such controller"),
         (("--law", "adaptive", "--c", "law.c"), "Adaptive has no form in C"),
         (("--law", "pd", "-o", "leg.urdf"), "--law has no effect on a URDF"),
         (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),

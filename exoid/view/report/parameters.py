@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.estimate.text import compared_table, parameter_rows
+from exoid.estimate.text import below_parameters, compared_table, parameter_rows
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
@@ -31,6 +31,7 @@ def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str,
     """Draw parameters beside other values by label and name, those of each unit, and the correlation matrix."""
     caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
     yield compared_table(caption, parameter_rows(estimate), other_values)
+    yield Text([sentence(line) for line in below_parameters(estimate)])
     for unit in dict.fromkeys(estimate.units):
         names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
         yield plot_picture(
@@ -53,11 +54,8 @@ def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str,
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
     """Name poorly identified parameters, the parameters that they correlate with, and what to record."""
     correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
-    poor = {
-        name: grade
-        for name, grade in zip(estimate.names, estimate.identifiability, strict=True)
-        if grade in ("weakly", "not")
-    }
+    grades = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    poor = {name: grade for name, grade in grades.items() if grade in ("weakly", "not")}
     lines = []
     for name, grade in poor.items():
         k = estimate.names.index(name)

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
 from exoid.leg.leg import Leg
 
 from .transforms import homogeneous
@@ -127,5 +127,6 @@ def pose_angles(legs: Sequence[Leg], pose: Mapping[str, float]) -> list[FloatArr
     names = [name for leg in legs for name in leg.joint_names]
     unknown = sorted(set(pose) - set(names))
     if unknown:
-        raise BadArgumentError(f"no joint {', '.join(unknown)}", remedy=f"the joints are {', '.join(names)}")
+        remedy = f"{nearest(unknown[0], names)}the joints are {', '.join(names)}"
+        raise BadArgumentError(f"no joint {', '.join(unknown)}", remedy=remedy)
     return [np.array([float(pose.get(name, 0.0)) for name in leg.joint_names]) for leg in legs]
