@@ -44,22 +44,13 @@ class FitOptions(NamedTuple):
 
     terms: TermNames = None
     estimator: Annotated[str, Option(help="wls, huber, gls, ml or ols.")] = "wls"
-    cutoff: Annotated[
-        Number,
-        Option(metavar="HZ", help="Cut-off of the zero-phase low-pass; by default 8, or lower for noisy angles."),
-    ] = None
-    preparation: Annotated[
-        Text, Option(metavar="NAME", help="finite-difference (document 1), moving-average (document 2) or smoothed.")
-    ] = None
+    cutoff: Annotated[Number, Option(metavar="HZ", help="Zero-phase low-pass; 8, or less for noisy angles.")] = None
+    preparation: Annotated[Text, Option(help="finite-difference, moving-average or smoothed.")] = None
     noise: Annotated[str, Option(help="correlated, or white (noise without autocorrelation).")] = "correlated"
     known: Known = None
-    prior: Annotated[Texts, Option(metavar="NAME=VALUE:STD", help="Prior and its standard deviation. Repeatable.")] = (
-        None
-    )
+    prior: Annotated[Texts, Option(metavar="NAME=VALUE:STD", help="Prior knowledge. Repeatable.")] = None
     nonnegative: Annotated[bool, Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")] = False
-    delay: Annotated[
-        Text, Option(metavar="auto", help="auto: estimate by how much torques are late, and shift them.")
-    ] = None
+    delay: Annotated[Text, Option(metavar="auto", help="auto: find by how much torques are late, and shift.")] = None
     check: Annotated[bool, Option("--check/--no-check", help="Look for faults of the logs.")] = True
 
     def settings(self) -> dict[str, Any]:
@@ -82,15 +73,11 @@ def identify(
     output: EstimateOutput = None,
     choice: LegOptions = ANY_LEG,
     fit: FitOptions = USUAL_FIT,
-    own: Annotated[
-        Text, Option(metavar="A,B", help="Per-recording parameters (offset, c0_hip); all others are shared.")
-    ] = None,
+    own: Annotated[Text, Option(metavar="A,B", help="Parameters of each log (offset, c0_hip); others shared.")] = None
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
     report: Report = None,
     reading: LogOptions = READ_AS_IT_IS,
-    save_columns: Annotated[
-        Text, Option(metavar="LAB.TOML", help="Write the columns and options of these logs, for --columns.")
-    ] = None,
+    save_columns: Annotated[Text, Option(metavar="LAB.TOML", help="Write columns and options of these logs.")] = None
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:

@@ -53,9 +53,7 @@ class SearchOptions(NamedTuple):
     noise_bandwidth: Annotated[float, Option(metavar="HZ", help="Bandwidth of the noise; default: white.")] = math.inf
     highest: Annotated[float, Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0
     criterion: Annotated[Literal["worst", "a", "d"], Option(help="Criterion to minimise.")] = "worst"
-    starts: Annotated[
-        int | None, Option(min=1, help="Number of starts of the search; default: 16, with --stance 2.")
-    ] = None
+    starts: Annotated[int | None, Option(min=1, help="Starts of the search; 16, with --stance 2.")] = None
     seed: Annotated[int, Option(min=0, help="Seed of the search.")] = 0
 
     def arguments(self, starts: int) -> dict[str, Any]:
@@ -72,12 +70,8 @@ class LimitOptions(NamedTuple):
     velocity: Annotated[Text, Option(metavar="RAD/S", help="Velocity limits below the URDF's.")] = None
     acceleration: Annotated[Text, Option(metavar="RAD/S²", help="Acceleration limits.")] = None
     torque: Annotated[Text, Option(metavar="N·M", help="Torque limits below the URDF's.")] = None
-    ground: Annotated[Number, Option(metavar="M", help="Depth of the ground below the first joint; needs --foot.")] = (
-        None
-    )
-    foot: Annotated[
-        Texts, Option(metavar="X,Z", help="Point of the foot, forward and up of the last joint [m]. Repeatable.")
-    ] = None
+    ground: Annotated[Number, Option(metavar="M", help="Ground below the first joint [m]; needs --foot.")] = None
+    foot: Annotated[Texts, Option(metavar="X,Z", help="Point of the foot from the last joint [m]. Repeatable.")] = None
     clearance: Annotated[float, Option(metavar="M", help="Least distance of --foot from the ground.")] = 0.05
 
     def of(self, leg: Leg) -> MotionLimits:
@@ -122,18 +116,10 @@ class TorsoOptions(NamedTuple):
 class StanceOptions(NamedTuple):
     """Options of motions on the ground."""
 
-    stance: Annotated[
-        Text, Option(metavar="both,left", help="Plan motions on these feet instead: squats, shifts, leg swings.")
-    ] = None
-    sole: Annotated[
-        Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in the axes of its link [m]; default: BLEEX's.")
-    ] = None
-    friction: Annotated[
-        Number, Option(metavar="MU", help="Friction of the ground that --stance may use; default 0.4.")
-    ] = None
-    doubt: Annotated[
-        Number, Option(metavar="SHARE", help="Doubt about expected parameters in --stance; default 0.05.")
-    ] = None
+    stance: Annotated[Text, Option(metavar="both,left", help="Plan squats, shifts and swings on these feet.")] = None
+    sole: Annotated[Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in its link [m]; BLEEX's.")] = None
+    friction: Annotated[Number, Option(metavar="MU", help="--stance: friction of the ground; default 0.4.")] = None
+    doubt: Annotated[Number, Option(metavar="SHARE", help="--stance: doubt about parameters; default 0.05.")] = None
 
 
 @expand_options(without=FIXED_BASE)

@@ -37,8 +37,7 @@ def select(
     test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[
-        Number,
-        Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
+        Number, Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz.")
     ] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,

@@ -40,9 +40,7 @@ COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 @expand_options(without=FIXED_BASE)
 def study(
     leg: LegName,
-    folder: Annotated[
-        Text, Option("--folder", "-o", metavar="DIR", help="Keep finished chunks in this folder, and resume from them.")
-    ] = None,
+    folder: Annotated[Text, Option("--folder", "-o", metavar="DIR", help="Keep finished chunks, and resume.")] = None,
     choice: LegOptions = ANY_LEG,
     terms: TermNames = None,
     protocols: Annotated[str, Option(metavar="A,B", help="Motions: planned, document.")] = "planned",
@@ -55,18 +53,8 @@ def study(
     rate: Annotated[float, Option(metavar="HZ", help="Rate of the log.")] = 100.0,
     cutoff: Annotated[float, Option(metavar="HZ", help="Cut-off of the zero-phase low-pass.")] = 8.0,
     followed: Annotated[Literal["exactly", "rig"], Option(help="How motions are followed.")] = "exactly",
-    laws: Annotated[
-        Text,
-        Option(
-            metavar="A,B",
-            help="Controllers to run with estimates: pd, gravity_friction_pd, feedforward_pd, computed_torque, lqr, "
-            "adaptive, self_tuning.",
-        ),
-    ] = None,
-    course: Annotated[
-        Literal["gait", "planned"] | None,
-        Option(help="Motion of the controllers: a stride of 10 s (default), or a plan."),
-    ] = None,
+    laws: Annotated[Text, Option(metavar="A,B", help="Controllers to run: pd, lqr, computed_torque, …")] = None,
+    course: Annotated[Literal["gait", "planned"] | None, Option(help="Motion of --laws; default gait.")] = None,
     kp: Annotated[Text, Option(metavar="A,B", help="Kp [N·m/rad]; default of exoid track.")] = None,
     kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; default kp/10.")] = None,
     seed: Annotated[int, Option(min=0, help="Seed of all random numbers.")] = 0,
