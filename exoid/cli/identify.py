@@ -73,11 +73,11 @@ def identify(
     output: EstimateOutput = None,
     choice: LegOptions = ANY_LEG,
     fit: FitOptions = USUAL_FIT,
-    own: Annotated[Text, Option(metavar="A,B", help="Parameters of each log (offset, c0_hip); others shared.")] = None
+    own: Annotated[Text, Option(metavar="A,B", help="Parameters of each log (offset, c0_hip); others shared.")] = None,
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
     report: Report = None,
     reading: LogOptions = READ_AS_IT_IS,
-    save_columns: Annotated[Text, Option(metavar="LAB.TOML", help="Write columns and options of these logs.")] = None
+    save_columns: Annotated[Text, Option(metavar="LAB.TOML", help="Write columns and options of these logs.")] = None,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
