@@ -174,7 +174,6 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "pd", "--ros2", "none/leg"), "no folder to write into"),
         (("--law", "momentum_observer", "--ros2", "leg"), "which no drive must follow"),
         (("--law", "pd", "--c", "law.txt"), "name the source: LAW.c"),
-        (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),
         (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),
         (("--law", "pd", "--limit", "0", "--c", "law.c"), "limit = "),
         (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "--kp has no effect: gravity_support has none"),
@@ -192,3 +191,12 @@ def test_bad_options_end_in_one_line_and_write_nothing(saved, exoid_, tmp_path, 
     assert (code, out) == (2, "")
     assert words in err
     assert [path.name for path in tmp_path.iterdir()] == ["est.json"]
+
+
+def test_pd_controls_the_joints_of_the_estimate_in_ros_2(saved, exoid_, tmp_path):
+    """PD control needs no model, and a controller of "joint 0" none of the machine's."""
+    assert exoid_("export", "est.json", "--law", "pd", "--ros2", "leg")[0] == 0
+    written = "".join(path.read_text() for path in (tmp_path / "leg").rglob("*") if path.is_file())
+    assert "hip" in written
+    assert "joint_0" not in written
+    assert "joint 0" not in written

@@ -111,7 +111,7 @@ def test_a_folder_in_place_of_a_file_is_called_a_folder(refused, tmp_path):
         "identify", "logs", "log.csv"
     )
     assert "logs: cannot be written: it is a folder" in refused("identify", "one.urdf", "log.csv", "-o", "logs")
-    assert "logs: cannot be read (Is a directory)" in refused("validate", "logs", "log.csv")
+    assert "logs: is a directory" in refused("validate", "logs", "log.csv")
 
 
 @pytest.mark.parametrize("place", [LOCKED, "log.csv"])
