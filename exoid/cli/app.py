@@ -74,6 +74,7 @@ def main() -> None:
     """
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
+    os.environ["MPLBACKEND"] = "agg"  # figures are files: another backend may be unknown, or open windows
     words = [word for word in sys.argv[1:] if word not in (TRACEBACK, *AMOUNTS)]
     for word in sys.argv[1:]:
         amount.set(AMOUNTS.get(word, amount.get()))

@@ -32,9 +32,19 @@ def read_toml(path: Path, example: str) -> dict[str, Any]:
     remedy = f"write {example}"
     content = read_bounded(path, LARGEST, f"give the path of a TOML file; {remedy}")
     try:
-        return tomllib.loads(content.decode("utf-8-sig"))
+        data = tomllib.loads(content.decode("utf-8-sig"))
+        _refuse_long_integers(data)
     except (ValueError, RecursionError) as error:  # also not UTF-8
-        raise UnreadableInputError(f"not TOML ({error})", remedy=remedy) from None
+        raise UnreadableInputError(f"not TOML ({error})", file=str(path), remedy=remedy) from None
+    return data
+
+
+def _refuse_long_integers(value: Any) -> None:  # noqa: ANN401 - any value of a file
+    """Refuse integers that TOML does not have, though Python does: no float holds those of 400 digits."""
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        raise ValueError("an integer of more than 64 bits")
+    for each in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _refuse_long_integers(each)
 
 
 def to_toml(data: Mapping[str, Any]) -> str:

@@ -145,3 +145,17 @@ def test_angles_and_commands_without_torque_end_in_what_columns_would_do(inputs,
     assert err.startswith("exoid: commands.csv: there is no torque, current or force")
     for column in (f"tau_{name}", "i_…", "f_…", "tm_…", f"--column tau_{name}=HEADER"):
         assert column in err
+
+
+def test_what_has_no_end_is_refused_at_once(refused, tmp_path):
+    """Devices and pipes: an estimate from /dev/zero took all memory, and one from a pipe waited for ever."""
+    os.mkfifo(tmp_path / "pipe")
+    for words in (("validate", "pipe", "log.csv"), ("validate", "/dev/zero", "log.csv")):
+        assert "is a device or a pipe" in refused(*words)
+    for option in ("--actuators", "--columns"):
+        assert "is a device or a pipe" in refused("identify", "bleex", "log.csv", option, "pipe")
+
+
+def test_integers_that_no_float_holds_are_not_toml(refused, tmp_path):
+    (tmp_path / "drives.toml").write_text(f'[hip]\ntype = "motor"\nratio = 1{"0" * 400}\n')
+    assert "64 bits" in refused("identify", "bleex", "log.csv", "--actuators", "drives.toml")

@@ -57,9 +57,7 @@ BY_KIND = {
         Wrong("identify paper.pdf log.csv", "is a PDF, and no URDF", "paper.pdf", "name the leg's URDF", RIGHT),
         Wrong("identify cad.step log.csv", "no URDF", "cad.step", "name the leg's URDF", RIGHT),
         Wrong("identify broken.urdf log.csv", "not well-formed XML", "broken.urdf", "correct the XML"),
-        Wrong(
-            "validate bad.json log.csv", "no estimate", "bad.json", "identify -o wrote", "validate est.json log.csv"
-        ),
+        Wrong("validate bad.json log.csv", "no estimate", "bad.json", "identify -o wrote", "validate est.json log.csv"),
         Wrong("identify leg.urdf logs", "no logs in the folder", "logs", ".csv"),
         Wrong("identify leg.urdf lgo.csv", "no such file", "lgo.csv", "did you mean 'log.csv'", RIGHT),
         Wrong("identify lge.urdf log.csv", "no leg or URDF file", "lge.urdf", "did you mean 'leg.urdf'", RIGHT),
