@@ -110,13 +110,11 @@ def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
 
 def refuse_without_base(options: LegOptions, recordings: Sequence[Recording | Poses]) -> None:
     """Refuse the rows of a base whose motion, or whose support, no recording has."""
-    from exoid.signals import Recording  # noqa: PLC0415 - help needs no signals
-
-    motions = [each for each in recordings if isinstance(each, Recording)]
+    logs = [each for each in recordings if isinstance(each, exoid.Recording)]
     imu = "its columns are base_gyro_x to _z and base_acc_x to _z, or base_x to _z and base_qw to _qz"
-    if options.moving_base and not any(each.base or each.torso for each in motions):
+    if options.moving_base and not any(each.base or each.torso for each in logs):
         raise BadArgumentError("--moving-base, but no log has the motion of the base", remedy=f"{imu}; or leave it out")
-    if options.floating_base and not any(each.contacts or each.wrenches for each in motions):
+    if options.floating_base and not any(each.contacts or each.wrenches for each in logs):
         what = "--floating-base, but no log says what the leg stands on or hangs from"
         remedy = "add columns contact_<foot> (0 or 1) or wrench_<link>_fx to _mz; or leave it out"
         raise BadArgumentError(what, remedy=remedy)

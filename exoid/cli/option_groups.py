@@ -98,8 +98,8 @@ def _show_group(context: typer.Context, asked: typer.CallbackParam, wanted: bool
     """Show the options of one group in place of the usual ones, and stop."""
     if not wanted or context.resilient_parsing:
         return
-    parameters: list[Any] = list(context.command.params)  # options have more attributes than arguments
-    for each in parameters:
+    each: Any
+    for each in context.command.params:
         each.hidden = getattr(each, "rich_help_panel", None) != str(asked.name).removeprefix("help_")
     typer.echo(context.get_help())
     raise typer.Exit

@@ -108,7 +108,7 @@ class DryRunOptions(NamedTuple):
     """Options of a run without a rig."""
 
     dry_run: Annotated[Text, Option(metavar="LOG", help="No rig: print what one law would have commanded.")] = None
-    law: Annotated[Text, Option(metavar="NAME", help="--dry-run: gravity_support (default), pd, lqr, …")] = None
+    law: Annotated[Text, Option(metavar="NAME", help="--dry-run: gravity_support (default), pd, lqr or another")] = None
     limit: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
     slew: Annotated[Text, Option(metavar="A,B", help="--dry-run: largest changes of torques [N·m/s].")] = None
     output: Annotated[Text, Option("--output", "-o", metavar="CSV", help="--dry-run: write both torques.")] = None

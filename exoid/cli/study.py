@@ -53,7 +53,7 @@ def study(
     rate: Annotated[float, Option(metavar="HZ", help="Rate of the log.")] = 100.0,
     cutoff: Annotated[float, Option(metavar="HZ", help="Cut-off of the zero-phase low-pass.")] = 8.0,
     followed: Annotated[Literal["exactly", "rig"], Option(help="How motions are followed.")] = "exactly",
-    laws: Annotated[Text, Option(metavar="A,B", help="Controllers to run: pd, lqr, computed_torque, …")] = None,
+    laws: Annotated[Text, Option(metavar="A,B", help="Controllers to run: pd, lqr, computed_torque or others")] = None,
     course: Annotated[Literal["gait", "planned"] | None, Option(help="Motion of --laws; default gait.")] = None,
     kp: Annotated[Text, Option(metavar="A,B", help="Kp [N·m/rad]; default of exoid track.")] = None,
     kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; default kp/10.")] = None,

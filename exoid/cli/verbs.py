@@ -47,8 +47,8 @@ def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, b
     alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     alone.command(name)(getattr(import_module(f".{name}", __package__), name))
     command = typer.main.get_command(alone)
-    parameters: list[Any] = list(command.params)
-    for each in parameters:
+    each: Any
+    for each in command.params:
         if each.param_type_name == "argument":
             each.display_type_rich = lambda ctx: ""
     return command

@@ -389,9 +389,13 @@ def test_help(arguments):
     assert "Usage: exoid" in result.output
 
 
+HELP = ("--help", "--help-log")
+
+
 def test_help_names_every_option():
     """As the function has them: what is not in the help cannot be found."""
-    text = CliRunner().invoke(app, ["identify", "--help"], env={"COLUMNS": "200"}).output
+    both = (CliRunner().invoke(app, ["identify", each], env={"COLUMNS": "200"}).output for each in HELP)
+    text = "".join(both)
     names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
     assert {"column", "with_", "known", "terms"} <= set(names)
     for option in (*names, "json"):

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 import one_joint
 import pytest
-from small_urdfs import URDF
+from small_urdfs import BODY, URDF
 
 import exoid
 
+TORSO = f'<link name="torso">{BODY}</link>'
 OFFICE = b"PK\x03\x04\x14\x00\x06\x00[Content_Types].xml" + bytes(range(256)) * 10
 
 
@@ -82,7 +83,13 @@ BY_KIND = {
         Wrong(f"{RIGHT} --column q_hip", "--column q_hip", "--column", "NAME=HEADER", f"{RIGHT} --column q_hip=q_hip"),
         Wrong(f"{RIGHT} --mask goood", "no column 'goood'", "log.csv", "a column of 0 and 1"),
         Wrong(f"{RIGHT} --columns typo.toml", "no key 'colums'", "typo.toml", "did you mean 'columns'"),
-        Wrong(f"{RIGHT} --floating-base", "stands on or hangs from", "--floating-base", "leave it out", RIGHT),
+        Wrong(
+            "check torso.urdf log.csv --floating-base",
+            "stands on or hangs from",
+            "--floating-base",
+            "leave it out",
+            RIGHT,
+        ),
         Wrong(f"{RIGHT} --moving-base", "motion of the base", "--moving-base", "base_gyro_x", RIGHT),
         Wrong(f"{RIGHT} --unmeasured kne", "is not in the", "log.csv", "hip, knee", f"{RIGHT} --unmeasured knee"),
     ],
@@ -178,6 +185,7 @@ def folder(tmp_path_factory):
         "ms.csv": scaled([1000.0, *[1.0] * (len(names) - 1)]),
         "degrees.csv": scaled(degrees),
         "broken.urdf": [URDF[:300]],
+        "torso.urdf": [URDF.replace('<link name="torso"/>', TORSO)],
         "cad.step": ["ISO-10303-21;", "HEADER;"],
         "bad.json": ["{}"],
         "typo.toml": ['colums = "x"'],
