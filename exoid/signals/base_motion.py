@@ -36,7 +36,7 @@ class BaseMotion(Sampled):
         position: Position r of the sensor in the axes of the root link [m], (3,).
         pose: Pose of the root link in the laboratory, which only wrenches in axes of the laboratory need; None where it
             was not recorded, as by an IMU.
-        calibrated: Whether there is no bias to look for: it was taken out, or a pose says the motion.
+        calibrated: Whether there is no bias to look for.
 
     Raises:
         ExoidError: Shapes do not fit, a number is missing, or the position is not in m.

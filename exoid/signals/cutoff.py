@@ -32,16 +32,13 @@ CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
 
-OF_BASE = 3
-"""Columns beside those of the joints."""
+OF_BASE = 3  # columns beside those of the joints
 
 
 class AccelerationPower(NamedTuple):
     """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
 
-    # power due to noise of the angles, then of place and turn of a base with a pose, and of a gyroscope, (71, n + 3);
-    # zero for what was not recorded
-    noise: FloatArray
+    noise: FloatArray  # power due to noise of the angles, of place and turn of a base by its pose, and of its gyroscope
     total: FloatArray  # power of the recorded angles, as many columns
     samples: int  # number of samples
     rate: float  # sampling rate [Hz]
@@ -91,8 +88,8 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
         # share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this weight.
         power[0], of_base[0] = 16.0 * power[0], 16.0 * of_base[0]
     elif even.base is not None:
-        of_axes = _power(even.base.angular_velocity.T, rate, derivatives=1)
-        turning = of_axes[..., [int(np.argmax(of_axes[1, -1]))]]  # the axis that turns most
+        turning = _power(even.base.angular_velocity.T, rate, derivatives=1)
+        turning = turning[..., [int(np.argmax(turning[1, -1]))]]  # about the axis that turns most
         power, of_base[..., 2:] = power + turning, turning if base_rows else 0.0
     noise, total = np.concatenate([power, of_base], axis=2)
     return AccelerationPower(noise, total, len(even), rate)

@@ -68,7 +68,7 @@ BY_KIND = {
     ],
     "columns": [
         Wrong("validate est.json no_knee.csv", "knee not in the recording", "no_knee.csv", "--column q_knee=HEADER"),
-        Wrong("identify leg.urdf no_torque.csv", "no torque", "no_torque.csv", "tau_hip, tau_knee"),
+        Wrong("identify leg.urdf no_torque.csv", "no torque", "no_torque.csv", "--column tau_hip=HEADER"),
         Wrong("identify leg.urdf no_time.csv", "no column 'time'", "no_time.csv", "--column time=HEADER"),
         Wrong("identify leg.urdf other.csv", "no column 'q_<joint>'", "t, pos1, pos2", "--column q_<joint>=HEADER"),
         Wrong(

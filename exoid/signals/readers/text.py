@@ -229,20 +229,18 @@ def _read_bytes(path: Path) -> bytes:
             raise UnreadableInputError("is a directory, not a file", remedy="name the CSV file in it")
         if path.exists() and not path.is_file():
             raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
+        blocks: list[bytes] = []
         with path.open("rb") as opened:
-            return b"".join(iter(lambda: _without_zeros(opened.read(BLOCK)), b""))
+            while block := opened.read(BLOCK):
+                if b"\0" in block:  # before a sparse file of many gigabytes fills the memory
+                    raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
+                blocks.append(block)
+        return b"".join(blocks)
     except FileNotFoundError:
         raise UnreadableInputError("no such file", remedy=f"check the path; looked in {path.parent}") from None
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise UnreadableInputError(f"cannot be read ({reason})", remedy="check the path and its rights") from None
-
-
-def _without_zeros(block: bytes) -> bytes:
-    """Refuse a block of a binary file, before a sparse one of many gigabytes fills the memory."""
-    if b"\0" in block:
-        raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
-    return block
 
 
 def _decode(data: bytes) -> str:
