@@ -112,7 +112,15 @@ class PinocchioStepper(Stepper):
         return Step(np.array([mean]).T, np.array([impulse]).T)
 
     def advance(self, torque: list[float], damping: list[float]) -> list[float]:
-        """Advance by dt in plain floats, faster than :meth:`step`; return impulses of friction and stops [N·m·s]."""
+        """Advance by dt in plain floats, faster than :meth:`step`.
+
+        Args:
+            torque: Torque τ₀ of each joint [N·m].
+            damping: Damping of each actuator [N·m·s/rad].
+
+        Returns:
+            Impulse of friction and end stops at each joint [N·m·s].
+        """
         force = self._set_middle(torque, damping)
         sliding = self._slide(force)
         new, impulse = self._stick_or_slip(*self._mass_and_impulse(force)) if sliding is None else sliding

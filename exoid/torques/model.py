@@ -190,11 +190,27 @@ class TorqueModel:
         return np.array([name in names for name in self.names], dtype=np.bool_)
 
     def loaded_by(self, values: FloatArray) -> TorqueModel:
-        """Load the joints by the rigid-body torque of other parameters (P,), if a term depends on it."""
+        """Load the joints by the rigid-body torque of other parameters.
+
+        Args:
+            values: Parameters, (P,).
+
+        Returns:
+            The model with that load; the same model if no term depends on it.
+        """
         return replace(self, rigid=values[: len(self.leg.parameter_names)]) if self.loaded else self
 
     def own_parameters(self, joint: int) -> tuple[str, ...]:
-        """List the parameters that are excited only if a joint moves; none for a leg that is no planar chain."""
+        """List the parameters that are excited only if a given joint moves.
+
+        They are the parameters of the segment that follows the joint, and those of its terms that vanish at rest.
+
+        Args:
+            joint: Index of the joint.
+
+        Returns:
+            Their names; none for a leg that is not a planar chain.
+        """
         if self.leg.chain is None:
             return ()
         parameters = [*self.leg.parameter_names[3 * joint : 3 * joint + 3]]
@@ -268,7 +284,15 @@ class TorqueModel:
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q))
 
     def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
-        """Torque of payloads in the rows of the equation, (N, b + n): as it is."""
+        """Torque of payloads in the rows of the equation.
+
+        Args:
+            payload: Torque of the leg's rows [N, N·m], (N, b + n).
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            Torque of each row: as it is.
+        """
         return payload
 
     def columns(self, motion: Motion) -> FloatArray:
@@ -296,7 +320,15 @@ class TorqueModel:
         return out
 
     def friction_torque(self, motion: Motion, values: FloatArray) -> FloatArray:
-        """Compute the part of the torque that is friction [N·m], (N, n), or (N, b + n) with zeros for the base."""
+        """Compute the part of the torque that is friction.
+
+        Args:
+            motion: Motion of N samples, see :meth:`motion`.
+            values: Parameters, (P,).
+
+        Returns:
+            Friction torque [N·m], (N, n); with zero base rows on a floating base.
+        """
         torque = np.zeros((len(motion.q), len(self.row_names)))
         for start in range(0, len(torque), BLOCK):
             rows = slice(start, start + BLOCK)
@@ -305,13 +337,29 @@ class TorqueModel:
         return torque
 
     def on_links(self, recording: Recording | Poses) -> Recording | Poses:
-        """Turn wrenches that were measured in the laboratory into axes of their links."""
+        """Turn wrenches that were measured in the laboratory into axes of their links.
+
+        Args:
+            recording: Recording of the leg's joints, or poses, which have no wrenches.
+
+        Returns:
+            The recording with wrenches in axes of their links.
+        """
         if isinstance(recording, Poses) or all(wrench.axes == "link" for wrench in recording.wrenches.values()):
             return recording
         return replace(recording, wrenches=wrenches_on_links(self.leg, recording))
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
-        """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c, (N, n) or (N, b + n)."""
+        """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.
+
+        Args:
+            tau: Torques of the joints [N·m], (N, n).
+            motion: Motion of the N samples.
+            wrenches: Measured wrenches on links.
+
+        Returns:
+            Torque of each row, (N, n) or (N, b + n).
+        """
         rows = np.hstack([np.zeros((len(tau), self.leg.base_rows)), tau]) if self.leg.base_rows else tau
         for link, wrench in wrenches.items():
             if wrench.axes != "link":
@@ -324,11 +372,25 @@ class TorqueModel:
         return rows
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Tell which rows have a measured side, (b + n,): those of the base always, as nothing drives it."""
+        """Tell which rows have a measured side: those of the base always, as nothing drives it.
+
+        Args:
+            measured: Joints whose torque was measured, (n,).
+
+        Returns:
+            Rows with a measured side, (n,) or (b + n,).
+        """
         return np.append(np.ones(self.leg.base_rows, dtype=np.bool_), measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Select the samples of each row from which the terms can be identified, (N, n) or (N, b + n)."""
+        """Select the samples from which the terms can be identified.
+
+        Args:
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Whether a sample of a row is usable, (N, n) or (N, b + n).
+        """
         usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
         for block in self.blocks:
             of_term = block.term.usable(_of_joints(v, block.joints))
@@ -338,7 +400,14 @@ class TorqueModel:
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Select the samples at which the joint of a row turns round; None if no term asks for it."""
+        """Select the samples at which a joint turns round, so that its friction is not a function of its velocity.
+
+        Args:
+            v: Joint velocities of a recording [rad/s], (N, n).
+
+        Returns:
+            Whether the joint of a row turns round, (N, n) or (N, b + n); None if no term asks for it.
+        """
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None

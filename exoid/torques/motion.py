@@ -43,7 +43,14 @@ class Motion(NamedTuple):
     temperature: FloatArray | None = None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
-        """Select rows; consecutive ones are not copied."""
+        """Select rows; consecutive ones are not copied.
+
+        Args:
+            rows: The rows.
+
+        Returns:
+            Their motion.
+        """
         torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
         states = {key: state[rows] for key, state in self.states.items()}
         payload = None if self.payload is None else self.payload[rows]

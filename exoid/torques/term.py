@@ -166,19 +166,55 @@ class Term(ABC):
         return None
 
     def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
-        """Find where it acts in a leg: the joints of each set of parameters. A coupled term has several in one."""
+        """Find where it acts in a leg: one set of parameters for each tuple of joints.
+
+        Args:
+            names: Joints of the leg, (n,).
+            labels: Joint names as they occur in parameter names, (n,).
+
+        Returns:
+            Indices of joints: each joint alone, unless the term is a :class:`exoid.torques.CoupledTerm`.
+
+        Raises:
+            ExoidError: A joint is missing.
+        """
         return tuple((joint,) for joint in self.joint_indices(names, labels))
 
     def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
-        """Name one set of parameters by its joints: what follows the symbol, such as "knee", or "hip_knee"."""
+        """Name one set of parameters by its joints.
+
+        Args:
+            joints: Indices of the joints that the parameters act on.
+            labels: Labels of the joints of the leg, (n,).
+
+        Returns:
+            What follows the symbol in parameter names, such as "knee", or "hip_knee" for a coupled term.
+        """
         return "_".join(labels[joint] for joint in joints)
 
     def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
-        """Write the columns of one set of parameters, zeroed before, (number of symbols, m, N)."""
+        """Write the columns of one set of parameters.
+
+        Args:
+            motion: Motion of all joints of the leg, N samples.
+            joints: Indices of the joints that the parameters act on, m of them.
+            out: Receives the columns, zeroed, (number of symbols, m, N).
+        """
         self.fill(motion.at(joints[0], self.internal_state), out[:, 0])
 
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
-        """Find the joints it acts on among those of a leg, in ascending order."""
+        """Find the joints it acts on among those of a leg.
+
+        Args:
+            names: Joints of the leg, (n,).
+            labels: Joint names as they occur in parameter names, (n,).
+
+        Returns:
+            Indices of the joints, in ascending order.
+
+        Raises:
+            ExoidError: A joint is missing.
+        """
         if self.joints is None:
             return tuple(range(len(names)))
         known = {**dict(zip(labels, range(len(labels)), strict=True)), **{n: i for i, n in enumerate(names)}}

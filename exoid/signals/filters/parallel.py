@@ -71,7 +71,16 @@ class ParallelFilter:
     def among_zeros(
         self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
     ) -> FloatArray:
-        """Filter signals that are zero before and after, as samples that do not count are."""
+        """Filter signals that are zero before and after, as samples that do not count are.
+
+        Args:
+            signals: Signals in any unit, K of (N,).
+            rows: Requested samples, evenly spaced, R of them.
+            counted: Mask of samples that count: others are taken for zero, (N,). None for all.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
         blocks = _blocks(self, rows.step)
         begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
         lead = -(-(rows[0] - begin) // blocks.size)  # the first row begins a block
