@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from functools import wraps
@@ -90,7 +91,8 @@ def _declared(parameter: Parameter, group: str | None = None) -> Parameter:
         return parameter
     option = copy(declared[0])
     option.metavar = option.metavar or METAVARS.get(kind)
-    option.hidden, option.rich_help_panel = group is not None, group
+    completing = "_EXOID_COMPLETE" in os.environ  # a shell completes options that help leaves out, too
+    option.hidden, option.rich_help_panel = group is not None and not completing, group
     return parameter.replace(annotation=Annotated[kind, option])
 
 

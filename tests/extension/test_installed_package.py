@@ -140,7 +140,7 @@ def test_without_the_package_one_line_says_what_is_missing(folder):
     assert done.stderr.count("\n") == 1
     assert "est.json: no term 'end-stop' (the file has it from the module exoid_springs.end_stop)" in done.stderr
     assert "install the package that provides it" in done.stderr
-    assert "exoid.torques.register_term('end-stop', ...)" in done.stderr
+    assert "register_term" not in done.stderr  # a remedy of the Python API is none on a command line
 
 
 @pytest.mark.nightly
