@@ -85,7 +85,7 @@ def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of 
         keys = (*TABLES, *KEYS)
         raise BadArgumentError(f"no key {key!r}", remedy=f"{nearest(key, keys)}keys are {', '.join(keys)}")
     fits, wanted = isinstance(value, str), "a text in quotes"
-    if LogOptions._field_defaults[key] is False:
+    if key == "degrees" or LogOptions._field_defaults[key] is False:
         fits, wanted = isinstance(value, bool), "true or false"
     elif key == "wrench":
         fits, wanted = isinstance(value, list) and all(isinstance(each, str) for each in value), "a list of texts"

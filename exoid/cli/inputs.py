@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -92,6 +93,7 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         links=plates if options.forces is not None else None,
         beside=options.with_ or (),
         angle_unit="deg" if options.degrees else "rad",
+        largest_angle=math.inf if options.degrees is False else 2.0 * math.pi,
         topic=options.topic,
         stamps="received" if options.received else "header",
         mask=options.mask,

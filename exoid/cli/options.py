@@ -41,7 +41,9 @@ class LogOptions(NamedTuple):
             "time=stamp:ms. Repeatable.",
         ),
     ] = None
-    degrees: Annotated[bool, Option("--degrees", help="Angles in the logs are degrees.")] = False
+    degrees: Annotated[
+        bool | None, Option("--degrees/--radians", help="Angles in the logs are degrees; or radians, however far.")
+    ] = None
     with_: Annotated[Texts, Option("--with", metavar="FILE", help="More columns on the same clock. Repeatable.")] = None
     forces: Annotated[Text, Option(metavar="GRF.MOT", help="Ground reaction forces of OpenSim, same clock.")] = None
     plate: Annotated[Texts, Option(metavar="PLATE=LINK", help="Link on a plate of --forces. Repeatable.")] = None

@@ -30,13 +30,13 @@ STRIDE = 5.0  # in one of them a constant changes by this factor at most
 STILL = 0.02  # the search has converged when no constant moves by more than this part of its standard deviation,
 ROUNDING = 1e-7  # and this part of itself, where there is no noise
 UNDETERMINED = 0.3  # a constant whose standard deviation is larger than this part of it is refused
-ADVICE = (
-    "record the motion once more with a weighed payload on the last segment, Recording(payloads=...), record the "
-    "torque of a joint by a sensor, or say what is known in N·m (known=, torque_constant of a motor)"
-)
-COMMAND = (
-    "record the motion once more with a weighed payload on the last segment, --payload LOG=SEGMENT:KG@X,Y,Z, record "
-    "the torque of a joint by a sensor, or say what is known in N·m (--known, torque_constant of a motor)"
+ADVICE, COMMAND = (
+    f"record the motion once more with a weighed payload on the last segment, {payload}, record the torque of a joint "
+    f"or the force on a link by a sensor ({wrench}), or say what is known in N·m ({known}, torque_constant of a motor)"
+    for payload, wrench, known in (
+        ("Recording(payloads=...)", "wrenches=", "known="),
+        ("--payload LOG=SEGMENT:KG@X,Y,Z", "wrench_<link>_fx", "--known"),
+    )
 )
 
 
@@ -99,8 +99,8 @@ def refuse_unknown_scale(
     """Refuse recordings without a drive's readings, or in which nothing is known in N·m."""
     # In the latter, a larger constant only makes the leg heavier.
     #
-    # Known are a payload that has a mass, a torque that was measured or computed with a known torque constant, and a
-    # parameter that is known or has a prior, unless its value is zero.
+    # Known are a payload that has a mass, a measured wrench, a torque that was measured or computed with a known torque
+    # constant, and a parameter that is known or has a prior, unless its value is zero.
     constants = unknown_constants(actuators)
     scales = [each for each in constants if each.constant.is_scale]
     free = np.isin(np.arange(len(actuators.joint_names)), [each.joint for each in scales])
@@ -118,7 +118,7 @@ def refuse_unknown_scale(
     measured = any((of_one.measured & ~of_one.passive & ~(of_one.computed & free)).any() for of_one in torques)
     weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)
     values = [*knowledge.known.values(), *(value for value, _ in knowledge.prior.values.values())]
-    if not (measured or weighed or any(values)):
+    if not (measured or weighed or any(values) or any(one.pulled for one in summaries)):
         raise NotIdentifiableError(
             f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg twice "
             "as heavy with motors twice as strong has the same currents",

@@ -50,6 +50,7 @@ class RecordingSummary(NamedTuple):
     # a planar leg only rotation within its plane counts
     base_turning: float = 0.0
     stands: bool = False  # whether a link rests on the ground by a wrench that was not measured
+    pulled: bool = False  # whether a wrench was measured that is not zero throughout
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
@@ -73,6 +74,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         acceleration_power(chosen) if for_cutoff else None,
         _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
         isinstance(chosen, Recording) and bool(chosen.contacts) and bool({*chosen.contacts} - {*chosen.wrenches}),
+        isinstance(chosen, Recording) and any(one.force.any() or one.moment.any() for one in chosen.wrenches.values()),
     )
 
 
@@ -112,10 +114,12 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     every = [torques for _, torques in measured]
     driven = np.array([torques.measured & ~torques.passive for torques in every])
     if not driven.any():
+        if any(one.pulled for one in summaries):
+            return  # what moves the leg is known in N and N·m
         raise NotIdentifiableError(
             "no joint has a measured torque: without one, only ratios of parameters could be found",
             where=_sources(summaries),
-            remedy="record the torque of a joint that is not passive",
+            remedy="record the torque of a joint that is not passive, or the wrench that moves the leg",
         )
     values = np.array([torques.first for torques in every])
     first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
@@ -128,15 +132,14 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         found = "; ".join(
             f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample" for joint, value in dead.items()
         )
+        columns = ", ".join(f"tau_{joint}" for joint in dead)
         raise NotIdentifiableError(
             f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
             where=_sources(summaries),
-            remedy=f"connect {'the' if len(dead) > 1 else 'its'} torque channel{'s' if len(dead) > 1 else ''}, or map "
-            f"the right column to {', '.join(f'tau_{joint}' for joint in dead)}; a joint without an actuator is "
+            remedy=f"connect its torque channel, or map the right column to {columns}; a joint without an actuator is "
             f"passive={tuple(dead)!r}, one without a sensor unmeasured={tuple(dead)!r}",
-            command=f"connect it, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}; give "
-            f"--passive {','.join(dead)} for joints without an actuator, --unmeasured {','.join(dead)} for those "
-            "without a sensor",
+            command=f"connect its torque channel, or map the right column to {columns}; give --passive "
+            f"{','.join(dead)} for a joint without an actuator, --unmeasured {','.join(dead)} for one without a sensor",
             joints=tuple(dead),
         )
     for index, joint in enumerate(model.leg.joint_names):

@@ -55,8 +55,8 @@ class Prepared(NamedTuple):
     # samples of pulses of unknown friction at the reversals of each joint, see
     # `exoid.signals.filters.reversal_pulses`; None to take reversals as they are
     reversals: tuple[NDArray[np.intp], ...] | None = None
-    # known torque that was taken from the measured one: that of payloads and, where every sample becomes a row, less
-    # that of measured wrenches [N·m], (N, R); None for none
+    # known torque that was taken from the measured one: that of payloads, less that of measured wrenches [N·m], (N, R);
+    # None for none
     known: FloatArray | None = None
 
     @property
@@ -111,12 +111,11 @@ def prepare(
     base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:
         motion = model.motion(q, v, a, base, recording.payloads, computed, recording.temperature)
-        known = motion.payload
-        if every and recording.wrenches:
-            share = model.row_torque(np.zeros_like(tau), motion, recording.wrenches)
+        if recording.wrenches:
+            share = -model.row_torque(np.zeros_like(tau), motion, recording.wrenches)
             share = preparation.filter(share, rate) if parallel is None else share
-            known = -share if known is None else known - share
-        tau = model.row_torque(tau, motion, recording.wrenches)
+            motion = motion._replace(payload=share if motion.payload is None else motion.payload + share)
+        tau = model.row_torque(tau, motion, {})
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
     tau = preparation.filter(tau, rate) if parallel is None else tau
@@ -135,7 +134,7 @@ def prepare(
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
         pulses,
-        known,
+        motion.payload,
     )
 
 

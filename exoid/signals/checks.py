@@ -167,7 +167,7 @@ def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where:
             **place,
             remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
             "if the joint really turns that far, largest_angle=math.inf",
-            command="give --degrees; if the joint really turns that far, wrap its angle, or use Python",
+            command="give --degrees, or --radians if the joint really turns that far",
         )
 
 

@@ -42,9 +42,10 @@ def part_columns(headers: Mapping[str, str]) -> tuple[tuple[str, ...], tuple[str
             of_base += names
     external = tuple(name for name in headers if is_external(name))
     for link in _links(external):
-        for parts in (WRENCH_PARTS, POINT_PARTS):
-            of_link = tuple(f"wrench_{link}_{part}" for part in parts)
-            _has_all(of_link, external, f"the wrench on {link}", needed=parts is WRENCH_PARTS)
+        measured = [name for name in _named(link, WRENCH_PARTS) if name in external]
+        if len(measured) != 1:  # one is a sensor of one axis: it measures all that acts there
+            _has_all(_named(link, WRENCH_PARTS), external, f"the wrench on {link}", needed=True)
+        _has_all(_named(link, POINT_PARTS), external, f"the wrench on {link}")
     return tuple(of_base), external
 
 
@@ -180,8 +181,9 @@ def _said_frames(table: Table) -> dict[str, WrenchFrame]:
 
 
 def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | None) -> Wrench:
-    values = np.column_stack([columns[f"wrench_{link}_{part}"] for part in WRENCH_PARTS])
-    names = [f"wrench_{link}_{part}" for part in POINT_PARTS]
+    zeros = np.zeros(len(next(iter(columns.values()))))
+    values = np.column_stack([columns.get(name, zeros) for name in _named(link, WRENCH_PARTS)])
+    names = _named(link, POINT_PARTS)
     if names[0] not in columns:
         axes, point = frame or WrenchFrame("link")
         return Wrench(values[:, :3], values[:, 3:], (0.0, 0.0, 0.0) if point is None else point, axes)  # type: ignore[arg-type]
@@ -194,16 +196,21 @@ def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | N
     return Wrench(values[:, :3], values[:, 3:], point_columns, "world")
 
 
+def _named(link: str, parts: Sequence[str]) -> tuple[str, ...]:
+    """Name columns of the wrench on a link."""
+    return tuple(f"wrench_{link}_{part}" for part in parts)
+
+
 def log_of_external(wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> LogPart:
     """Name the columns of wrenches and contacts, and write axes and points as lines above the header."""
     names: list[str] = []
     columns: list[FloatArray] = []
     comments = []
     for link, wrench in wrenches.items():
-        names += [f"wrench_{link}_{part}" for part in WRENCH_PARTS]
+        names += _named(link, WRENCH_PARTS)
         columns.append(wrench.columns)
         if wrench.moving_point:
-            names += [f"wrench_{link}_{part}" for part in POINT_PARTS]
+            names += _named(link, POINT_PARTS)
             columns.append(wrench.point)
         point = None if wrench.moving_point else tuple(wrench.point.tolist())
         comments.append(f"{WRENCH} {link}:{WrenchFrame(wrench.axes, point)}")
@@ -212,11 +219,6 @@ def log_of_external(wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolA
     return LogPart(names, columns, comments)
 
 
-def _link(name: str) -> str | None:
-    match = WRENCH_COLUMN.fullmatch(name)
-    return match["link"] if match else None
-
-
 def _links(names: Iterable[str]) -> tuple[str, ...]:
     """Links with a wrench, each once."""
-    return tuple(dict.fromkeys(link for name in names if (link := _link(name)) is not None))
+    return tuple(dict.fromkeys(match["link"] for match in map(WRENCH_COLUMN.fullmatch, names) if match))

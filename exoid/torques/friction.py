@@ -54,8 +54,8 @@ class Stribeck(DryFriction):
 class LoadFriction(DryFriction):
     """Load-dependent friction, τ = mu |τ_rb| z, proportional to the torque that a gear carries.
 
-    τ_rb is the rigid-body torque of the *model* at its own parameters, so the fit alternates between them and mu. The
-    measured torque cannot take its place: it contains the friction and would predict itself.
+    τ_rb is the rigid-body torque of the *model*, with payloads and measured wrenches, so the fit alternates between it
+    and mu. The measured torque cannot take its place: it contains the friction and would predict itself.
 
     The friction of a gear differs between driving and back-driving. With ``split``, mu_drive applies while power
     τ_rb v > 0 goes to the leg, and mu_back while it comes back. The torque is a continuous function of z:
