@@ -181,7 +181,7 @@ def source_of(module: ModuleType, name: str) -> str:
 
 
 def reference_index(packages: dict[str, ModuleType]) -> str:
-    """Write the first page of the reference: every module with its subject and its names.
+    """Write the first page of the reference: the names that most users need, then every module with its subject.
 
     Args:
         packages: Modules by name.
@@ -192,8 +192,22 @@ def reference_index(packages: dict[str, ModuleType]) -> str:
     rows = [
         f"| [`{name}`]({name}.md) | {(module.__doc__ or '').splitlines()[0]} |" for name, module in packages.items()
     ]
-    head = "# Reference\n\nEvery public name. Arrays are (N, n), samples first and joints second; units are SI.\n"
-    return "\n".join([head, "| module | subject |", "|---|---|", *rows]) + "\n"
+    exoid = packages["exoid"]
+    inner = {name: getattr(exoid, name) for name in public_names(exoid)}
+    first = [
+        f"| [`exoid.{name}`](exoid.md#{source_of(exoid, name)}) | {re.sub(r':[a-z]+:`', '`', text.splitlines()[0])} |"
+        for name, each in inner.items()
+        if not isinstance(each, ModuleType) and (text := inspect.getdoc(each))
+    ]
+    head = "# Reference\n\nArrays are (N, n), samples first and joints second; units are SI.\n"
+    ring = ["## All you need\n", "These names take you from a URDF and logs to a model and its use.\n"]
+    more = ["\n## Advanced\n", "Every public name, by module.\n"]
+    return "\n".join([head, *ring, *_table("name", first), *more, *_table("module", rows)]) + "\n"
+
+
+def _table(of_what: str, rows: list[str]) -> list[str]:
+    """Put a head above rows of names and subjects."""
+    return [f"| {of_what} | subject |", "|---|---|", *rows]
 
 
 def command_line() -> str:
