@@ -11,6 +11,7 @@ from worn import log, swing
 import exoid
 from exoid import ExoidError
 from exoid.control.wearer import compare_limb, identify_limb, limb_parameters, limb_recording
+from exoid.control.wearer.cuffs import Cuffs
 from exoid.errors import BadArgumentError
 from exoid.rig import leg_with_payloads, limb_of, sandbags
 
@@ -163,3 +164,11 @@ def test_late_torques_are_named_as_an_error_that_intervals_lack(leg):
     assert "ms after the motion" in note
     assert "note: torques" in str(compare_limb(first, second))
     assert not compare_limb(*(exoid.identify(leg, one, TERMS) for one in logs)).notes
+
+
+def test_small_damping_is_as_uncertain_as_large_damping_and_none_is_known():
+    cuffs = Cuffs.of(("hip", "knee", "ankle"), 1000.0, [0.4, 40.0, 0.0], 0.2)
+    np.testing.assert_array_equal(cuffs.damping_std, [0.2, 0.2, 0.0])
+    assert [row[4] for row in cuffs.rows()] == ["0.08", "8", "0"]
+    assert not cuffs.known
+    assert Cuffs.of(("hip",), 1000.0, 5.0, 0.0).known
