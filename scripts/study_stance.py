@@ -2,7 +2,7 @@
 
     python scripts/study_stance.py                       # 16 seeds, about ten minutes on two cores
     python scripts/study_stance.py --seeds 2 --jobs 1
-    python scripts/study_stance.py --walk --jobs 1       # the walk alone, with the true friction and rotors: a minute
+    python scripts/study_stance.py --walk                # the walk alone, with the true friction and rotors: a minute
 
 Each seed is one `exoid reproduce stance`: other motions, noise and bias of the IMU. Errors are the 95 % quantile over
 the seeds of the largest one of a seed; coverage is that of 95 % intervals of all parameters.
@@ -115,7 +115,7 @@ def main() -> None:
         tasks = [delayed(one_walk)(seed, options.walking) for seed in seeds]
     else:
         tasks = [delayed(one)(seed, options.seconds, options.walking) for seed in seeds]
-    found = Parallel(n_jobs=options.jobs)(tasks)
+    found = Parallel(n_jobs=1 if options.walk else options.jobs)(tasks)  # one simulated walk serves all seeds
     print(f"{options.seeds} seeds {'P95':>38} {'median':>8} {'mean':>8} {'least':>8} {'limit':>8}")
     for name in found[0]:
         values = np.array([each[name] for each in found])
