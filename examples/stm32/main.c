@@ -86,6 +86,20 @@ static void reference(void)
     ++in.target;
 }
 
+/* Let frames ENCODER_ID to ENCODER_ID + 3 in, and nothing else. */
+static void filter_frames(void)
+{
+    CAN_FilterTypeDef filter = {0};
+    filter.FilterIdHigh = ENCODER_ID << 5;
+    filter.FilterMaskIdHigh = 0x7FCu << 5;
+    filter.FilterMode = CAN_FILTERMODE_IDMASK;
+    filter.FilterScale = CAN_FILTERSCALE_32BIT;
+    filter.FilterFIFOAssignment = CAN_FILTER_FIFO0;
+    filter.FilterActivation = CAN_FILTER_ENABLE;
+    filter.SlaveStartFilterBank = 14;
+    HAL_CAN_ConfigFilter(&hcan1, &filter);
+}
+
 static int send_current(int j, law_real amperes)
 {
     CAN_TxHeaderTypeDef header = {0};
@@ -144,6 +158,7 @@ int main(void)
         counter[j] = -1;
     }
     __HAL_TIM_SET_AUTORELOAD(&htim6, (uint32_t)(TIMER_HZ / (double)LAW_RATE) - 1u);
+    filter_frames();
     HAL_CAN_Start(&hcan1);
     HAL_CAN_ActivateNotification(&hcan1, CAN_IT_RX_FIFO0_MSG_PENDING);
     HAL_TIM_Base_Start_IT(&htim6);

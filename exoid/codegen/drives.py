@@ -13,7 +13,7 @@ BOUND = 1e9  # in place of a limit that was not given: C99 has no literal for in
 
 
 def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
-    """Write the command of each joint as an expression in q[j], v[j] and tau[j], and within(x, limit) of the template."""
+    """Write the command of each joint as an expression in q[j], v[j], tau[j] and the template's within(x, limit)."""
     names = actuators.joint_names
     commands = [f"tau[{joint}]" for joint in range(len(names))]
     for name, drive in actuators.drives.items():

@@ -171,7 +171,8 @@ class Machine:
 def compile_for_cortex_m(sources: Sequence[Path], functions: Sequence[str], folder: Path) -> Elf:
     """Compile files with every warning as an error, and link them so that these functions can be called."""
     (folder / "link.ld").write_text(LINKER)
-    (folder / "unused.c").write_text("int main(void) { return 0; }\n")  # of the start-up code that --gc-sections removes
+    # The start-up code, which --gc-sections removes again, calls main().
+    (folder / "unused.c").write_text("int main(void) { return 0; }\n")
     flags = ("-std=c99", "-O2", "-g0", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffunction-sections", "-static")
     keep = (f"-Wl,--gc-sections,-T,{folder / 'link.ld'}", *(f"-Wl,-u,{name}" for name in functions))
     entry = f"-Wl,--entry={functions[0]}"

@@ -36,7 +36,7 @@ def test_a_law_runs_on_a_microcontroller(name, precision, error, tmp_path):
         torques.append(np.frombuffer(bytes(machine.uc.mem_read(TORQUE, 3 * row["q"].itemsize)), row["q"].dtype))
     print(
         f"\n{name}, {precision}: {max(taken)} instructions at most, {np.mean(taken):.0f} on average, "
-        f"{machine.instructions('law_') / ROWS:.0f} of them outside mathematical functions; {machine.elf.flash} bytes"
+        f"{machine.instructions('law_') / ROWS:.0f} of them in functions of the law; {machine.elf.flash} bytes"
     )
     expected = torques_in_python(laws()[name], values)
     np.testing.assert_allclose(torques, expected, atol=error * np.abs(expected).max(), rtol=0)

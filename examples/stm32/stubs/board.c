@@ -1,10 +1,9 @@
 /*
  * Board without a board: what the HAL's functions do, on variables that the emulator reads and writes.
- * On the real board CubeMX writes this file: board_init() then calls HAL_Init(), SystemClock_Config() and MX_..._Init().
+ * On the real board HAL and CubeMX take its place; README.md says how.
  *
  * Settings in CubeMX:
- *   CAN1   1 Mbit/s, automatic bus-off management, a filter that accepts identifiers 0x100 to 0x102 into FIFO 0;
- *          interrupt CAN1 RX0 on, preemption priority 1
+ *   CAN1   1 Mbit/s, automatic bus-off management; interrupt CAN1 RX0 on, preemption priority 1
  *   TIM6   prescaler so that it counts at TIMER_HZ: 89 where its clock has 90 MHz. Interrupt on, preemption
  *          priority 1 as well
  *   IWDG   10 ms: prescaler 4, reload 79 (LSI of 32 kHz)
@@ -24,6 +23,8 @@ TIM_TypeDef stub_tim6;
 TIM_HandleTypeDef htim6 = {&stub_tim6};
 GPIO_TypeDef stub_gpioc = {GPIO_PIN_13}; /* not pressed */
 
+static CAN_FilterTypeDef filter;
+
 /* A frame, the same for both directions. */
 typedef struct {
     uint32_t id;
@@ -39,6 +40,13 @@ uint32_t stub_sent_count, stub_fed_count; /* frames sent, and how often the watc
 
 void board_init(void)
 {
+}
+
+HAL_StatusTypeDef HAL_CAN_ConfigFilter(CAN_HandleTypeDef *hcan, const CAN_FilterTypeDef *sFilterConfig)
+{
+    (void)hcan;
+    filter = *sFilterConfig;
+    return HAL_OK;
 }
 
 HAL_StatusTypeDef HAL_CAN_Start(CAN_HandleTypeDef *hcan)
@@ -111,7 +119,9 @@ GPIO_PinState HAL_GPIO_ReadPin(const GPIO_TypeDef *GPIOx, uint16_t GPIO_Pin)
 
 void CAN1_RX0_IRQHandler(void)
 {
-    HAL_CAN_IRQHandler(&hcan1);
+    if (filter.FilterActivation && ((stub_received.id << 5 ^ filter.FilterIdHigh) & filter.FilterMaskIdHigh) == 0) {
+        HAL_CAN_IRQHandler(&hcan1); /* else the frame does not interrupt the processor */
+    }
 }
 
 void TIM6_DAC_IRQHandler(void)

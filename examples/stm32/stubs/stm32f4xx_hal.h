@@ -23,6 +23,11 @@ typedef struct {
 } CAN_TxHeaderTypeDef;
 
 typedef struct {
+    uint32_t FilterIdHigh, FilterIdLow, FilterMaskIdHigh, FilterMaskIdLow, FilterFIFOAssignment, FilterBank;
+    uint32_t FilterMode, FilterScale, FilterActivation, SlaveStartFilterBank;
+} CAN_FilterTypeDef;
+
+typedef struct {
     int unused;
 } CAN_HandleTypeDef;
 
@@ -30,8 +35,13 @@ typedef struct {
 #define CAN_ID_EXT 0x4u
 #define CAN_RTR_DATA 0x0u
 #define CAN_RX_FIFO0 0x0u
+#define CAN_FILTERMODE_IDMASK 0x0u
+#define CAN_FILTERSCALE_32BIT 0x1u
+#define CAN_FILTER_FIFO0 0x0u
+#define CAN_FILTER_ENABLE 0x1u
 #define CAN_IT_RX_FIFO0_MSG_PENDING 0x2u
 
+HAL_StatusTypeDef HAL_CAN_ConfigFilter(CAN_HandleTypeDef *hcan, const CAN_FilterTypeDef *sFilterConfig);
 HAL_StatusTypeDef HAL_CAN_Start(CAN_HandleTypeDef *hcan);
 HAL_StatusTypeDef HAL_CAN_ActivateNotification(CAN_HandleTypeDef *hcan, uint32_t ActiveITs);
 HAL_StatusTypeDef HAL_CAN_GetRxMessage(
