@@ -45,7 +45,7 @@ static const law_real swing[LAW_JOINTS] = {0.5f, -0.7f, 0.15f};
 static law_state state;
 static law_input in;
 static unsigned fresh;                     /* bit j: joint j has reported since the last step that used it */
-static int counter[LAW_JOINTS];            /* last counter of each encoder; -1: none yet */
+static uint8_t counter[LAW_JOINTS];        /* last counter of each encoder */
 static int running;                        /* whether the leg follows its motion */
 static int held;                           /* whether the button was down in the last step */
 static uint32_t tick;                      /* steps since the beginning of the motion */
@@ -151,12 +151,8 @@ void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *htim)
 int main(void)
 {
     uint32_t fed = 0;
-    int j;
     board_init();
     law_init(&state);
-    for (j = 0; j < LAW_JOINTS; ++j) {
-        counter[j] = -1;
-    }
     __HAL_TIM_SET_AUTORELOAD(&htim6, (uint32_t)(TIMER_HZ / (double)LAW_RATE) - 1u);
     filter_frames();
     HAL_CAN_Start(&hcan1);

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cortex_m import needs_cortex_m
 from doc_pages import Page
-from stm32_firmware import EXAMPLE, RATE, SLEW, Firmware, InTheLoop, LawInPython, build, measured, motion
+from stm32_firmware import CAN1_RX0, EXAMPLE, RATE, SLEW, Firmware, InTheLoop, LawInPython, build, measured, motion
 
 pytestmark = [
     needs_cortex_m,
@@ -83,8 +83,14 @@ def test_the_button_starts_nothing_while_an_encoder_is_missing(firmware):
     firmware.press(True)
     firmware.step(Q, V, reports=(0, 1))
     assert all(quiet(firmware.step(Q, V, reports=(0, 1)).current) for _ in range(50))
-    firmware.step(Q, 0 * V)  # it reports, but the button was never released
-    assert all(quiet(firmware.step(Q, 0 * V).current) for _ in range(50))
+    for _ in range(2):
+        assert all(quiet(firmware.step(Q, 0 * V).current) for _ in range(50))  # it reports: too late for the button
+        firmware.press(False)
+        firmware.step(Q, 0 * V)
+        for _ in range(2 * PATIENCE):
+            firmware.step(Q, 0 * V, reports=(0, 1))
+        firmware.press(True)
+        firmware.step(Q, 0 * V, reports=(0, 1))
     firmware.press(False)
     firmware.step(Q, 0 * V)
     firmware.press(True)
@@ -146,10 +152,14 @@ def test_the_watchdog_is_fed_while_the_command_is_the_safe_one(firmware):
     assert firmware.fed == fed + 20
 
 
-def test_frames_of_others_change_nothing(firmware):
-    before = started(firmware)
-    machine = firmware.machine
-    for identifier, size in ((0x0FF, 7), (0x103, 7), (0x100, 8), (0x101, 0)):
-        machine.write("stub_received", np.uint32([identifier, size, 0x7FFFFFFF, 0x00FF7FFF]))
-        machine.interrupt(20)
-    np.testing.assert_allclose(firmware.step(Q, V).current, before, atol=0.3)
+def test_frames_of_others_change_nothing(built):
+    current = []
+    for others in ((), ((0x0FF, 7), (0x103, 7), (0x100, 8), (0x101, 0), (0x7FF, 7))):
+        firmware = Firmware(built[0])
+        started(firmware)
+        for identifier, size in others:
+            frame = np.uint32([identifier, size, 0x7FFFFFFF, 0x00FF7FFF])
+            firmware.machine.write("stub_received", frame)
+            firmware.machine.interrupt(CAN1_RX0)
+        current.append([firmware.step(Q, V, reports=()).current for _ in range(20)])
+    np.testing.assert_array_equal(*current)
