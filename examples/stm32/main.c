@@ -5,8 +5,8 @@
  * torque of the joints (law_step), the currents of the motors (law_command), and sends them over CAN.
  *
  * Rules:
- * - A motor gets current only after the button was pressed, and only while every encoder reports.
- * - A fault stops the leg: the law's safe torque, until the button is pressed again.
+ * - The leg moves only after the button was pressed. Before, the law gives its safe torque, which damps the leg.
+ * - A fault stops the motion: safe torque again, until the button is pressed; zero while an encoder is missing.
  * - The watchdog is fed only when a step was done in time and its frames were accepted.
  */
 #include "law.h"
@@ -33,7 +33,7 @@ void board_init(void);
 #define SET_CURRENT (1u << 8)
 
 static const uint32_t drive[LAW_JOINTS] = {1, 2, 3};
-static const int32_t zero[LAW_JOINTS] = {0, 0, 0};          /* counts where the angle of the URDF is zero */
+static const int32_t zero[LAW_JOINTS] = {0, 0, 0};            /* counts where the angle of the URDF is zero */
 static const law_real sense[LAW_JOINTS] = {1.0f, 1.0f, 1.0f}; /* -1 where the encoder counts against the URDF */
 
 /* Motion: from where the leg is at the start to `swing` [rad] further, and back, once in PERIOD seconds. */
@@ -48,11 +48,11 @@ static unsigned fresh;                     /* bit j: joint j has reported since 
 static uint8_t counter[LAW_JOINTS];        /* last counter of each encoder */
 static int running;                        /* whether the leg follows its motion */
 static int held;                           /* whether the button was down in the last step */
-static uint32_t tick;                      /* steps since the beginning of the motion */
-static law_real start[LAW_JOINTS];         /* angles there [rad] */
+static uint32_t tick;                      /* steps since the motion began, modulo its period */
+static law_real start[LAW_JOINTS];         /* angles at its beginning [rad] */
 static volatile uint32_t done;             /* steps that were done in time */
 
-/* An encoder's frame. One that repeats its counter is old: the sensor hangs, although its bus does not. */
+/* An encoder's frame. One that repeats its counter is old: the sensor hangs, although its bus works. */
 void HAL_CAN_RxFifo0MsgPendingCallback(CAN_HandleTypeDef *hcan)
 {
     CAN_RxHeaderTypeDef header;

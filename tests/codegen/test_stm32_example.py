@@ -74,9 +74,12 @@ def test_the_timer_overflows_at_the_rate_of_the_law(firmware):
     assert firmware.machine.read("stub_tim6", np.uint32)[1] == 1e6 / RATE - 1
 
 
-def test_no_motor_gets_current_before_the_button_is_pressed(firmware):
+def test_before_the_button_is_pressed_the_leg_is_damped_and_nothing_else(firmware):
     assert all(quiet(firmware.step(Q, 0 * V).current) for _ in range(50))
     assert firmware.fed == 50
+    pushed = [firmware.step(Q, V).current for _ in range(50)][-1]
+    assert (pushed * V < 0).all()
+    assert not quiet(pushed)
 
 
 def test_the_button_starts_nothing_while_an_encoder_is_missing(firmware):
