@@ -9,9 +9,11 @@ from exoid.errors import ExoidError, NotSupportedError
 
 from .dialect import Dialect
 
+BOUND = 1e9  # in place of a limit that was not given: C99 has no literal for infinity
+
 
 def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
-    """Write the command of each joint as an expression in q[j], v[j] and tau[j]."""
+    """Write the command of each joint as an expression in q[j], v[j], tau[j] and the template's within(x, limit)."""
     names = actuators.joint_names
     commands = [f"tau[{joint}]" for joint in range(len(names))]
     for name, drive in actuators.drives.items():
@@ -64,15 +66,16 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
         if drive.needs_velocity:
             driving, driven = drive.gear_factors
             mean, half = number(0.5 * (driving + driven)), number(0.5 * (driving - driven))
-            zero, one = number(0.0), number(1.0)
-            sign = f"({tau} > {zero} ? {one} : {tau} < {zero} ? -{one} : {zero})"
-            current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {v} / {number(SLOW)}))"
+            sign = f"{dialect.function('copysign')}({number(1.0)}, {tau})"
+            known = f"within({v}, {number(BOUND)})"  # a safe torque is made also while the velocity is unknown
+            current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {known} / {number(SLOW)}))"
         return _limited(current, drive.max_current, dialect)
     if isinstance(drive, SeriesElastic):
         return f"{number(drive.ratio)} * ({q} + {tau} / {number(drive.stiffness)})"
     if isinstance(drive, LinearActuator) and isinstance(drive.moment_arm, MountedAttachments):
         gain = "" if drive.gain == 1.0 else f"{number(drive.known('gain'))} * "
-        return _limited(f"{tau} / ({gain}{_arm(drive.moment_arm, q, dialect)})", drive.max_force, dialect)
+        gain += _arm(drive.moment_arm, q, dialect)  # its fmax() drops a NaN
+        return _limited(f"isfinite({q}) ? {tau} / ({gain}) : {number(0.0)}", drive.max_force, dialect)
     raise NotSupportedError(
         f"{type(drive).__name__} with a table of moment arms has no form in C"
         if isinstance(drive, LinearActuator)
@@ -96,8 +99,5 @@ def _arm(arm: MountedAttachments, q: str, dialect: Dialect) -> str:
 
 
 def _limited(command: str, limit: float | None, dialect: Dialect) -> str:
-    """Limit a command to both sides."""
-    if limit is None:
-        return command
-    low, high = dialect.function("fmin"), dialect.function("fmax")
-    return f"{high}(-{dialect.number(limit)}, {low}({dialect.number(limit)}, {command}))"
+    """Limit a command to both sides; zero where it is not finite."""
+    return f"within({command}, {dialect.number(BOUND if limit is None else limit)})"

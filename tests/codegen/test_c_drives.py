@@ -55,6 +55,29 @@ def test_commands_are_those_of_python(name, precision, error, tmp_path) -> None:
 
 
 @needs_compiler
+@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_torque_of_zero_is_no_current_and_no_force_whatever_the_measurement(name, wrong, tmp_path) -> None:
+    estimate = made_up(LEG)
+    leg = CompiledLeg(c_source(estimate.model, estimate.values, actuators=DRIVES[name]), tmp_path)
+    measured, wrong = np.zeros(3), np.full(3, wrong)
+    for q, v in ((measured, wrong), (wrong, measured), (wrong, wrong)):
+        command = leg("command", q, v, np.zeros(3))[0]
+        motor_angle = np.array([unit == "rad" for unit in DRIVES[name].units])
+        assert (command[~motor_angle] == 0.0).all()
+
+
+@needs_compiler
+def test_a_torque_is_made_also_while_the_velocity_is_unknown(tmp_path) -> None:
+    """The safe torque may hold the leg against gravity then."""
+    estimate, torque = made_up(LEG), np.array([[20.0, -10.0, 5.0]])
+    leg = CompiledLeg(c_source(estimate.model, estimate.values, actuators=DRIVES["mixed"]), tmp_path)
+    at_rest = leg("command", np.zeros(3), np.zeros(3), torque)
+    np.testing.assert_array_equal(leg("command", np.zeros(3), np.full(3, np.nan), torque), at_rest)
+    assert leg("command", np.zeros(3), np.zeros(3), np.full(3, np.nan))[0, 0] == 0.0  # not its largest current
+
+
+@needs_compiler
 def test_a_law_turns_its_torque_into_commands_of_the_drives(tmp_path) -> None:
     source = c_source(pd((60.0, 40.0, 20.0), 2.0), actuators=DRIVES["mixed"])
     assert source.functions == ("law_init", "law_step", "law_command")
