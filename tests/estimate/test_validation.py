@@ -208,7 +208,8 @@ def test_a_measured_force_belongs_to_the_prediction(swing, estimate):
     pushed = replace(test, tau=test.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)})
     plain, found = exoid.validate(estimate, test), exoid.validate(estimate, pushed)
     np.testing.assert_allclose(found.residual, plain.residual, atol=2e-3)  # the angles are filtered, too
-    np.testing.assert_allclose(found.half_width, plain.half_width, rtol=1e-3)
+    # Friction of another form may grow with the load, of which the push is a part
+    np.testing.assert_allclose(found.half_width, plain.half_width, rtol=1e-2)
     rows = np.searchsorted(test.time, found.time - 1e-6)
     apart = (found.measured - plain.measured + push[rows])[50:-50]  # at the ends, a filter is one-sided
     assert np.abs(apart).max() < 0.02 * np.abs(push).max()

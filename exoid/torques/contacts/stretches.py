@@ -93,13 +93,17 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, v, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
-    imu = imu_errors(leg, recording, feet) if leg.base_rows else None
-    errors = imu or session
-    if errors is not None and recording.base is not None and not recording.base.calibrated:
-        recording = replace(recording, base=errors.corrected(recording.base))
-    slip = Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
-    if recording.base is not None and leg.base_rows and recording.contacts:
-        slip = sliding(leg, recording, recording.base, feet)
+    raw, slip = recording, Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
+    for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
+        rests = {link: flags & ~slip.slides for link, flags in feet.items()}
+        imu = imu_errors(leg, raw, rests) if leg.base_rows else None
+        errors = imu or session
+        if errors is not None and raw.base is not None and not raw.base.calibrated:
+            recording = replace(raw, base=errors.corrected(raw.base))
+        if recording.base is not None and leg.base_rows and recording.contacts:
+            slip = sliding(leg, recording, recording.base, feet)
+        if not slip.slides.any():
+            break
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = {link: flags for link, flags in feet.items() if link in recording.wrenches and leg.base_rows}

@@ -40,11 +40,15 @@ def slipping(exo, log, speed, lasting=0.25, starts=(3.0, 7.0, 12.0, 16.0)):
         inside = (phase >= 0.0) & (phase < 1.0)
         forward[inside, 0] = speed * np.pi / lasting * np.sin(2.0 * np.pi * phase[inside])  # of v sin²(π t / T)
         slips |= inside
+    return replace(log, base=accelerated(exo, log, forward)), slips
+
+
+def accelerated(exo, log, forward):
+    """Add an acceleration in the laboratory to what the IMU reads."""
     rotation = link_placements(exo, log.q, "left_foot").rotation
     turn = level_rotation(exo, "left_foot") @ np.swapaxes(rotation, 1, 2)  # laboratory from base
     aside = np.einsum("nji,nj->ni", turn, forward)
-    base = replace(log.base, specific_force=log.base.specific_force + aside)
-    return replace(log, base=base), slips
+    return replace(log.base, specific_force=log.base.specific_force + aside)
 
 
 def test_a_slip_of_both_feet_is_seen_and_counted(exo, still):
@@ -53,6 +57,16 @@ def test_a_slip_of_both_feet_is_seen_and_counted(exo, still):
     assert 0.6 * slips.mean() < parts.left.moving < 1.2 * slips.mean()
     assert parts.left.slipping == 0.0
     assert 0.004 < parts.visible < 0.012
+
+
+def test_a_slip_says_nothing_of_the_errors_of_the_imu(exo, still):
+    phase = np.mod(still.time - 1.0, 2.0)
+    forward = np.zeros((len(still), 3))
+    forward[:, 0] = np.select([phase < 0.1, phase < 0.7], [0.9, -0.15], 0.0)  # starts in a jerk, and slows down
+    ice = split(exo, replace(still, base=accelerated(exo, still, forward))).imu
+    dry = split(exo, still).imu
+    np.testing.assert_allclose(ice.std[3:6], dry.std[3:6], rtol=0.5)  # 18 times as large if slips counted as rest
+    assert (np.abs(ice.force_bias - dry.force_bias) < 4.0 * dry.std[3:6]).all()  # 7 times then
 
 
 def test_feet_that_rest_and_slips_below_the_noise_are_not_said_to_slip(exo, still):
