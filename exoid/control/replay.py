@@ -134,7 +134,7 @@ class LawReplay:
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
         columns = [self.rms_torque, self.rms_recorded, self.rms_difference, self.peak_torque, self.peak_difference]
-        texts = [[_text(x) for x in column] for column in (*columns, self.peak_rate)]
+        texts = [["" if np.isnan(x) else f"{x:.3g}" for x in column] for column in (*columns, self.peak_rate)]
         texts += [[f"{100.0 * x:.1f} %" for x in column] for column in (self.share_at_limit, self.share_at_slew)]
         headers = ("joint", "rms [N·m]", "recorded", "difference", "peak [N·m]", "peak difference")
         limits = ("peak rate [N·m/s]", "at limit", "at rate limit")
@@ -239,7 +239,3 @@ def _commanded(
 def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:
     """Columns at other times, (N, n), interpolated between samples."""
     return np.column_stack([np.interp(times, elapsed, column) for column in values.T])
-
-
-def _text(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.3g}"
