@@ -16,6 +16,7 @@ from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
 from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import attributes
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 
 from .law import AnyLaw, State, name_of, stateful
@@ -24,7 +25,7 @@ from .tracking import rms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LawReplay:
+class LawReplay(ReadOnly):
     """Torque that a controller would have commanded during a log; prints itself as a table.
 
     The motion is that of the log, whatever the torque: nothing says how the leg would have moved. Metrics are (n,).
@@ -48,13 +49,6 @@ class LawReplay:
     recorded: FloatArray
     limit: FloatArray
     slew: FloatArray
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for name in ("time", "commanded", "recorded", "limit", "slew"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
 
     @property
     def rms_torque(self) -> FloatArray:

@@ -33,6 +33,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import make_table, to_text
 
 from .nearest_bodies import Problem, approach, reproduce
@@ -55,7 +56,7 @@ FLOOR = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Lift:
+class Lift(ReadOnly):
     """Physically consistent links, and the base parameters that they reproduce; ``print`` shows them.
 
     Attributes:
@@ -81,11 +82,6 @@ class Lift:
     distance: float
     divergence: float
     mass_limits: FloatArray
-
-    def __post_init__(self) -> None:
-        """Make the arrays read-only."""
-        for array in (self.target, self.values, self.link_parameters, self.mass_limits):
-            array.flags.writeable = False
 
     @property
     def moved(self) -> dict[str, float]:
