@@ -9,7 +9,8 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous
 from exoid.experiments.excitation import GroundLimits, MotionLimits, plan_stance, run_stance, search
-from exoid.experiments.excitation.fourier import Basis, States
+from exoid.experiments.excitation.fourier import Basis
+from exoid.experiments.references import States
 from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.precision import predict
