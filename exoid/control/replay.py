@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, in_file
 from exoid.experiments import follow_log
+from exoid.regression.rows import source_of
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
@@ -168,7 +169,7 @@ def replay_law(
         >>> replay_law(half, data.train).commanded.shape[1]
         3
     """
-    where = recording.source.name if recording.source else ""
+    where = source_of(recording)
     with in_file(where):
         refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:

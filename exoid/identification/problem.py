@@ -17,6 +17,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
+from exoid.regression.rows import source_of
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
@@ -77,7 +78,7 @@ class Problem:
                 if is_so:
                     raise NotSupportedError(
                         f"{estimator} fits {what}",
-                        where=data.source.name if data.source else "",
+                        where=source_of(data),
                         remedy="use wls, huber, gls or ols",
                     )
 

@@ -102,7 +102,7 @@ def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
     leg = exoid.load_leg("cuhk")
     few, many = (cuhk.multisine(leg, np.random.default_rng(3), draws) for draws in (1, 40))
     for motion in (few, many):
-        q, v, a = cuhk._period(motion)
+        q, v, a = motion.over(cuhk.PERIOD)
         assert (q >= cuhk.LOWEST - 1e-6).all()
         assert (q <= cuhk.HIGHEST + 1e-6).all()
         assert np.abs(v).max() <= cuhk.MAX_SPEED + 1e-6

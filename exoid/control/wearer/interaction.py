@@ -24,7 +24,7 @@ from exoid.estimate.validation_checks import (
 )
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
@@ -301,7 +301,7 @@ def _of_recording(
 ) -> Interaction:
     """Compute the interaction in one recording."""
     recording = for_leg(estimate.model, as_trained(estimate, recording))
-    name, measured = recording.source.name if recording.source else "", recording.measured
+    name, measured = source_of(recording), recording.measured
     even, preparation = recording.resampled(), chosen.preparation
     rate = even.sample_rate
     fraction = preparation.independent_fraction(rate)
