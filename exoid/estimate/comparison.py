@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.intervals import intervals
-from exoid.regression.least_squares import RANK_OF_SQUARES, scaled_eigh
+from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 
@@ -249,7 +249,9 @@ def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
     """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
     if not len(difference):
         return 0.0, 1.0
-    std, sizes, vectors = scaled_eigh(covariance)
+    std = np.sqrt(np.diag(covariance))
+    std = np.where(std > 0.0, std, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))
     seen = sizes > RANK_OF_SQUARES * max(sizes.max(), RANK_OF_SQUARES)
     rank = int(seen.sum())
     if rank == 0:

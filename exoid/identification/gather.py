@@ -14,7 +14,6 @@ from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, within
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
-from exoid.regression.rows import source_of
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.preparation_names import preparation_by_name
@@ -141,7 +140,7 @@ def without_late_velocities(group: Group) -> Group:
         if isinstance(one, Recording) and one.v is not None:
             found = [each for each in late_velocities(one) if each.kind == "velocity-delay"]
             data[k] = replace(one, v=None, a=None) if found else one
-            name = source_of(one) if len(data) > 1 else ""
+            name = one.source.name if one.source and len(data) > 1 else ""
             findings += [replace(each, recording=name) for each in found]
     return replace(group, data=tuple(data), findings=tuple(findings))
 

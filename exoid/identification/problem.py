@@ -17,7 +17,6 @@ from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
-from exoid.regression.rows import source_of
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
@@ -78,7 +77,7 @@ class Problem:
                 if is_so:
                     raise NotSupportedError(
                         f"{estimator} fits {what}",
-                        where=source_of(data),
+                        where=data.source.name if data.source else "",
                         remedy="use wls, huber, gls or ols",
                     )
 

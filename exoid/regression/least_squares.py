@@ -155,22 +155,9 @@ def scaled_pinv(A: FloatArray) -> FloatArray:
 
 def scaled_inverse(M: FloatArray) -> FloatArray:
     """Pseudo-inverse of normal equations or a covariance, scaled to a diagonal of 1 (RANK_OF_SQUARES)."""
-    scale = _diagonal_scale(M)
-    both = np.multiply.outer(scale, scale)
-    return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
-
-
-def scaled_eigh(M: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Scale to a diagonal of 1 as for :func:`scaled_inverse`, (P,), and eigenvalues and vectors of what is scaled."""
-    scale = _diagonal_scale(M)
-    sizes, vectors = np.linalg.eigh(M / np.multiply.outer(scale, scale))
-    return scale, sizes, vectors
-
-
-def _diagonal_scale(M: FloatArray) -> FloatArray:
-    """Roots of the diagonal; 1 where it is zero, or negative by rounding."""
     scale = np.sqrt(np.clip(np.diag(M), 0.0, None))
-    return np.where(scale > 0.0, scale, 1.0)
+    both = np.multiply.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
+    return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
 
 
 class Solution(NamedTuple):

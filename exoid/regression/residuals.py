@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .least_squares import Solution, scaled_eigh
+from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import RowProblem, RowSource
 from .row_data import NoiseKind, RowBlock
@@ -186,5 +186,6 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
 
 def matrix_root(covariance: FloatArray) -> FloatArray:
     """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
-    scale, sizes, vectors = scaled_eigh(covariance)
+    scale = np.sqrt(np.clip(np.diag(covariance), 1e-300, None))
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
     return np.asarray(scale[:, None] * vectors * np.sqrt(np.clip(sizes, 0.0, None)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Covariance, correlated_covariance
-from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution, scaled_eigh
+from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
 from exoid.regression.residuals import Point
 from exoid.torques import TorqueModel
 
@@ -95,7 +95,9 @@ def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFac
 
 def _singular_root(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Rows of unit noise, (P, P + 1), that have singular normal equations."""
-    scale, values, axes = scaled_eigh(matrix)
+    scale = np.sqrt(np.diag(matrix))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    values, axes = np.linalg.eigh(matrix / np.outer(scale, scale))
     root = np.sqrt(np.where(values > RANK_OF_SQUARES * values[-1], values, 0.0))
     inverse = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
     rows = np.column_stack([root[:, None] * axes.T * scale, inverse * (axes.T @ (right / scale))])

@@ -20,9 +20,6 @@ from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
 from .patterns import ALWAYS, PLAIN, Columns, Grid, Pattern, patterns
 
-SWEEPS = 4
-"""Largest number of sweeps after those in which all joints have an offset."""
-
 
 @dataclass(frozen=True)
 class Search:
@@ -107,12 +104,12 @@ class Found(NamedTuple):
 
 
 def search_joint_by_joint(search: Search) -> Found:
-    """Sweep over the joints until predictions settle, at most so often after sweeps in which all have an offset."""
+    """Sweep over the joints until predictions settle, at most four times after sweeps in which all have an offset."""
     plain = (PLAIN,) * len(search.leg.joint_names)
     start = search.design(plain, None)
     choice = Choice.of(start, plain, Choice.of(start, plain, np.ones(len(plain))).sigma)
     before: FloatArray | None = None
-    joints, sweeps = len(plain), search.offset_sweeps + SWEEPS
+    joints, sweeps = len(plain), search.offset_sweeps + 4
     for sweep in range(sweeps):
         grids = tuple(Grid().about(columns, sweep) if sweep else Grid() for columns in choice.columns)
         tables, chosen = Tables.of(search, grids, choice), list(choice.columns)

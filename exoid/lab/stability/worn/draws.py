@@ -8,7 +8,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError, NotIdentifiableError
-from exoid.regression.least_squares import scaled_eigh
 from exoid.torques import TorqueModel, Viscous
 
 from .worn_leg import mass_matrices
@@ -39,7 +38,9 @@ def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, 
     viscous = {name for block in model.blocks if isinstance(block.term, Viscous) for name in block.names}
     bounded = [k for k, name in enumerate(model.names) if name in viscous]
     # Matrix L with L Lᵀ = Σ; Σ may be singular.
-    scale, variances, vectors = scaled_eigh(covariance)
+    scale = np.sqrt(np.diag(covariance))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    variances, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
     root = scale[:, None] * (vectors * np.sqrt(variances.clip(0.0))) @ vectors.T
     kept: list[FloatArray] = []
     for tries in range(1, TRIES + 1):
