@@ -141,7 +141,14 @@ class Harmonics(Reference):
         )
 
     def over(self, time: FloatArray) -> States:
-        """Sample the motion of one rig."""
+        """Sample the motion of one rig.
+
+        Args:
+            time: Times [s], (N,).
+
+        Returns:
+            Angles, velocities and accelerations, (N, n) each.
+        """
         instants = replace(self, phase=self.phase + self.frequency * time)  # every instant is one rig
         q, v, a = instants.at(0.0)
         assert a is not None

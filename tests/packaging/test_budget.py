@@ -14,7 +14,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "codegen": (1591, 2000),
     "control": (6615, 5000),
     "estimate": (3707, 2900),
-    "experiments": (4265, 3200),
+    "experiments": (4272, 3200),
     "identification": (8516, 7200),
     "lab": (5680, 5000),
     "leg": (4611, 4200),
