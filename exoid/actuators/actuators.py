@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError, within
 from exoid.leg.leg import Leg
+from exoid.regression.rows import source_of
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.differentiation import central_difference, smooth_motion
 from exoid.signals.external import ReadOnlyDict
@@ -139,7 +140,7 @@ class Actuators:
         for one in found:
             places, reading = [columns[joint] for joint in one.joints], one.readings(recording, columns)
             assert reading is not None
-            with within(_source(recording)), within(one.name):
+            with within(source_of(recording)), within(one.name):
                 torque = one.torque(reading, recording.q[:, places], velocity[:, places], recording.sample_rate)
                 torque = torque * one.temperature_factor(recording, columns)
             new = ~recording.measured[places]  # of a coupling, some joints may have a sensor
@@ -216,7 +217,7 @@ class Actuators:
         if without or recording.tau is None:
             raise BadArgumentError(
                 f"no torque of {', '.join(without)} in the recording",
-                where=_source(recording),
+                where=source_of(recording),
                 remedy="give a recording with the torques of all joints that have a drive",
             )
         velocity, tau = self._velocity(recording, parts), recording.tau.copy()
@@ -346,10 +347,6 @@ def _smooth(signal: FloatArray, rate: float) -> FloatArray:
     return smooth_motion(signal, rate, min(8.0, 0.2 * rate))
 
 
-def _source(recording: Recording) -> str:
-    return recording.source.name if recording.source else ""
-
-
 def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> UnreadableInputError:
     """Make the error about a recording that has neither torque nor what the drives need."""
     needed = [
@@ -360,7 +357,7 @@ def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Map
     has = f", but {' and '.join(others)}" if others else ""
     return UnreadableInputError(
         f"the recording has no torque, and not what its drives turn into torque{has}",
-        where=_source(recording),
+        where=source_of(recording),
         remedy=f"record {', '.join(needed)} ({', '.join(units)}), or map columns of the log to them",
         command=f"record {', '.join(needed)} ({', '.join(units)}), or map them, e.g. --column {needed[0]}=HEADER",
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.leg.joint_numbers import for_joints
 from exoid.rig import Target
 
 from .law import RATE, State, acceleration, gains, refuse_rate
@@ -58,13 +59,7 @@ class Adaptive:
         """Check the settings."""
         refuse_rate(self.rate)
         for name in ("kp", "kd", "dead_zone", "still"):
-            value = gains(getattr(self, name), name)
-            if value.shape not in ((), (self.model.n,)):
-                raise BadArgumentError(
-                    f"{name} of shape {value.shape} for {self.model.n} joints",
-                    remedy="give one number, or one for each joint",
-                )
-            object.__setattr__(self, name, np.broadcast_to(value, (self.model.n,)))
+            object.__setattr__(self, name, for_joints(gains(getattr(self, name), name), self.model.n, name))
         if not (self.kp > 0.0).all() or not (self.kd > 0.0).all() or not 0.0 < self.time_constant < np.inf:
             raise BadArgumentError(
                 f"kp = {self.kp}, kd = {self.kd}, time constant {self.time_constant:g} s",

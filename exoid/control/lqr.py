@@ -12,6 +12,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import MOTION, Dialect, InputInC, LawInC
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.joint_numbers import for_joints
 from exoid.leg.model import configuration
 from exoid.rig import Reference, Target
 
@@ -49,12 +50,7 @@ class Weights(NamedTuple):
         Raises:
             ExoidError: A deviation is not positive, or does not fit n joints.
         """
-        try:
-            angle, velocity, torque = (np.broadcast_to(np.asarray(x, dtype=np.float64), (n,)) for x in self)
-        except (TypeError, ValueError):
-            raise BadArgumentError(
-                f"weights {self} for {n} joints", remedy="give a number, or one for each joint"
-            ) from None
+        angle, velocity, torque = (for_joints(x, n, "weights") for x in self)
         finite = np.isfinite(angle).all() and np.isfinite(torque).all()
         if not (finite and (angle > 0.0).all() and (velocity > 0.0).all() and (torque > 0.0).all()):
             raise BadArgumentError(f"weights {self}", remedy="give positive deviations of angle, velocity and torque")

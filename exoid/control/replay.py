@@ -11,11 +11,13 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, in_file
 from exoid.experiments import follow_log
+from exoid.regression.rows import source_of
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
 from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import attributes
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 
 from .law import AnyLaw, State, name_of, stateful
@@ -24,7 +26,7 @@ from .tracking import rms
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LawReplay:
+class LawReplay(ReadOnly):
     """Torque that a controller would have commanded during a log; prints itself as a table.
 
     The motion is that of the log, whatever the torque: nothing says how the leg would have moved. Metrics are (n,).
@@ -48,13 +50,6 @@ class LawReplay:
     recorded: FloatArray
     limit: FloatArray
     slew: FloatArray
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for name in ("time", "commanded", "recorded", "limit", "slew"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
 
     @property
     def rms_torque(self) -> FloatArray:
@@ -134,7 +129,7 @@ class LawReplay:
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
         columns = [self.rms_torque, self.rms_recorded, self.rms_difference, self.peak_torque, self.peak_difference]
-        texts = [[_text(x) for x in column] for column in (*columns, self.peak_rate)]
+        texts = [["" if np.isnan(x) else f"{x:.3g}" for x in column] for column in (*columns, self.peak_rate)]
         texts += [[f"{100.0 * x:.1f} %" for x in column] for column in (self.share_at_limit, self.share_at_slew)]
         headers = ("joint", "rms [N·m]", "recorded", "difference", "peak [N·m]", "peak difference")
         limits = ("peak rate [N·m/s]", "at limit", "at rate limit")
@@ -174,7 +169,7 @@ def replay_law(
         >>> replay_law(half, data.train).commanded.shape[1]
         3
     """
-    where = recording.source.name if recording.source else ""
+    where = source_of(recording)
     with in_file(where):
         refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:
@@ -239,7 +234,3 @@ def _commanded(
 def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:
     """Columns at other times, (N, n), interpolated between samples."""
     return np.column_stack([np.interp(times, elapsed, column) for column in values.T])
-
-
-def _text(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.3g}"

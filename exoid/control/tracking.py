@@ -14,11 +14,12 @@ from exoid.errors import BadArgumentError
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
 from exoid.tools.json_values import attributes
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tracking:
+class Tracking(ReadOnly):
     """Run of one leg under one controller; prints itself as a table.
 
     Metrics refer to the true motion and torque from ``settle`` on, (n,) each.
@@ -52,15 +53,6 @@ class Tracking:
     settle: float = 0.0
     interaction: FloatArray | None = None
     limb_q: FloatArray | None = None
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for name in ("time", "target", "q", "v", "tau", "interaction", "limb_q"):
-            if getattr(self, name) is None:
-                continue
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
 
     @property
     def error(self) -> FloatArray:

@@ -14,6 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.intervals import intervals
 from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 
 from .data import EstimateData
@@ -22,7 +23,7 @@ SIGNIFICANT = 0.05  # a smaller probability is called a difference
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Report):
+class Comparison(ReadOnly, Report):
     """Wald test of two estimates, parameter by parameter and of all together; prints itself as a table.
 
     Attributes:
@@ -49,11 +50,6 @@ class Comparison(Report):
     p_value: float
     notes: tuple[str, ...] = ()
     dof: FloatArray = field(kw_only=True)
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for array in (self.difference, self.std, self.p_values, self.adjusted, self.dof):
-            array.flags.writeable = False
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Confidence intervals of the differences, each alone.

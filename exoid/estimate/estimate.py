@@ -10,7 +10,7 @@ from exoid.codegen import CSource, write_c
 from exoid.codegen.drives import with_form_in_c
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
-from exoid.tools.tables import to_html, to_text
+from exoid.tools.tables import DataTable, Report
 
 from .data import EstimateData
 from .export import Export, export_urdf
@@ -19,7 +19,7 @@ from .mjcf import MjcfExport, export_mjcf
 from .text import provenance, report
 
 
-class Estimate(EstimateData):
+class Estimate(Report, EstimateData):
     """Identified parameters of a leg with their covariance; prints itself as a table.
 
     See :class:`EstimateData` for the attributes: :attr:`values`, :attr:`std`, :attr:`covariance`, :attr:`names` and
@@ -167,10 +167,6 @@ class Estimate(EstimateData):
         """Name the parameters."""
         return f"Estimate({', '.join(f'{n}={v:.4g}' for n, v in zip(self.names, self.values, strict=True))})"
 
-    def __str__(self) -> str:
-        """Print as a table, followed by what the reader should know before trusting it."""
-        return to_text(*report(self))
-
-    def _repr_html_(self) -> str:
-        """Table of the parameters for notebooks, with the same lines below it."""
-        return to_html(*report(self))
+    def _report(self) -> list[DataTable | str]:
+        """Table of the parameters, followed by what the reader should know before trusting it."""
+        return report(self)

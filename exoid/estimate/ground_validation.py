@@ -13,7 +13,7 @@ from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
@@ -76,7 +76,7 @@ def compare_on_ground(
         if not stretches:
             raise NotSupportedError(
                 f"{', '.join(sorted(resting))} on the ground throughout, and the wrenches there were not measured",
-                where=recording.source.name if recording.source else "",
+                where=source_of(recording),
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
             )
     parts = [_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches]
@@ -117,7 +117,7 @@ def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorqu
     if not found:
         raise NotSupportedError(
             "several links rest by unknown wrenches throughout, and torques do not follow from the motion",
-            where=recording.source.name if recording.source else "",
+            where=source_of(recording),
             remedy="measure the wrenches, or record motions on one foot",
         )
     order = np.argsort(np.concatenate([part.time for part in found]), kind="stable")

@@ -12,7 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tools.tables import DataTable, make_table, to_html, to_text
+from exoid.tools.tables import DataTable, Report, make_table
 
 from .comparison import Comparison, Equality, wald, welch
 from .estimate import Estimate
@@ -28,7 +28,7 @@ DIFFERENT = 0.05  # probability with which own parameters of equal legs would be
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GroupedEstimate(ParameterTable):
+class GroupedEstimate(Report, ParameterTable):
     """Estimates of several groups of recordings that share parameters; prints itself as tables.
 
     ``grouped["left"]`` is the :class:`Estimate` of a group: its errors are correlated with those of the others.
@@ -197,27 +197,18 @@ class GroupedEstimate(ParameterTable):
             f"GroupedEstimate({', '.join(self.groups)}; shared: {', '.join(self.shared)}; own: {', '.join(self.own)})"
         )
 
-    def __str__(self) -> str:
-        """Print as tables, followed by what the reader should know before trusting them."""
-        return to_text(*report(self))
-
-    def _repr_html_(self) -> str:
-        """Tables of shared and own parameters for notebooks, with the same lines below them."""
-        return to_html(*report(self))
-
-
-def report(grouped: GroupedEstimate) -> list[DataTable | str]:
-    """Describe estimates that share parameters by tables, and by what the reader should know."""
-    kind = next(iter(grouped.estimates.values())).estimator
-    title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
-    parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
-    numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
-    if grouped.shared:
-        rows = [(name, *numbers[name]) for name in grouped.shared]
-        parts.append(make_table(("shared", *HEADERS), rows))
-    if grouped.own:
-        parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return [*parts, *_closing_lines(grouped)]
+    def _report(self) -> list[DataTable | str]:
+        """Tables of shared and own parameters, followed by what the reader should know before trusting them."""
+        kind = next(iter(self.estimates.values())).estimator
+        title = f"{', '.join(self.groups)}: {kind} estimate of {len(self.shared)} shared parameters"
+        parts: list[DataTable | str] = [f"{title}, {len(self.own)} own each"]
+        numbers = dict(zip(self.names, _numbers(self), strict=True))
+        if self.shared:
+            rows = [(name, *numbers[name]) for name in self.shared]
+            parts.append(make_table(("shared", *HEADERS), rows))
+        if self.own:
+            parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(self, numbers)))
+        return [*parts, *_closing_lines(self)]
 
 
 def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:

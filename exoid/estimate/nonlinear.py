@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.intervals import half_width
+
+from .evidence import frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +35,8 @@ class NonlinearParameters:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count = len(self.names)
-        nonlinear: tuple[tuple[str, tuple[int, ...]], ...] = (("values", (count,)), ("covariance", (count, count)))
-        for name, shape in nonlinear:
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise BadArgumentError(f"{name} of fitted settings do not fit {count} names", remedy="identify again")
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+        object.__setattr__(self, "values", frozen("values of settings", self.values, (count,)))
+        object.__setattr__(self, "covariance", frozen("covariance of settings", self.covariance, (count, count)))
 
     def __len__(self) -> int:
         """Number of settings."""

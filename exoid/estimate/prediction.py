@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, Unread
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 
@@ -63,7 +63,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     if recording.loaded_links:
         raise NotSupportedError(
             f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
-            where=recording.source.name if recording.source else "",
+            where=source_of(recording),
             remedy="show the motion without prediction, or cut out a swing and take them off: "
             "dataclasses.replace(recording.between(start, stop), wrenches={}, contacts={})",
         )

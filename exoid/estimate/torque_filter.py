@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
-from exoid.signals import Preparation, ZeroPhase
+from exoid.actuators import Actuators, Coupling, Drive
+from exoid.errors import BadArgumentError
+from exoid.signals import Preparation, Recording, ZeroPhase
 
 from .data import EstimateData
 
@@ -37,8 +41,12 @@ class TorqueFilter(NamedTuple):
             The filter: the given one, or the estimate's own.
 
         Raises:
-            ExoidError: The cut-off is not positive.
+            ExoidError: The cut-off is not positive, or both are given.
         """
+        if cutoff is not None and preparation is not None:
+            raise BadArgumentError(
+                "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
+            )
         own = estimate.preparation
         where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
         chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
@@ -63,3 +71,19 @@ class TorqueFilter(NamedTuple):
             return f"low-passed at {self.cutoff:.4g} Hz (given{estimates})"
         _, _, how = self.chosen.partition(", ")
         return f"low-passed at {self.cutoff:.4g} Hz (cut-off of the estimate{', ' + how if how else ''})"
+
+
+def to_predict(
+    estimate: EstimateData,
+    recordings: Recording | Iterable[Recording],
+    actuators: Mapping[str, Drive | Coupling] | Actuators | None,
+) -> tuple[EstimateData, list[Recording]]:
+    """Check the recordings whose torques an estimate shall predict, and let their drives be those of the estimate."""
+    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    wrong = [item for item in several if not isinstance(item, Recording)]
+    if wrong or not several:
+        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
+        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    if actuators is not None:
+        estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
+    return estimate, several

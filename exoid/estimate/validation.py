@@ -10,19 +10,19 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
-from exoid.errors import BadArgumentError
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg, prepare
+from exoid.regression.rows import for_leg, prepare, source_of
 from exoid.signals import Preparation, Recording
 from exoid.tools.json_values import json_value
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
 from .ground_validation import Compared, compare_on_ground, stands, wrench_torques, wrench_variance
-from .torque_filter import TorqueFilter
+from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
     as_trained,
     extrapolations,
@@ -41,7 +41,7 @@ LEVEL = 0.95  # probability that the band contains a measured torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Validation(Report):
+class Validation(ReadOnly, Report):
     """Measured and predicted torque, filtered alike, and what lies between them.
 
     Attributes:
@@ -69,11 +69,6 @@ class Validation(Report):
     half_width: FloatArray = field(kw_only=True)
     filter: TorqueFilter = field(kw_only=True)
     wrench_torque: FloatArray = field(kw_only=True)
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for array in (self.time, self.measured, self.predicted, self.half_width, self.wrench_torque):
-            array.flags.writeable = False
 
     @property
     def residual(self) -> FloatArray:
@@ -229,17 +224,7 @@ def validate(
         >>> validation.verdict
         'predicts'
     """
-    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    wrong = [item for item in several if not isinstance(item, Recording)]
-    if wrong or not several:
-        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
-    if cutoff is not None and preparation is not None:
-        raise BadArgumentError(
-            "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
-        )
-    if actuators is not None:
-        estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
+    estimate, several = to_predict(estimate, recordings, actuators)
     chosen = TorqueFilter.of(estimate, cutoff, preparation)
     parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
@@ -267,7 +252,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         compared, ranges = _compare(estimate, recording, preparation, bandwidth)
     time, measured, predicted, variance, known = compared
     half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
-    name = recording.source.name if recording.source else ""
+    name = source_of(recording)
     measured[:, ~chosen_joints.measured] = np.nan
     wrench = known if recording.wrenches else np.zeros_like(known)
     how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}

@@ -27,6 +27,9 @@ MAX_SPEED = 2.0
 BASE_FREQUENCY, HARMONICS = 0.2, 5
 """Base frequency [Hz] and number of harmonics of the multisine: 0.2, 0.4, … 1.0 Hz."""
 
+PERIOD = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
+"""Samples of one period of the multisine [s]."""
+
 
 def stiffness_poses(difference: float = np.deg2rad(-10.0)) -> FloatArray:
     """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh."""
@@ -80,23 +83,14 @@ def _draw_multisine(rng: np.random.Generator) -> Harmonics:
     frequency = 2.0 * np.pi * BASE_FREQUENCY * np.arange(1.0, HARMONICS + 1.0)[:, None, None]
     share = rng.dirichlet(np.ones(HARMONICS), 2).T[..., None]
     phase = rng.uniform(0.0, 2.0 * np.pi, (HARMONICS, 2))[..., None]
-    shape, rate, _ = _period(Harmonics(np.zeros((2, 1)), share, frequency, phase))
+    shape, rate, _ = Harmonics(np.zeros((2, 1)), share, frequency, phase).over(PERIOD)
     scale = np.minimum((HIGHEST - LOWEST) / np.ptp(shape, axis=0), MAX_SPEED / np.abs(rate).max(axis=0))
     centre = 0.5 * (LOWEST + HIGHEST) - 0.5 * scale * (shape.max(axis=0) + shape.min(axis=0))
     return Harmonics(centre[:, None], scale[:, None] * share, frequency, phase)
 
 
-def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
-    time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
-    instants = Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * time)
-    q, v, a = instants.at(0.0)  # every instant is one rig
-    assert a is not None
-    return q.T, v.T, a.T
-
-
 def _condition(model: TorqueModel, motion: Harmonics) -> float:
     """Condition number of the regressor over one period, columns scaled to unit length."""
-    q, v, a = _period(motion)
+    q, v, a = motion.over(PERIOD)
     W = model.regressor(q, v, a).reshape(2 * len(q), -1)
     return float(np.linalg.cond(W / np.linalg.norm(W, axis=0)))

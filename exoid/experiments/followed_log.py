@@ -8,6 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.errors import BadArgumentError
+from exoid.regression.rows import source_of
 from exoid.rig import Reference, Target
 from exoid.signals import Recording, choose_cutoff
 
@@ -71,7 +72,7 @@ def follow_log(recording: Recording) -> FollowedLog:
     if count < 1 or len(even) < count + DEGREE + 1:
         raise BadArgumentError(
             f"a log of {len(even)} samples is too short to follow",
-            where=even.source.name if even.source else "",
+            where=source_of(even),
             remedy="give one of several seconds",
         )
     time = even.time - even.time[0]

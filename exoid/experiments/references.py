@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Reference, Target
+
+
+class States(NamedTuple):
+    """Samples of a motion, (N, n) each."""
+
+    q: FloatArray  # angles [rad]
+    v: FloatArray  # velocities [rad/s]
+    a: FloatArray  # accelerations [rad/s²]
 
 
 @dataclass(frozen=True, repr=False)
@@ -130,6 +139,20 @@ class Harmonics(Reference):
             (self.amplitude * self.frequency * np.cos(argument)).sum(axis=0),
             -(self.frequency**2 * sine).sum(axis=0),
         )
+
+    def over(self, time: FloatArray) -> States:
+        """Sample the motion of one rig.
+
+        Args:
+            time: Times [s], (N,).
+
+        Returns:
+            Angles, velocities and accelerations, (N, n) each.
+        """
+        instants = replace(self, phase=self.phase + self.frequency * time)  # every instant is one rig
+        q, v, a = instants.at(0.0)
+        assert a is not None
+        return States(q.T, v.T, a.T)
 
 
 def fit_harmonics(time: ArrayLike, q: ArrayLike, period: float, count: int = 6) -> Harmonics:

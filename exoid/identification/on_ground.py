@@ -13,7 +13,7 @@ from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import rms_residual
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.cutoff import robust_std
 from exoid.torques.contacts import Split, split
@@ -130,7 +130,7 @@ MANY = 2000  # samples that the reference of closed chains is chosen for
 
 def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     """Say how many samples were left out, and why."""
-    left, name = parts.left, recording.source.name if recording.source else ""
+    left, name = parts.left, source_of(recording)
     unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
     check_ground = "check contacts, the ground, and whether joints' zeros are right"
     rows = (
@@ -173,7 +173,7 @@ def _imu_finding(
     own: ImuErrors | None, session: ImuErrors | None, recording: Recording, names: tuple[str, ...]
 ) -> Finding:
     """Say what was taken out of the readings of an inertial measurement unit, or that nothing could be."""
-    name, errors = recording.source.name if recording.source else "", own or session
+    name, errors = source_of(recording), own or session
     if errors is None:
         return Finding(
             "imu-unchecked",
@@ -339,5 +339,5 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
         f"{share:.1%} of the samples with {support} do not fit the others: a contact is labelled wrongly, slips, or "
         "another force acts; " + ("they are too many to leave out" if kept else "they were left out"),
         "check contacts and other forces on the leg",
-        recording=recording.source.name if recording.source else "",
+        recording=source_of(recording),
     )

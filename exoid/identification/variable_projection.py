@@ -81,7 +81,7 @@ class VariableProjection:
             problem = self._problem(tuple(held))
             fit = fit_by(self.estimator, problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
-            before = self._vector(problem.names)
+            before = np.append(self.values, [self.settings[name] for name in problem.names[len(self.values) :]])
             moved = fit.solution.values - before
             self._take(found)
             late = {name: why for name, why in self._at_bounds().items() if name not in held}
@@ -175,9 +175,6 @@ class VariableProjection:
         terms, regrouped = self.given.terms, self.regrouped
         model = linearise(self.leg, terms, self.values, self.settings, held=held, regrouped=regrouped)
         return self.given.changed(model=model)
-
-    def _vector(self, names: Sequence[str]) -> FloatArray:
-        return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])
 
     def _take(self, found: dict[str, float]) -> None:
         """Go to a solution, within bounds."""

@@ -9,7 +9,7 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous
 from exoid.experiments.excitation import GroundLimits, MotionLimits, plan_stance, run_stance, search
-from exoid.experiments.excitation.fourier import Basis, States
+from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.precision import predict
@@ -17,6 +17,7 @@ from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
+from exoid.experiments.references import States
 from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.contacts.elimination import eliminate

@@ -233,7 +233,7 @@ def test_a_law_replay_shows_both_torques_and_the_limits():
     time = np.arange(50) / 100.0
     known = np.column_stack([np.sin(time), np.full(50, np.nan)])
     commanded = np.column_stack([np.cos(time), np.cos(time)])
-    replay = LawReplay("pd", 100.0, NAMES[:2], time, commanded, known, [1.0, np.inf], [np.inf, np.inf])
+    replay = LawReplay("pd", 100.0, NAMES[:2], time, commanded, known, np.array([1.0, np.inf]), np.full(2, np.inf))
     _, axes = drawn(lambda axes: plot_law_replay(axes, replay), rows=2)
     assert [len(ax.get_lines()) for ax in axes] == [4, 1]
     assert axes[0].get_legend_handles_labels()[1] == ["recorded", "pd"]

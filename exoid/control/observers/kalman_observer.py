@@ -12,6 +12,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 
 from .alignment import JointFilters
@@ -154,11 +155,10 @@ class KalmanObserver(TorqueObserver):
         if self.drift is None:
             frequencies = self.bandwidths / self.rate
             return [_of_bandwidth(*each) for each in zip(frequencies, process, measurement, strict=True)]
-        drift = np.asarray(self.drift, dtype=np.float64)
-        if drift.shape not in ((), (self.model.n,)) or not ((drift > 0.0) & np.isfinite(drift)).all():
-            remedy = "give a positive number in N·m/√s, or one for each joint"
-            raise BadArgumentError(f"a drift of {self.drift}", remedy=remedy)
-        walks = np.broadcast_to(drift**2 / self.rate, self.model.n)
+        drift = for_joints(self.drift, self.model.n, "drifts")
+        if not ((drift > 0.0) & np.isfinite(drift)).all():
+            raise BadArgumentError(f"a drift of {self.drift}", remedy="give positive numbers in N·m/√s")
+        walks = drift**2 / self.rate
         return [_steady_state(*each) for each in zip(walks, process, measurement, strict=True)]
 
     @cached_property

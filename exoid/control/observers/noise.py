@@ -11,6 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.estimate import Estimate
+from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 
 from .alignment import Alignment, JointFilters
@@ -79,10 +80,7 @@ class SensorNoise:
 
 def noise_columns(noise: SensorNoise, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Spread the standard deviations of torque, velocity and angle over the joints, (n,) each."""
-    given = [np.asarray(x, dtype=np.float64) for x in (noise.torque, noise.velocity, noise.angle)]
-    if any(x.shape not in ((), (n,)) for x in given):
-        raise BadArgumentError(f"{noise} does not fit {n} joints", remedy="give one number, or one for each joint")
-    torque, velocity, angle = (np.broadcast_to(x, n).copy() for x in given)
+    torque, velocity, angle = (for_joints(x, n, "noise") for x in (noise.torque, noise.velocity, noise.angle))
     return torque, velocity, angle
 
 

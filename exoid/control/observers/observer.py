@@ -17,6 +17,7 @@ from exoid.control.law import refuse_rate
 from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
+from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 
 from .alignment import Alignment, AlignmentMemory, JointFilters
@@ -272,10 +273,9 @@ class TorqueObserver(ABC):
         n, delays = self.model.n, self.torque_delay
         if delays is None:
             delays = self.source.torque_delays if isinstance(self.source, Estimate) else 0.0
-        lags = [np.asarray(lag, dtype=np.float64) for lag in (self.velocity_delay, delays)]
-        if any(x.shape not in ((), (n,)) or not np.isfinite(x).all() for x in lags):
-            remedy = f"give a finite number, or {n} of them, in seconds"
-            raise BadArgumentError("delays do not fit the joints", remedy=remedy)
+        lags = np.stack([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)])
+        if not np.isfinite(lags).all():
+            raise BadArgumentError("a delay is not finite", remedy="give seconds")
         cutoff = self.cutoff
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
@@ -287,16 +287,15 @@ class TorqueObserver(ABC):
                 f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
                 remedy="give a cut-off below half the rate, or inf for none",
             )
-        return Alignment(n, self.rate, cutoff, np.stack([np.broadcast_to(lag, n) for lag in lags]))
+        return Alignment(n, self.rate, cutoff, lags)
 
     @cached_property
     def bandwidths(self) -> FloatArray:
         """−3 dB frequency of each joint [Hz], (n,)."""
-        given = np.asarray(self.bandwidth, dtype=np.float64)
-        if given.shape not in ((), (self.model.n,)) or not ((given > 0.0) & np.isfinite(given)).all():
-            remedy = "give a positive number in Hz, or one for each joint"
-            raise BadArgumentError(f"a bandwidth of {self.bandwidth!r}", remedy=remedy)
-        return np.broadcast_to(given, self.model.n).copy()
+        given = for_joints(np.nan if self.bandwidth is None else self.bandwidth, self.model.n, "bandwidths")
+        if not ((given > 0.0) & np.isfinite(given)).all():
+            raise BadArgumentError(f"a bandwidth of {self.bandwidth!r}", remedy="give positive numbers in Hz")
+        return given
 
     def __repr__(self) -> str:
         """Write bandwidth, rate and delay in one line."""

@@ -14,6 +14,7 @@ from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.torque_filter import to_predict
 from exoid.estimate.validation_checks import (
     as_trained,
     effective_share,
@@ -23,10 +24,11 @@ from exoid.estimate.validation_checks import (
 )
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
 
 from .action import (
@@ -48,7 +50,7 @@ HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "ou
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Interaction(Report):
+class Interaction(ReadOnly, Report):
     """Torque of the wearer on the leg, τ_w = W β − τ, over one or several recordings; prints itself as a table.
 
     Samples near the ends of a recording, in which filters have not settled, are left out.
@@ -84,11 +86,6 @@ class Interaction(Report):
     parts: tuple[Interaction, ...] = ()
     findings: tuple[Finding, ...] = ()
     filter: TorqueFilter = field(kw_only=True)
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for array in (self.time, self.torque, self.band, self.velocity, self.phase):
-            array.flags.writeable = False
 
     @property
     def worn(self) -> bool | None:
@@ -273,19 +270,9 @@ def interaction(
         >>> found.worn
         False
     """
-    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    wrong = [item for item in several if not isinstance(item, Recording)]
-    if wrong or not several:
-        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
-    if cutoff is not None and preparation is not None:
-        raise BadArgumentError(
-            "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
-        )
+    estimate, several = to_predict(estimate, recordings, actuators)
     if strides is not None and len(several) > 1:
         raise BadArgumentError("strides of several recordings", remedy="pass one recording at a time with its strides")
-    if actuators is not None:
-        estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
     chosen = TorqueFilter.of(estimate, cutoff, preparation)
     parts = tuple(_of_recording(estimate, each, chosen, strides) for each in several)
     if len(parts) == 1:
@@ -314,7 +301,7 @@ def _of_recording(
 ) -> Interaction:
     """Compute the interaction in one recording."""
     recording = for_leg(estimate.model, as_trained(estimate, recording))
-    name, measured = recording.source.name if recording.source else "", recording.measured
+    name, measured = source_of(recording), recording.measured
     even, preparation = recording.resampled(), chosen.preparation
     rate = even.sample_rate
     fraction = preparation.independent_fraction(rate)

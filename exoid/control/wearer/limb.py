@@ -15,6 +15,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.rig import limb_of
 from exoid.tools.json_values import json_value
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 from exoid.torques.payloads import payload_parameters
 
@@ -25,7 +26,7 @@ HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LimbComparison(Report):
+class LimbComparison(ReadOnly, Report):
     """Rigid-body parameters of a limb within the leg, beside what anthropometry or scales say; prints itself.
 
     Attributes:
@@ -47,11 +48,6 @@ class LimbComparison(Report):
     expected: FloatArray
     notes: tuple[str, ...] = ()
     cuffs: Cuffs | None = None
-
-    def __post_init__(self) -> None:
-        """Forbid changes."""
-        for array in (self.values, self.std, self.interval, self.expected):
-            array.flags.writeable = False
 
     @property
     def inside(self) -> tuple[bool, ...]:

@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.references import Harmonics, from_coefficients
-
-
-class States(NamedTuple):
-    """Samples of a motion, (N, n) each."""
-
-    q: FloatArray  # angles [rad]
-    v: FloatArray  # velocities [rad/s]
-    a: FloatArray  # accelerations [rad/s²]
+from exoid.experiments.references import Harmonics, States, from_coefficients
 
 
 @dataclass(frozen=True, eq=False, repr=False)

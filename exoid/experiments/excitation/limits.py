@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
 
@@ -156,29 +157,16 @@ class MotionLimits:
             joint = (*leg.joint_names, *leg.joint_labels).index(name) % n
             lower[joint] = max(lower[joint], np.deg2rad(low))
             upper[joint] = min(upper[joint], np.deg2rad(high))
-        return cls(
-            lower,
-            upper,
-            velocity=np.minimum(own.velocity, _each(velocity, n, "velocity")),
-            acceleration=_each(acceleration, n, "acceleration"),
-            torque=np.minimum(own.effort, _each(torque, n, "torque")),
-            clearance=clearance,
+        speed, change, effort = (
+            for_joints(np.inf if x is None else x, n, f"{name} limits")
+            for name, x in (("velocity", velocity), ("acceleration", acceleration), ("torque", torque))
         )
+        return cls(lower, upper, np.minimum(own.velocity, speed), change, np.minimum(own.effort, effort), clearance)
 
     @property
     def span(self) -> FloatArray:
         """Range of angle [rad], (n,)."""
         return self.upper - self.lower
-
-
-def _each(value: ArrayLike | None, n: int, name: str) -> FloatArray:
-    try:
-        return np.broadcast_to(np.inf if value is None else np.asarray(value, dtype=np.float64), (n,))
-    except ValueError as error:
-        raise BadArgumentError(
-            f"{name} limits of {np.size(np.asarray(value))} joints for a leg of {n}",
-            remedy="give one number, or one for each joint",
-        ) from error
 
 
 def _positions(leg: Leg, q: FloatArray, pitch: float, points: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -10,10 +10,11 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.experiments.references import States
 from exoid.leg.torso import TorsoMotion
 from exoid.torques import TorqueModel
 
-from .fourier import Basis, States
+from .fourier import Basis
 from .limits import MotionLimits
 from .scales import Scales, TorqueNoise
 

@@ -10,11 +10,12 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.references import States
+from exoid.leg.joint_numbers import for_joints
 from exoid.regression.diagnostics import SIZE, parameter_scale
 from exoid.regression.least_squares import factorize
 from exoid.torques import TorqueModel
 
-from .fourier import States
 from .limits import MotionLimits
 
 STATES = 4000
@@ -52,14 +53,7 @@ class TorqueNoise:
         """Take given standard deviations, a number or (n,), or 2 % of the typical torque of each joint."""
         if std is None:
             return cls(tuple((0.02 * typical).tolist()), bandwidth, assumed=True)
-        try:
-            each = np.broadcast_to(np.asarray(std, dtype=np.float64), typical.shape)
-        except ValueError as error:
-            raise BadArgumentError(
-                f"torque noise of {np.size(std)} joints for a leg of {len(typical)}",
-                remedy="give one number, or one for each joint",
-            ) from error
-        return cls(tuple(each.tolist()), bandwidth)
+        return cls(tuple(for_joints(std, len(typical), "torque noise").tolist()), bandwidth)
 
     def per_sample(self, rate: float) -> FloatArray:
         """Compute the standard deviation of white noise of the same spectral density at a rate, σ √(rate / 2b)."""

@@ -10,8 +10,9 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.references import States
 
-from .fourier import FourierMotion, States
+from .fourier import FourierMotion
 from .objective import MotionObjective, Stage
 
 FIRST = {"worst": Stage(1.0, 30.0), "a": Stage(1.0, 30.0), "d": Stage(0.0, 30.0)}

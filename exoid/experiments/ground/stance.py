@@ -176,7 +176,6 @@ def swing(
     *,
     scale: float = 1.0,
     frequency: float = 0.6,
-    clamp: Spring = CLAMP,
     seed: int = 0,
     rates: Rates = RATES,
 ) -> GroundRun:
@@ -187,7 +186,6 @@ def swing(
         duration: Duration of the log [s].
         scale: Factor of the amplitudes.
         frequency: Main frequency of the hip [Hz]; those of knee and ankle are higher.
-        clamp: Spring between torso and stand.
         seed: Seed of the phases.
         rates: Rates and step of the simulation.
 
@@ -204,7 +202,7 @@ def swing(
         for k, amplitude in enumerate((0.35, 0.45, 0.3)):
             q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * frequency, rng)
     base = np.tile([0.0, 1.4, 0.0], (len(time), 1))
-    return follow(plant, planned_motion(plant, time, q, base, {}), SWING_GAINS, rates, spring=clamp)
+    return follow(plant, planned_motion(plant, time, q, base, {}), SWING_GAINS, rates, spring=CLAMP)
 
 
 def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:

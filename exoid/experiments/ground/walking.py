@@ -66,7 +66,6 @@ def walking(
     duration: float = 30.0,
     *,
     gait: Gait | None = None,
-    harness: Spring = HARNESS,
     rates: Rates = RATES,
 ) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
@@ -78,7 +77,6 @@ def walking(
         plant: Torso and two legs.
         duration: Duration of the log [s].
         gait: The gait; None for the default one.
-        harness: Spring between torso and carriage.
         rates: Rates and step of the simulation.
 
     Returns:
@@ -102,9 +100,9 @@ def walking(
     for leg in legs:
         q[:, leg.joints] = _cleared(leg, base, places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2]))
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
-    raised = base + np.array([0.0, gait.support * GRAVITY * total_mass(plant) / harness.stiffness[2], 0.0])
+    raised = base + np.array([0.0, gait.support * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
     motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
-    return follow(plant, motion, GAINS, rates, spring=harness)
+    return follow(plant, motion, GAINS, rates, spring=HARNESS)
 
 
 def _cleared(leg: PlanarLeg, base: FloatArray, foot: ComplexArray) -> FloatArray:

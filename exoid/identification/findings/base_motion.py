@@ -11,7 +11,7 @@ from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.moving_base import base_during
@@ -50,7 +50,7 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
         power = np.maximum(np.mean(whole**2, axis=0), np.finfo(float).tiny)
         shares = np.sqrt(np.mean(extra**2, axis=0) / power)
         if shares.max() > worst.max():
-            worst, name = shares, one.source.name if one.source else ""
+            worst, name = shares, source_of(one)
     for j, joint in enumerate(model.joint_names):
         share = float(worst[j])
         if share > 0.01:
@@ -84,7 +84,7 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
             "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
             "finds its bias"
         )
-        doubtful, where = fitted.model.leg.parameter_names, one.source.name if one.source else ""
+        doubtful, where = fitted.model.leg.parameter_names, source_of(one)
         yield Finding("gravity-size", "", error, "m/s²", "warning", message, remedy, None, doubtful, where)
 
 

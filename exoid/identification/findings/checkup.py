@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
@@ -78,7 +78,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             continue
         chosen = for_leg(model, one)
         recordings.append(chosen)
-        names.append(one.source.name if one.source else "")
+        names.append(source_of(one))
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
             checks = channel_findings, wraps, missing_samples, late_velocities

@@ -103,13 +103,13 @@ class Found(NamedTuple):
         return self._replace(choice=choice, banned=tuple(banned))
 
 
-def search_joint_by_joint(search: Search, sweeps: int = 4) -> Found:
-    """Sweep over the joints until predictions settle, at most so often after sweeps in which all have an offset."""
+def search_joint_by_joint(search: Search) -> Found:
+    """Sweep over the joints until predictions settle, at most four times after sweeps in which all have an offset."""
     plain = (PLAIN,) * len(search.leg.joint_names)
     start = search.design(plain, None)
     choice = Choice.of(start, plain, Choice.of(start, plain, np.ones(len(plain))).sigma)
     before: FloatArray | None = None
-    joints, sweeps = len(plain), search.offset_sweeps + sweeps
+    joints, sweeps = len(plain), search.offset_sweeps + 4
     for sweep in range(sweeps):
         grids = tuple(Grid().about(columns, sweep) if sweep else Grid() for columns in choice.columns)
         tables, chosen = Tables.of(search, grids, choice), list(choice.columns)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,10 @@ SCALES = np.geomspace(1e-2, 1e4, 121)
 """Scales of the gains among which the search finds the first unstable one."""
 
 STEP = 1e-6
-"""Step of numerical derivatives [rad, rad/s]."""
+"""Step of numerical derivatives of controllers, relative to numbers above 1 [rad, rad/s]."""
+
+SMOOTH = 1e-3
+"""Largest relative difference of derivatives by one and two steps; a controller with more counts as not smooth."""
 
 LawOf = Callable[[float, float], Law]
 """Function that makes a controller from a scale of the gains and a rate [Hz]."""
@@ -128,13 +132,18 @@ def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
 
 def _feedback(law: Law, q: FloatArray) -> FloatArray:
     """Derivatives of a controller's torque by angle and velocity at rest on the target, (n, 2 n)."""
-    first, second = (_derivatives(law, q, step) for step in (STEP, 2.0 * STEP))
-    # Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth.
-    if np.abs(first - second).max() > 1e-3 * np.abs(first).max():
-        raise NotSupportedError(
-            f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
-            remedy="leave out friction compensation, or use a smooth one",
-        )
+    refusal = NotSupportedError(
+        f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
+        remedy="leave out friction compensation, or use a smooth one",
+    )
+    return smooth_derivatives(partial(_derivatives, law, q), refusal)
+
+
+def smooth_derivatives(of_step: Callable[[float], FloatArray], refusal: NotSupportedError) -> FloatArray:
+    """Take the derivatives of a controller by differences of one step, if those of twice the step are alike."""
+    first, second = of_step(STEP), of_step(2.0 * STEP)
+    if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
+        raise refusal
     return first
 
 

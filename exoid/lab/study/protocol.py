@@ -10,7 +10,7 @@ import numpy as np
 from exoid.errors import NotSupportedError
 from exoid.experiments import Harmonics, bleex, cuhk
 from exoid.experiments.excitation import Plan
-from exoid.experiments.excitation.fourier import States
+from exoid.experiments.references import States
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
 from exoid.tools.json_values import attributes
@@ -42,17 +42,7 @@ class Protocol:
         Returns:
             Angles, velocities and accelerations [rad, rad/s, rad/s²], (N, n) each.
         """
-        m = self.motions[motion]
-        time = np.arange(round(self.seconds * rate) + 1) / rate
-        frequency, phase = np.broadcast_to(m.frequency, m.amplitude.shape), np.broadcast_to(m.phase, m.amplitude.shape)
-        argument = np.multiply.outer(time, frequency[..., 0]) + phase[..., 0]
-        size, omega = m.amplitude[..., 0], frequency[..., 0]
-        s, c = np.sin(argument), np.cos(argument)
-        return States(
-            m.centre[:, 0] + (size * s).sum(axis=1),
-            (size * omega * c).sum(axis=1),
-            -(size * omega**2 * s).sum(axis=1),
-        )
+        return self.motions[motion].over(np.arange(round(self.seconds * rate) + 1) / rate)
 
     def torso(self, motion: int) -> TorsoMotion | None:
         """Tilt of the torso during a motion; None for an upright one."""

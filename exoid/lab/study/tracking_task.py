@@ -16,6 +16,7 @@ from exoid.control.standard_laws import refuse_unknown_laws
 from exoid.errors import BadArgumentError
 from exoid.experiments import Harmonics
 from exoid.experiments.limits import refuse_motion_beyond_limits
+from exoid.leg.joint_numbers import for_joints
 from exoid.tools.json_values import attributes
 from exoid.torques import TorqueModel
 
@@ -80,8 +81,8 @@ class TrackingTask:
             ExoidError: A name is unknown or occurs twice, or gains or period are invalid.
         """
         own, _ = default_gains(known, mean_pose(motion, period))
-        stiffness = own if kp is None else _each(kp, known.n)
-        damping = 0.1 * stiffness if kd is None else _each(kd, known.n)
+        stiffness = own if kp is None else for_joints(kp, known.n, "gains")
+        damping = 0.1 * stiffness if kd is None else for_joints(kd, known.n, "gains")
         return cls(laws, motion, period, tuple(stiffness.tolist()), tuple(damping.tolist()))
 
     @property
@@ -133,11 +134,3 @@ class TrackingTask:
         """
         numbers = attributes(self, "kp", "kd", "period", "periods", "rate")
         return {"laws": list(self.laws), "motion": motion_to_json(self.motion), **numbers}
-
-
-def _each(values: tuple[float, ...], joints: int) -> FloatArray:
-    if len(values) not in (1, joints):
-        raise BadArgumentError(
-            f"{len(values)} gains for {joints} joints", remedy="give one number, or one for each joint"
-        )
-    return np.broadcast_to(np.array(values), (joints,)).copy()

@@ -33,6 +33,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
+from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import make_table, to_text
 
 from .nearest_bodies import Problem, approach, reproduce
@@ -55,7 +56,7 @@ FLOOR = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Lift:
+class Lift(ReadOnly):
     """Physically consistent links, and the base parameters that they reproduce; ``print`` shows them.
 
     Attributes:
@@ -81,11 +82,6 @@ class Lift:
     distance: float
     divergence: float
     mass_limits: FloatArray
-
-    def __post_init__(self) -> None:
-        """Make the arrays read-only."""
-        for array in (self.target, self.values, self.link_parameters, self.mass_limits):
-            array.flags.writeable = False
 
     @property
     def moved(self) -> dict[str, float]:
@@ -166,7 +162,7 @@ def lift(
         >>> lifted.feasible, bool(np.allclose(lifted.values, 1.1 * leg.parameters, rtol=1e-12))
         (True, True)
     """
-    target = checked_values(leg, values)
+    target = checked(leg, values)
     if not pull >= 0.0 or not (mass_factor is None or mass_factor > 1.0):
         raise BadArgumentError(
             f"pull {pull} and mass factor {mass_factor} are out of range",
@@ -181,7 +177,7 @@ def lift(
         found = None
     feasible = found is not None
     if found is None:
-        metric = natural if covariance is None else _metric(_checked(leg, covariance, "covariance", 2), problem)
+        metric = natural if covariance is None else _metric(checked(leg, covariance, "covariance", 2), problem)
         heaviest = np.full(problem.links, np.inf if pull else max(float(heaviest[0]), usual))
         found = approach(problem, target, metric, heaviest, pull)
         distance = float(np.linalg.norm(metric @ (target - problem.K @ found.unit)))
@@ -207,9 +203,9 @@ def lift(
 def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> bool:
     """Say whether some physically consistent links have base parameters within a distance of the given ones."""
     # This costs less than `lift`, which looks for the nearest.
-    target = checked_values(leg, values)
+    target = checked(leg, values)
     prior, problem = _problem(leg, target)
-    metric = _metric(_checked(leg, covariance, "covariance", 2), problem)
+    metric = _metric(checked(leg, covariance, "covariance", 2), problem)
     natural = _whitening(problem.K @ problem.K.T)
     heaviest = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
     found = approach(problem, target, metric, np.full(problem.links, heaviest), enough=distance)
@@ -219,11 +215,6 @@ def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distan
 def _usual_mass(own: FloatArray, target: FloatArray) -> float:
     """Bound of a link's mass over that in the URDF, from whitened values of the URDF and the target."""
     return HEAVIEST * max(1.0, float(own @ target) / float(own @ own))
-
-
-def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
-    """Check that base parameters fit a leg."""
-    return _checked(leg, values, "values", 1)
 
 
 def _problem(leg: Leg, target: FloatArray) -> tuple[FloatArray, Problem]:
@@ -261,7 +252,8 @@ def _metric(covariance: FloatArray, problem: Problem) -> FloatArray:
     return np.asarray((axes / np.sqrt(np.maximum(values, FLOOR**2))).T / scale)
 
 
-def _checked(leg: Leg, given: ArrayLike, name: str, dimensions: int) -> FloatArray:
+def checked(leg: Leg, given: ArrayLike, name: str = "values", dimensions: int = 1) -> FloatArray:
+    """Check that base parameters, or their covariance, fit a leg."""
     shape = (len(leg.parameter_names),) * dimensions
     try:
         array = np.array(given, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Tables of both documents as data: values as printed, errata, and assumptions.
+"""Tables of both documents as data: values as printed, and assumptions.
 
 >>> from exoid import published
 >>> published.bleex().table("V").quantity("X1")
@@ -7,13 +7,12 @@ Quantity(value=3.783, unit='kg·m', printed='3.783')
 2.38
 """
 
-from .document import Assumption, Document, Erratum, PublishedTable, bleex, cuhk
+from .document import Assumption, Document, PublishedTable, bleex, cuhk
 from .parameters import bleex_parameters, bleex_resistances, cuhk_cad_parameters, cuhk_parameters, cuhk_resistances
 
 __all__ = [
     "Assumption",
     "Document",
-    "Erratum",
     "PublishedTable",
     "bleex",
     "bleex_parameters",

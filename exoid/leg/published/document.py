@@ -1,4 +1,4 @@
-"""Documents as data: tables as printed, errata, and assumptions for values that are not printed."""
+"""Documents as data: tables as printed, and assumptions for values that are not printed; errata are in the files."""
 
 from __future__ import annotations
 
@@ -39,41 +39,18 @@ class Assumption:
 
 
 @dataclass(frozen=True)
-class Erratum:
-    """Misprint or remark; tables keep the printed values.
-
-    Attributes:
-        where: Tables, equations or sections concerned, such as ``"Table I"``.
-        remark: Description of the error and the reading of this library.
-    """
-
-    where: tuple[str, ...]
-    remark: str
-
-
-@dataclass(frozen=True, repr=False)
 class PublishedTable:
     """Table as printed.
 
     Attributes:
         number: Roman number.
         caption: Printed caption.
-        equation: Equation with the numbers as coefficients; empty if the names define them.
         values: Numbers by name; in a table of several columns or rows the name has a prefix, ``"left.X1"``.
-        texts: Cells of words or formulas by name, with the same prefixes.
-        errata: Errata of the document that concern this table.
     """
 
     number: str
     caption: str
-    equation: str
     values: Mapping[str, Quantity]
-    texts: Mapping[str, str]
-    errata: tuple[Erratum, ...]
-
-    def __repr__(self) -> str:
-        """Name the table and count its numbers."""
-        return f"PublishedTable({self.number}: {self.caption}, {len(self.values)} numbers)"
 
     def __str__(self) -> str:
         """Print as a table, one line a number with its printed digits."""
@@ -83,8 +60,7 @@ class PublishedTable:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns (or rows) such as ``("left", "right")``; empty if there is only one."""
-        names = (*self.values, *self.texts)
-        return tuple(dict.fromkeys(name.split(".")[0] for name in names if "." in name))
+        return tuple(dict.fromkeys(name.split(".")[0] for name in self.values if "." in name))
 
     def quantity(self, name: str) -> Quantity:
         """Look up a number.
@@ -120,9 +96,9 @@ class PublishedTable:
         return MappingProxyType({name[-1]: quantity for name, quantity in cells if name[0] == column})
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Document:
-    """Tables, errata and assumptions of one document.
+    """Tables and assumptions of one document.
 
     Attributes:
         name: Citation in this library, ``"doc. 1"``.
@@ -130,7 +106,6 @@ class Document:
         robot: Name of the exoskeleton.
         signs: Sign convention of torques.
         tables: Tables by Roman number.
-        errata: Misprints and remarks.
         assumptions: Assumed numbers by name, which the document does not print.
     """
 
@@ -139,13 +114,7 @@ class Document:
     robot: str
     signs: str
     tables: Mapping[str, PublishedTable]
-    errata: tuple[Erratum, ...]
     assumptions: Mapping[str, Assumption]
-
-    def __repr__(self) -> str:
-        """Name the document; list its tables."""
-        sizes = f"{len(self.errata)} errata, {len(self.assumptions)} assumptions"
-        return f"Document({self.name}, {self.robot}: tables {', '.join(self.tables)}; {sizes})"
 
     def table(self, number: str) -> PublishedTable:
         """Look up a table.
@@ -184,7 +153,7 @@ def bleex() -> Document:
     """Read document 1, on the Berkeley Lower Extremity Exoskeleton (BLEEX).
 
     Returns:
-        Tables, errata and assumptions.
+        Tables and assumptions.
     """
     return _read("bleex.toml")
 
@@ -193,7 +162,7 @@ def cuhk() -> Document:
     """Read document 2, on the CUHK-EXO.
 
     Returns:
-        Tables, errata and assumptions.
+        Tables and assumptions.
     """
     return _read("cuhk.toml")
 
@@ -202,30 +171,21 @@ def cuhk() -> Document:
 def _read(file_name: str) -> Document:
     text = resources.files(__package__).joinpath(file_name).read_text(encoding="utf-8")
     content = parse_toml(text, parse_float=str)  # as text, to keep the printed digits
-    errata = tuple(Erratum(tuple(entry["where"]), entry["remark"]) for entry in content["errata"])
     assumptions = {
         name: Assumption(float(value), unit, reason) for name, (value, unit, reason) in content["assumptions"].items()
     }
     return Document(
         **content["document"],
-        tables=MappingProxyType({n: _table(n, entry, errata) for n, entry in content["tables"].items()}),
-        errata=errata,
+        tables=MappingProxyType({number: _table(number, entry) for number, entry in content["tables"].items()}),
         assumptions=MappingProxyType(assumptions),
     )
 
 
-def _table(number: str, entry: dict[str, Any], errata: tuple[Erratum, ...]) -> PublishedTable:
-    caption, equation = entry.pop("caption"), entry.pop("equation", "")
-    cells = dict(_flat(entry))
-    quantities = {n: Quantity(float(c[0]), c[1], str(c[0])) for n, c in cells.items() if isinstance(c, list)}
-    return PublishedTable(
-        number=number,
-        caption=caption,
-        equation=equation,
-        values=MappingProxyType(quantities),
-        texts=MappingProxyType({name: cell for name, cell in cells.items() if isinstance(cell, str)}),
-        errata=tuple(erratum for erratum in errata if f"Table {number}" in erratum.where),
-    )
+def _table(number: str, entry: dict[str, Any]) -> PublishedTable:
+    caption = entry.pop("caption")
+    cells = {name: cell for name, cell in _flat(entry) if isinstance(cell, list)}  # others are words or formulas
+    values = {name: Quantity(float(digits), unit, str(digits)) for name, (digits, unit, *_) in cells.items()}
+    return PublishedTable(number, caption, MappingProxyType(values))
 
 
 def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -110,7 +110,7 @@ def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags:
     aside, flat = (base.angular_velocity - omega, base.specific_force - force), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
     for difference, width in zip(aside, (TURNING, DISAGREEMENT), strict=True):
-        smooth = _smooth(difference, rate)
+        smooth = scipy.ndimage.uniform_filter1d(difference, max(1, round(ENDS * rate)), axis=0)
         middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
         flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
     flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
@@ -123,11 +123,6 @@ def _densest(values: FloatArray, width: float) -> float:
     around = np.searchsorted(ordered, ordered + width) - np.searchsorted(ordered, ordered - width)
     best = ordered[int(np.argmax(around))]
     return float(np.median(ordered[np.abs(ordered - best) <= width]))
-
-
-def _smooth(values: FloatArray, rate: float) -> FloatArray:
-    """Mean over a moving window of the length of the ends."""
-    return np.asarray(scipy.ndimage.uniform_filter1d(values, max(1, round(ENDS * rate)), axis=0))
 
 
 def _fit(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
+from exoid.regression.rows import source_of
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
 from exoid.signals.link_wrenches import wrenches_on_links
@@ -131,7 +132,7 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     if not found:
         raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
-            where=recording.source.name if recording.source else "",
+            where=source_of(recording),
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     could = max(1.0, float(np.count_nonzero(counted)))
@@ -207,7 +208,7 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
         return None
     raise UnreadableInputError(
         "the base moves, and no motion of it was recorded while no link rests on the ground",
-        where=recording.source.name if recording.source else "",
+        where=source_of(recording),
         remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
         "feet are flat on the ground (contacts=)",
     )

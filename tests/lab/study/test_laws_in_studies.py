@@ -199,7 +199,7 @@ def test_a_study_without_laws_says_nothing_of_laws():
         (lambda: course("magic"), "no controller magic"),
         (course, "no controller at all"),
         (lambda: course("pd", "pd"), "pd, pd"),
-        (lambda: course("pd", kp=(1.0, 2.0, 3.0)), "3 gains for 2 joints"),
+        (lambda: course("pd", kp=(1.0, 2.0, 3.0)), "gains of 3 joints for a leg of 2"),
         (lambda: study(course=course("pd", kp=(-1.0,))), "gains"),
         (lambda: replace(course("pd"), periods=1), "1 periods"),
         (lambda: study(course=replace(course("pd"), kp=(1.0,))), "1 Kp and 2 Kd"),

@@ -79,12 +79,6 @@ def test_tables_hold_as_many_numbers_as_are_printed():
     assert len(published.cuhk().table("III").values) == 6 + 2 * 4
 
 
-def test_the_misprint_in_table_i_of_document_2_is_kept_and_corrected_beside_it():
-    table = published.cuhk().table("I")
-    assert table.texts["J1"].endswith("+ J_2")
-    assert any("J_t must stand" in erratum.remark for erratum in table.errata)
-
-
 @pytest.mark.parametrize("which", PARAMETERS)
 def test_bleex_parameters_come_from_the_right_tables_in_the_librarys_order(which):
     parameters = published.bleex_parameters(which)
@@ -156,12 +150,10 @@ def test_the_right_ankles_offset_exceeds_its_whole_gravity_torque_as_the_errata_
     gravity = 9.81 * math.hypot(foot["X3"].value, foot["Y3"].value)
     assert round(gravity, 2) == 2.80
     assert published.bleex().table("I").quantity("right.b03").value > gravity
-    assert any("2.80" in erratum.remark for erratum in published.bleex().table("I").errata)
 
 
 def test_table_iii_of_document_2_puts_the_shank_above_the_knee_as_the_errata_say():
     assert published.cuhk().table("III").quantity("knee.X2").value < 0
-    assert any("Not a physical leg" in erratum.remark for erratum in published.cuhk().table("III").errata)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)
@@ -170,14 +162,6 @@ def test_every_assumption_has_a_unit_and_a_reason(document):
         assert math.isfinite(assumption.value), name
         assert assumption.unit, name
         assert len(assumption.reason) > 10, name
-
-
-@pytest.mark.parametrize("document", DOCUMENTS)
-def test_every_table_named_by_the_errata_exists(document):
-    doc = DOCUMENTS[document]()
-    named = [place for erratum in doc.errata for place in erratum.where if place.startswith("Table ")]
-    assert named
-    assert {place.removeprefix("Table ") for place in named} <= set(doc.tables)
 
 
 def test_bleex_masses_and_lengths_are_the_assumed_ones():
@@ -212,8 +196,6 @@ def test_published_numbers_are_read_only():
     assert published.bleex_parameters("cad")["X1"] == 3.783
 
 
-def test_a_document_lists_its_tables_and_a_table_prints_its_digits():
-    assert repr(published.bleex()).startswith("Document(doc. 1, BLEEX: tables I, II, III, IV, V; ")
+def test_a_table_prints_its_digits():
     table = published.bleex().table("II")
-    assert repr(table) == "PublishedTable(II: Mass moment parameters, 12 numbers)"
     assert ["right.Y1", "-0.4990", "kg·m"] in [line.split() for line in str(table).splitlines()]

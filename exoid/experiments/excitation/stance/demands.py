@@ -10,10 +10,10 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.objective import Demand
 from exoid.experiments.excitation.scales import STATES, Scales, reference_states
+from exoid.experiments.references import States
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.torques import TorqueModel

@@ -9,9 +9,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.objective import STEPS, Demand, MotionObjective, box_excesses, narrowed_limits
+from exoid.experiments.references import States
 
 from .demands import LIMITS, Demands
 

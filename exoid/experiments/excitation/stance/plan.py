@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation.fourier import FourierMotion, States, series
+from exoid.experiments.excitation.fourier import FourierMotion, series
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.objective import Criterion
 from exoid.experiments.excitation.plan import PlannedMotions
@@ -18,6 +18,7 @@ from exoid.experiments.excitation.precision import predict
 from exoid.experiments.excitation.scales import Scales, TorqueNoise, expected_parameters
 from exoid.experiments.excitation.search import search
 from exoid.experiments.excitation.text import prediction_text
+from exoid.experiments.references import States
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import Sole

@@ -11,9 +11,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.experiments.excitation.fourier import States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
+from exoid.experiments.references import States
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion, base_kinematics

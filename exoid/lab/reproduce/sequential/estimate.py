@@ -21,7 +21,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
-from exoid.regression.least_squares import RANK
+from exoid.regression.least_squares import RANK, column_scale
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
@@ -141,8 +141,7 @@ def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence
 
 
 def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
-    scale = np.linalg.norm(W, axis=0)
-    scale[scale == 0.0] = 1.0
+    scale = column_scale(W)
     U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
     if sigma[-1] <= RANK * sigma[0]:
         raise NotIdentifiableError(

@@ -199,33 +199,27 @@ def largest_amplification(
         )
     at = poses_of(model.leg, poses)
     loop = WornLoop.of_amplifications(lambda amplification: law(source, amplification), wearer, at, delay, most)
-    name = model.leg.description.name
+    shares: dict[str, float] = {}
+    rejected = 0.0
     if truth is not None:
         single = isinstance(truth, Estimate | Plant | ControlModel) or not isinstance(truth, Sequence)
         truths = [ControlModel.of(each) for each in ([truth] if single else truth)]  # type: ignore[arg-type, union-attr]
-        legs = loop.legs_of(truths)
+        legs, known = loop.legs_of(truths), loop.legs_of([model])
         values = loop.largest(legs)
-        pose, frequency = _boundary(loop, legs, values, share)
-        exact = float(loop.largest(loop.legs_of([model]))[0])
-        return Amplification(name, values, exact, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
-    if not isinstance(source, Estimate):
+    elif isinstance(source, Estimate):
+        torques = source.model.loaded_by(source.values)
+        parameters, rejected = draw_truths(torques, source.values, source.covariance, draws, seed)
+        legs, known = loop.legs(torques, parameters), loop.legs(torques, source.values[None])
+        values = loop.largest(legs)
+        each = limiting_shares(loop, torques, source.values, source.covariance, parameters, values, seed)
+        shares = dict(zip(torques.names, each.tolist(), strict=True))
+    else:
         raise BadArgumentError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
-    return _of_draws(loop, source, share, draws, most, seed)
-
-
-def _of_draws(loop: WornLoop, estimate: Estimate, share: float, draws: int, most: float, seed: int) -> Amplification:
-    """Find the largest amplification over draws of the true parameters."""
-    model, covariance = estimate.model.loaded_by(estimate.values), estimate.covariance
-    drawn = draw_truths(model, estimate.values, covariance, draws, seed)
-    legs = loop.legs(model, drawn.parameters)
-    values = loop.largest(legs)
     pose, frequency = _boundary(loop, legs, values, share)
-    shares = limiting_shares(loop, model, estimate.values, covariance, drawn.parameters, values, seed)
-    named = dict(zip(model.names, shares.tolist(), strict=True))
-    name = model.leg.description.name
-    exact = float(loop.largest(loop.legs(model, estimate.values[None]))[0])
+    exact, name = float(loop.largest(known)[0]), model.leg.description.name
+    drawn = truth is None
     return Amplification(
-        name, values, exact, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.delay, most
+        name, values, exact, share, pose, frequency, shares, rejected, drawn, loop.rate, loop.delay, most
     )
 
 

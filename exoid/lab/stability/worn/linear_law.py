@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +11,10 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control.law import AnyLaw, Memory, State, StatefulLaw, stateful
 from exoid.errors import NotSupportedError
+from exoid.lab.stability.gain_margin import smooth_derivatives
 from exoid.rig import Target
 
 from .worn_leg import SPEED, HeldLeg
-
-STEP = 1e-6
-"""Step of central differences, relative to numbers above 1."""
 
 
 class LinearLaw(NamedTuple):
@@ -42,15 +41,12 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     # As for `LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
     # compensation is constant. Limits of torque and of its rate count as inactive.
     full = stateful(law)
-    first, second = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
-    # Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth.
-    if np.abs(first - second).max() > 1e-3 * np.abs(first).max():
-        raise NotSupportedError(
-            f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
-            remedy="use a smooth controller, and a pose away from its limits",
-        )
-    n = len(q)
-    torque, memory = first[:n], first[n:]
+    refusal = NotSupportedError(
+        f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
+        remedy="use a smooth controller, and a pose away from its limits",
+    )
+    found, n = smooth_derivatives(partial(_derivatives, full, q), refusal), len(q)
+    torque, memory = found[:n], found[n:]
     return LinearLaw(torque[:, : 3 * n], torque[:, 3 * n :], memory[:, : 3 * n], memory[:, 3 * n :])
 
 
