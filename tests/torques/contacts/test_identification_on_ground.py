@@ -346,7 +346,7 @@ def test_a_known_payload_is_no_part_of_the_machine(exo):
     load = exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3))
     options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5, "payloads": (load,)}
     each = [standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left"))]
-    found = exoid.identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], terms=())
+    found = identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], ())
     assert abs(found["M"].value - exo.parameters[0]) < 0.05
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 
