@@ -142,7 +142,9 @@ def main() -> None:
     known = given.keep.read_text(encoding="utf-8").splitlines() if given.keep and given.keep.exists() else []
     outcomes = {outcome.machine.seed: outcome for outcome in map(from_json, known)}
     missing, features = [seed for seed in seeds if seed not in outcomes], given.features.split(",")
-    for outcome in population(missing, workers=given.workers, features=features, mistakes=given.mistakes):
+    for outcome in population(
+        missing, workers=given.workers, features=features, mistakes=[*MISTAKES][: given.mistakes]
+    ):
         outcomes[outcome.machine.seed] = outcome
         print(line(outcome), file=sys.stderr, flush=True)
         if given.keep:

@@ -66,6 +66,28 @@ def built_in_leg(request):
     return exoid.load_leg(name, side=side, inertias=inertias)
 
 
+@pytest.fixture(scope="session")
+def leg():
+    return exoid.load_leg("bleex")
+
+
+@pytest.fixture(scope="session")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+@pytest.fixture(scope="session")
+def data():
+    """The example that comes along."""
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="session")
+def estimate(data):
+    """That of the example, with all checks."""
+    return exoid.identify(data.leg, data.train)
+
+
 @pytest.fixture(params=["left", "right"])
 def side(request):
     return request.param

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -19,14 +20,14 @@ FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHELL = ("bash", "console")
 """Languages of blocks of commands."""
 
-PROGRAM = "import sys; exec(compile(sys.stdin.read(), sys.argv[1], 'exec'), {'__name__': '__main__'})"
+PROGRAM = """
+import json, shlex, sys
 
-COMMANDS = """
-import shlex, sys
+python, commands = json.load(sys.stdin)
+exec(compile(python, sys.argv[1], "exec"), {"__name__": "__main__"})
+for line in commands:
+    from exoid.cli import main
 
-from exoid.cli import main
-
-for line in sys.stdin.read().splitlines():
     sys.argv = shlex.split(line, comments=True)
     if sys.argv[1] == "view":  # there is no browser to open, and no one to press Ctrl-C
         import webbrowser
@@ -77,11 +78,15 @@ class Page(NamedTuple):
 
     def run_python(self, folder: Path) -> str:
         """Run all Python of the page, from top to bottom, in a folder; return what it printed."""
-        return run([sys.executable, "-c", PROGRAM, self.name], self.python, folder)
+        return run(folder, self.python, name=self.name)
 
     def run_commands(self, folder: Path) -> str:
         """Run all commands of the page, one after the other, in a folder; return what they printed."""
         return run_commands(self.commands, folder)
+
+    def run(self, folder: Path) -> str:
+        """Run its Python, and then its commands in the same interpreter; return what they printed."""
+        return run(folder, self.python, self.commands, self.name)
 
 
 def shell_commands(block: str) -> list[str]:
@@ -104,11 +109,12 @@ def exoid_commands(block: str) -> list[str]:
 
 def run_commands(commands: tuple[str, ...] | list[str], folder: Path) -> str:
     """Run commands one after the other in one fresh interpreter; return what they printed."""
-    return run([sys.executable, "-c", COMMANDS], "\n".join(commands), folder)
+    return run(folder, commands=commands)
 
 
-def run(command: list[str], given: str, folder: Path) -> str:
-    """Run a process on what it is given; return what it printed."""
+def run(folder: Path, python: str = "", commands: tuple[str, ...] | list[str] = (), name: str = "") -> str:
+    """Run Python and commands in one fresh interpreter; return what they printed."""
+    command, given = [sys.executable, "-c", PROGRAM, name], json.dumps([python, commands])
     done = subprocess.run(
         command, input=given, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False, timeout=600
     )

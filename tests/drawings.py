@@ -9,6 +9,10 @@ import zlib
 
 import numpy as np
 
+import exoid
+from exoid import Leg
+from exoid.leg.description import describe
+
 
 def places(scene, time=None):
     """Place of every path that a command names, in the world, (4, 4); of a replay, at a time [s]."""
@@ -81,3 +85,20 @@ def _chain(local, path):
     for end in range(1, len(names) + 1):
         out = out @ local.get("/" + "/".join(names[:end]), np.eye(4))
     return out
+
+
+SHANK = "/exoid/left leg/left_hip/body/left_knee/body/shape"
+"""Path of the shank's visuals."""
+
+
+def leg_with(visual, materials=""):
+    """BLEEX's left leg whose shank has these elements instead of its own visuals."""
+    text = exoid.load_leg("bleex").description.text
+    shank = r'(<link name="left_shank">).*?(<inertial>.*?</inertial>).*?</link>'
+    text = re.sub(shank, lambda found: f"{found[1]}{found[2]}{visual}</link>", text, flags=re.DOTALL)
+    text = re.sub(r"(<robot [^>]*>)", lambda found: found[1] + materials, text, count=1)
+    return Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
+
+
+def mesh_visual(filename, inside=""):
+    return f'<visual><geometry><mesh filename="{filename}"/></geometry>{inside}</visual>'

@@ -18,6 +18,13 @@ TERMS = (Coulomb(), Viscous())
 SMOOTHING = 0.02
 
 
+def harmonics(time, size, omega, phase):
+    """Angles, velocities and accelerations (N, n) of sums of K sines; size, omega and phase are (n, K) or (K,)."""
+    angle = time[:, None, None] * omega + phase
+    parts = np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)
+    return tuple((size * part).sum(-1) for part in parts)
+
+
 @dataclass(frozen=True, eq=False)
 class Swing:
     """Harmonic motion of a leg with Coulomb and viscous friction; it starts and ends in the middle of a motion.
@@ -49,11 +56,7 @@ class Swing:
         n = len(self.leg.joint_names)
         omega = 2.0 * np.pi * self.base * np.arange(1, 6)
         amplitude = 0.42 * rng.uniform(0.4, 1.0, (n, 5)) / np.array([1.0, 1.2, 1.5, 2.0, 2.5])
-        phase = np.multiply.outer(self.time, omega)[:, None, :] + rng.uniform(0.0, 2.0 * np.pi, (n, 5))
-        q = (amplitude * np.sin(phase)).sum(-1)
-        v = (amplitude * omega * np.cos(phase)).sum(-1)
-        a = -(amplitude * omega**2 * np.sin(phase)).sum(-1)
-        return q, v, a
+        return harmonics(self.time, amplitude, omega, rng.uniform(0.0, 2.0 * np.pi, (n, 5)))
 
     @property
     def coulomb(self):

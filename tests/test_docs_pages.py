@@ -44,7 +44,7 @@ pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree
 def test_the_page_runs_from_top_to_bottom(name, tmp_path):
     page = ALL[name]
     own_leg(tmp_path)
-    printed = without_spaces(page.run_python(tmp_path) + page.run_commands(tmp_path))
+    printed = without_spaces(page.run(tmp_path))
     assert not [block for block in page.shown if without_spaces(block) not in printed]
 
 

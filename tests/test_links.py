@@ -43,6 +43,12 @@ def test_links_lead_somewhere():
             assert not anchor or anchor in headings_of(target), f"{page.name}: {target}#{anchor}"
 
 
+def test_tests_that_a_page_or_script_names_exist():
+    for page in [*PAGES, *ROOT.glob("scripts/*.*")]:
+        for name in re.findall(r"tests/[\w/]+\.py", page.read_text(encoding="utf-8")):
+            assert (ROOT / name).is_file() or page.name == "CHANGELOG.md", f"{page.name}: {name}"
+
+
 def test_every_page_of_the_docs_is_linked_from_contributing_and_readme_has_the_glossary():
     from_contributing = {target for target, _ in links_of(ROOT / "CONTRIBUTING.md")}
     assert {page for page in PAGES if page.parent == ROOT / "docs"} <= from_contributing

@@ -16,7 +16,7 @@ COMMANDS = [
     pytest.param(
         block,
         id=commands[0][6:],
-        marks=[*real_data(block), *([pytest.mark.slow] if "exoid reproduce bleex" in commands else [])],
+        marks=[*real_data(block), *([pytest.mark.nightly] if "exoid reproduce bleex" in commands else [])],
     )
     for block in SHOWN
     if (commands := exoid_commands(block))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from swings import harmonics
 from unchecked import identify
 
 import exoid
@@ -31,10 +32,7 @@ def torque_log(seed, payloads=(), seconds=20.0):
     """Motion with exact velocity, and true torque."""
     rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, 0.005)
     f, phase, size = rng.uniform(0.15, 1.2, (5, 2)), rng.uniform(0.0, 6.3, (5, 2)), rng.uniform(0.1, 0.25, (5, 2))
-    w = 2.0 * np.pi * f
-    angle = w * t[:, None, None] + phase
-    q, v = (size * np.sin(angle)).sum(axis=1), (size * w * np.cos(angle)).sum(axis=1)
-    a = -(size * w**2 * np.sin(angle)).sum(axis=1)
+    q, v, a = harmonics(t, size.T, 2.0 * np.pi * f.T, phase.T)
     model = TorqueModel(LEG, TERMS, separate=("Ia_hip",))
     values = [*LEG.parameters, *(FRICTION[name.partition("_")[0]] for name in model.names[len(LEG.parameters) :])]
     tau = model.regressor(q, v, a) @ values

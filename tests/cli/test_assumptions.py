@@ -10,9 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import exoid
-from exoid import Estimate, ExoidError
+from exoid import Estimate
 from exoid.cli import app
-from exoid.cli.numbers import parse_known, parse_prior
 
 LOG = "bleex_swing:train"
 
@@ -39,23 +38,6 @@ def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     )  # fmt: skip
     np.testing.assert_allclose(estimate.covariance, same.covariance, rtol=1e-9)
     assert "known: X1 = 4.1" in done.output
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [("--known", "X1"), ("--known", "X1=heavy"), ("--prior", "J3=0.05"), ("--noise", "pink"), ("--known", "Z=1")],
-)
-def test_what_cannot_be_understood_is_refused(arguments):
-    done = run("identify", "bleex_swing", LOG, *arguments)
-    assert isinstance(done.exception, ExoidError)
-
-
-def test_numbers_by_name_are_read():
-    assert parse_known(["X1=4.25", " d_hip = 1e-2"]) == {"X1": 4.25, "d_hip": 0.01}
-    assert parse_prior(["J3=0.05:0.01"]) == parse_prior(["J3=0.05±0.01"]) == {"J3": (0.05, 0.01)}
-    assert parse_known(None) == parse_prior(None) == {}
-    with pytest.raises(ExoidError, match="X1 twice"):
-        parse_known(["X1=1", "X1=2"])
 
 
 @pytest.fixture(scope="module")

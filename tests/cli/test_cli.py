@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import subprocess
 import sys
@@ -15,20 +14,9 @@ from typer.testing import CliRunner
 import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
 from exoid.cli import app
-from exoid.cli.identify import identify
 from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
-
-
-@pytest.fixture(scope="module")
-def data():
-    return exoid.datasets.bleex_swing()
-
-
-@pytest.fixture(scope="module")
-def estimate(data):
-    return exoid.identify(data.leg, data.train)
 
 
 def write(path, recording, **renamed):
@@ -121,14 +109,6 @@ def test_a_log_of_both_sides_must_say_which(exoid_, data, tmp_path):
     write(tmp_path / "log.csv", Recording(data.train.time, q, tau=tau, joint_names=both))
     assert_refused(exoid_("identify", "bleex", "log.csv"), "both sides", "--side left")
     assert exoid_("identify", "bleex", "log.csv", "--side", "right").code == 0
-
-
-def test_columns_of_other_names_are_mapped(exoid_, data, estimate, tmp_path):
-    headers = {"time": "t", "q_left_hip": "pos1", "tau_left_hip": "torque 1 [Nm]"}
-    write(tmp_path / "log.csv", data.train, **headers)
-    options = [word for name, header in headers.items() for word in ("--column", f"{name}={header}")]
-    run = exoid_("identify", "bleex", "log.csv", *options, "--json")
-    assert list(json.loads(run.out)["values"].values()) == estimate.values.tolist()
 
 
 def test_degrees_are_converted(exoid_, data, estimate, tmp_path):
@@ -252,154 +232,12 @@ def test_the_real_recording_from_end_to_end(exoid_):
 
 # ------------------------------------------------------------------------------------------- bad input
 
-BAD_INPUT = {
-    "no leg": (("centipede", TRAIN), ("centipede", "bleex, cuhk", "URDF")),
-    "no log": (("bleex", "absent.csv"), ("absent.csv", "no such file")),
-    "part of a dataset": (("bleex", "bleex_swing"), ("bleex_swing:train",)),
-    "no such part": (("bleex", "bleex_swing:all"), ("bleex_swing:test",)),
-    "a folder with a file that is no log": (("bleex", "."), ("binary.csv", "binary")),
-    "empty": (("bleex", "empty.csv"), ("empty.csv", "empty")),
-    "binary": (("bleex", "binary.csv"), ("binary.csv",)),
-    "NaN": (("bleex", "nan.csv"), ("nan.csv, line 4", "q_left_hip", "not a finite number")),
-    "text in a cell": (("bleex", "text.csv"), ("text.csv, line 4", "'high' is not a number")),
-    "time repeated": (("bleex", "repeated.csv"), ("repeated.csv, line 4", "time is repeated")),
-    "no torque": (("bleex", "torqueless.csv"), ("no torque", "tau_left_hip")),
-    "a joint missing": (("bleex", "kneeless.csv"), ("left_knee",)),
-    "other joints": (("my.urdf", TRAIN), ("shoulder, elbow", "--column q_shoulder=HEADER")),
-    "a joint the URDF lacks": (("my.urdf", TRAIN, "--joints", "hip"), ("no moving joint 'hip'", "shoulder")),
-    "no URDF": (("text.csv", TRAIN), ("text.csv", "XML")),
-    "no side": (("bleex", TRAIN, "--side", "up"), ("no side 'up'",)),
-    "no inertias": (("bleex", TRAIN, "--inertias", "guessed"), ("no inertias 'guessed'", "cad, identified")),
-    "no term": (("bleex", TRAIN, "--terms", "magic"), ("no term 'magic'", "coulomb")),
-    "an empty term": (("bleex", TRAIN, "--terms", ""), ("no term ''",)),
-    "no estimator": (("bleex", TRAIN, "--estimator", "magic"), ("no estimator 'magic'", "ols, wls")),
-    "cutoff too high": (("bleex", TRAIN, "--cutoff", "50"), ("cut-off", "40 Hz")),
-    "cutoff negative": (("bleex", TRAIN, "--cutoff", "-1"), ("positive frequency",)),
-    "nothing left": (("bleex", TRAIN, "--start", "5", "--stop", "4"), ("too few samples",)),
-    "stop before the log": (("bleex", TRAIN, "--stop", "-1"), ("too few samples",)),
-    "start is not a number": (("bleex", TRAIN, "--start", "nan"), ("a limit of nan s",)),
-    "column without header": (("bleex", "nan.csv", "--column", "q_hip"), ("NAME=HEADER",)),
-    "column of no name": (("bleex", "nan.csv", "--column", "angle=x"), ("angle", "q_<joint>")),
-    "column of no header": (("bleex", "nan.csv", "--column", "q_left_hip=x"), ("'x'", "q_left_hip")),
-    "joints of a built-in leg": (("bleex", TRAIN, "--joints", "left_hip"), ("--joints has no effect",)),
-    "side of a URDF": (("my.urdf", TRAIN, "--side", "left"), ("--side has no effect",)),
-    "inertias of a dataset": (("bleex_swing", TRAIN, "--inertias", "cad"), ("--inertias has no effect",)),
-    "output nowhere": (("bleex", TRAIN, "-o", "nowhere/leg.json"), ("nowhere/leg.json", "cannot be written")),
-}
-
-
-@pytest.fixture
-def bad_files(tmp_path, data):
-    write(tmp_path / "good.csv", data.train)
-    lines = (tmp_path / "good.csv").read_text(encoding="utf-8").split("\n")
-    cells = lines[3].split(",")
-    for name, row in (
-        ("nan", [cells[0], "nan", *cells[2:]]),
-        ("text", [cells[0], "high", *cells[2:]]),
-        ("repeated", [lines[2].split(",")[0], *cells[1:]]),
-    ):
-        changed = [*lines[:3], ",".join(row), *lines[4:]]
-        (tmp_path / f"{name}.csv").write_text("\n".join(changed), encoding="utf-8")
-    (tmp_path / "empty.csv").write_bytes(b"")
-    (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
-    write(tmp_path / "torqueless.csv", Recording(data.train.time, data.train.q, joint_names=data.leg.joint_names))
-    write(tmp_path / "kneeless.csv", data.train.select(("left_hip", "left_ankle")))
-    (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf").read_bytes())
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("bad_files")
-@pytest.mark.parametrize("case", BAD_INPUT, ids=lambda name: name.replace(" ", "-"))
-def test_bad_input_ends_in_one_line(exoid_, tmp_path, case):
-    arguments, words = BAD_INPUT[case]
-    before = sorted(tmp_path.iterdir())
-    output = () if "-o" in arguments else ("-o", "leg.json")
-    assert_refused(exoid_("identify", *arguments, *output), *words)
-    assert_refused(exoid_("identify", *arguments, *output, "--json"), *words)
-    assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.usefixtures("bad_files")
-def test_a_failure_leaves_an_older_estimate_as_it_was(exoid_, saved, tmp_path):
-    before = (tmp_path / saved).read_bytes()
-    assert_refused(exoid_("identify", "bleex", "nan.csv", "-o", saved))
-    assert (tmp_path / saved).read_bytes() == before
-
-
-@pytest.mark.usefixtures("bad_files")
-@pytest.mark.parametrize(
-    ("estimate_file", "log", "word"),
-    [
-        ("absent.json", TEST, "cannot be read"),
-        ("nan.csv", TEST, "not JSON"),
-        ("empty.csv", TEST, "not JSON"),
-        ("leg.json", "absent.csv", "no such file"),
-        ("leg.json", "nan.csv", "not a finite number"),
-        ("leg.json", "torqueless.csv", "no torque"),
-        ("leg.json", "kneeless.csv", "left_knee"),
-    ],
-)
-@pytest.mark.usefixtures("saved")
-def test_bad_input_of_validate_ends_in_one_line(exoid_, estimate_file, log, word):
-    assert_refused(exoid_("validate", estimate_file, log), word)
-    assert_refused(exoid_("validate", estimate_file, log, "--json"), word)
-
-
 # ------------------------------------------------------------------------------------------- usage
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("fly",),
-        ("--magic",),
-        ("identify",),
-        ("identify", "bleex"),
-        ("identify", "bleex", TRAIN, "--magic"),
-        ("identify", "bleex", TRAIN, "--cutoff", "high"),
-        ("validate", "leg.json"),
-    ],
-    ids=" ".join,
-)
-def test_wrong_usage_exits_with_2(exoid_, arguments):
-    run = exoid_(*arguments)
-    assert run.code == 2
-    assert (run.out, run.err.count("\n")) == ("", 1)
-    assert " --help" in run.err
-    assert "Traceback" not in run.err
-
-
-def test_nothing_to_do_shows_what_there_is(exoid_):
-    """Exit status 2, or 0 with older versions of click."""
-    run = exoid_()
-    assert run.code in (0, 2)
-    assert "identify" in run.out + run.err
-    assert "validate" in run.out + run.err
 
 
 def test_version():
     result = CliRunner().invoke(app, ["--version"])
     assert (result.exit_code, result.output) == (0, f"exoid {exoid.__version__}\n")
-
-
-@pytest.mark.parametrize("arguments", [["--help"], ["identify", "--help"], ["validate", "--help"]])
-def test_help(arguments):
-    result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 0
-    assert "Usage: exoid" in result.output
-
-
-HELP = ("--help", "--help-log")
-
-
-def test_help_names_every_option():
-    """As the function has them: what is not in the help cannot be found."""
-    both = (CliRunner().invoke(app, ["identify", each], env={"COLUMNS": "200"}).output for each in HELP)
-    text = "".join(both)
-    names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
-    assert {"column", "with_", "known", "terms"} <= set(names)
-    for option in (*names, "json"):
-        assert f"--{option.rstrip('_').replace('_', '-')}" in text
 
 
 # ------------------------------------------------------------------------------------------- as a process
@@ -423,9 +261,3 @@ def test_a_process_writes_json_to_its_output_and_nothing_else(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["values"]["X1"] == pytest.approx(3.986, abs=0.01)
     assert [path.name for path in tmp_path.iterdir()] == ["leg.json"]
-
-
-def test_a_process_ends_with_2_and_one_line(tmp_path):
-    done = command("validate", "absent.json", "absent.csv", folder=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith("exoid: absent.json: cannot be read")

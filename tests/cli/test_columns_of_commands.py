@@ -69,20 +69,3 @@ def test_a_joint_without_torque_and_a_dead_channel_give_the_same_estimate(exoid_
     assert "not measured" in out
     code, out, _ = exoid_("check", "bleex", "short.csv")
     assert "unmeasured-torque" in out
-
-
-def test_mistakes_of_columns_end_in_one_line(exoid_, recording, tmp_path):
-    recording.to_csv(tmp_path / "log.csv")
-    joint = recording.joint_names[0]
-    for text, expected in (
-        (f"tau_{joint}=tau_{joint}:mA", "is not a unit of torque"),
-        (f"q_{joint}=q_{joint}:furlong", "is neither a number nor a unit"),
-        (f"i_{joint}=tau_{joint}:1e3", "looks like mA"),
-    ):
-        code, out, err = exoid_("identify", "bleex", "log.csv", "--column", text)
-        assert (code, out) == (2, "")
-        assert expected in err
-        assert err.count("\n") == 1
-    for option in ("--names", "--passive", "--unmeasured"):
-        code, _, err = exoid_("identify", "bleex", "bleex_swing:train", option, joint)
-        assert (code, "has no effect" in err) == (2, True)

@@ -44,37 +44,11 @@ def refused(exoid_, tmp_path):
     return run
 
 
-def test_a_urdf_whose_joints_are_all_fixed_is_named(refused):
-    assert "fixed.urdf: no joint of the URDF moves" in refused("identify", "fixed.urdf", "log.csv")
-
-
 @pytest.mark.parametrize("verb", ["identify", "select", "check", "plan", "view"])
 def test_a_misspelt_urdf_is_blamed_and_not_the_columns_of_the_log(refused, verb):
     option = {"plan": ["--assess"], "view": ["--log"]}.get(verb, [])
     line = refused(verb, "oen.urdf", *option, "other.csv")
     assert "no leg or URDF file 'oen.urdf'. To fix it: did you mean 'one.urdf'?" in line
-
-
-def test_a_start_after_the_end_is_answered_with_the_times_of_the_log(refused):
-    line = refused("identify", "one.urdf", "log.csv", "--start", "100")
-    assert "log.csv: too few samples: 0 from 100 s to inf s" in line
-    assert "0 s to 4.99 s" in line
-    assert "record longer" not in line
-
-
-@pytest.mark.parametrize(
-    ("words", "remedy"),
-    [
-        (("log.csv", "--column", "q_hip=pos"), "--column q_hip=HEADER"),
-        (("log.csv", "--column", "hip=q_hip"), "exoid columns are time, q_<joint>"),
-        (("other.csv",), "--column q_<joint>=HEADER"),
-        (("untimed.csv",), "--column time=HEADER"),
-        (("degrees.csv",), "give --degrees"),
-        (("log.csv", "--topic", "x"), "leave out --topic and --received"),
-    ],
-)
-def test_remedies_are_options(refused, words, remedy):
-    assert remedy in refused("identify", "one.urdf", *words)
 
 
 def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path):

@@ -161,38 +161,6 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     assert not (tmp_path / "leg.h").exists()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("--law", "fuzzy", "--c", "law.c"), "--law fuzzy: no such controller"),
-        (("--law", "adaptive", "--c", "law.c"), "Adaptive has no form in C"),
-        (("--law", "pd", "-o", "leg.urdf"), "--law has no effect on a URDF"),
-        (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),
-        (("--ros2", "leg"), "--ros2 writes a control law"),
-        (("--law", "pd", "--c", "law.c", "--ros2", "leg"), "one file is written at a time"),
-        (("--law", "pd", "--ros2", "."), "did not write, or that were changed: est.json"),
-        (("--law", "pd", "--ros2", "none/leg"), "no folder to write into"),
-        (("--law", "momentum_observer", "--ros2", "leg"), "which no drive must follow"),
-        (("--law", "pd", "--c", "law.txt"), "name the source: LAW.c"),
-        (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),
-        (("--law", "pd", "--limit", "0", "--c", "law.c"), "limit = "),
-        (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "--kp has no effect: gravity_support has none"),
-        (("--law", "lqr", "--share", "0.5", "--c", "law.c"), "--share has no effect: lqr has none"),
-        (("--law", "gravity_support", "--share", "2", "--c", "law.c"), "times the weight"),
-        (("--law", "sensitivity_amplification", "--amplification", "0.5", "--c", "law.c"), "amplification of"),
-        (("--law", "lqr", "--period", "0", "--c", "law.c"), "--period 0"),
-        (("--law", "pd", "--period", "5", "--c", "law.c"), "--period has no effect: pd has none"),
-        (("--law", "pd", "--role", "hip", "--c", "law.c"), "JOINT=ROLE"),
-        (("--law", "pd", "--patience", "nan", "--c", "law.c"), "patience of nan"),
-    ],
-)
-def test_bad_options_end_in_one_line_and_write_nothing(saved, exoid_, tmp_path, arguments, words):
-    code, out, err = exoid_("export", "est.json", *arguments)
-    assert (code, out) == (2, "")
-    assert words in err
-    assert [path.name for path in tmp_path.iterdir()] == ["est.json"]
-
-
 def test_pd_controls_the_joints_of_the_estimate_in_ros_2(saved, exoid_, tmp_path):
     """PD control needs no model, and a controller of "joint 0" none of the machine's."""
     assert exoid_("export", "est.json", "--law", "pd", "--ros2", "leg")[0] == 0

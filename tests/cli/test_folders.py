@@ -48,10 +48,3 @@ def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
         code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")
     assert code == 0
     assert "part.10.csv" in (tmp_path / "page.html").read_text(encoding="utf-8")
-
-
-def test_an_empty_folder_is_one_line(exoid_, tmp_path):
-    (tmp_path / "empty").mkdir()
-    code, out, err = exoid_("identify", "bleex", "empty")
-    assert (code, out) == (2, "")
-    assert "no logs in the folder" in err

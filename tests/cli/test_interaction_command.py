@@ -2,21 +2,19 @@
 
 import dataclasses
 import json
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.cli import main
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, data, estimate):
     """An estimate, and a log of the leg with a wearer who pushes at 0.7 Hz."""
     path = tmp_path_factory.mktemp("interaction")
-    data = exoid.datasets.bleex_swing()
-    exoid.identify(data.leg, data.train).save(path / "leg.json")
+    estimate.save(path / "leg.json")
     test = data.test
     push = 3.0 * np.sin(2.0 * np.pi * 0.7 * test.time)[:, None]
     dataclasses.replace(test, tau=test.tau - push).to_csv(path / "worn.csv")
@@ -24,16 +22,9 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture
-def interaction(folder, monkeypatch, capsys):
+def interaction(folder, exoid_, monkeypatch):
     monkeypatch.chdir(folder)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "interaction", "leg.json", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            main()
-        return exit_.value.code or 0, *capsys.readouterr()
-
-    return run
+    return partial(exoid_, "interaction", "leg.json")
 
 
 def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(interaction):
@@ -77,17 +68,3 @@ def test_the_report_is_one_page_with_the_torque_and_a_scene(interaction, tmp_pat
     assert "torque of the wearer" in page
     assert "Worn: something acts on" in page
     assert "in three dimensions" in page
-
-
-def test_bad_input_is_one_line(interaction, tmp_path):
-    for arguments, message in (
-        (("worn.csv", "--strides", "a,b"), "--strides a,b"),
-        (("worn.csv", "bleex_swing:test", "-o", str(tmp_path / "x.csv")), "--output of 2 logs"),
-        (("worn.csv", "-o", "worn.csv"), "worn.csv"),
-        (("missing.csv",), "missing.csv"),
-        (("worn.csv", "--cutoff", "-1"), "cutoff is -1"),
-    ):
-        code, out, err = interaction(*arguments)
-        assert (code, out) == (2, "")
-        assert message in err
-        assert err.count("\n") == 1

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from log_writers import write_opensim
+from swings import harmonics
 
 import exoid
 from exoid.leg.catalog import urdf_folder
@@ -19,13 +20,11 @@ POINT = (0.1, 0.05, 0.0)
 """Centre of pressure [m]."""
 
 
-def harmonics(time, seed, size):
+def coordinates(time, seed, size):
     """Positions, rates and accelerations of three coordinates, (N, 3) each."""
     rng, omega = np.random.default_rng(seed), 2.0 * np.pi * np.array([0.3, 0.5, 0.8])
     amplitude, phase = size * rng.uniform(0.3, 1.0, (3, 3)), rng.uniform(0.0, 6.3, (3, 3))
-    angle = omega * time[:, None, None] + phase
-    derivatives = np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)
-    return [(amplitude * x).sum(axis=2) for x in derivatives]
+    return harmonics(time, amplitude, omega, phase)
 
 
 def force_on_foot(time):
@@ -39,7 +38,7 @@ def torques(time):
     data, foot = model.createData(), model.frames[model.getFrameId("left_foot")].parentJoint
     places = [model.joints[model.getJointId(name)] for name in JOINTS]
     out = np.empty((len(time), 3))
-    rows = zip(*harmonics(time, 1, 0.2), *harmonics(time, 2, 0.05), force_on_foot(time), strict=True)
+    rows = zip(*coordinates(time, 1, 0.2), *coordinates(time, 2, 0.05), force_on_foot(time), strict=True)
     for k, (*joints, x, xd, xdd, force) in enumerate(rows):
         q, v, a = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
         turn, spin = pin.utils.rotate("y", x[2]), np.array([0.0, xd[2], 0.0])
@@ -64,7 +63,7 @@ def to_opensim(names, vectors):
 def trial(tmp_path):
     """Write files at 100, 120 and 1000 Hz which begin at different times; the leg has no friction."""
     time, other, fast = np.arange(1200) / 100.0, 0.5 + np.arange(1300) / 120.0, np.arange(12_500) / 1000.0 - 0.2
-    q, x, still = harmonics(time, 1, 0.2)[0], harmonics(time, 2, 0.05)[0], 0.0 * time
+    q, x, still = coordinates(time, 1, 0.2)[0], coordinates(time, 2, 0.05)[0], 0.0 * time
     # OpenSim's tilt turns about z, which is -y here
     pelvis = {"pelvis_tilt": -np.rad2deg(x[:, 2]), "pelvis_list": still, "pelvis_rotation": still}
     pelvis |= {"pelvis_tx": x[:, 0], "pelvis_ty": 0.9 + x[:, 1], "pelvis_tz": still}

@@ -24,10 +24,10 @@ COMMANDS = {
     "plan --assess": "plan one.urdf --assess log.csv --figure plan.png",
     "view": "view one.urdf --html leg.html",
     "view --log": "view est.json --log log.csv --html leg.html",
-    "stability": "stability est.json --kp 50 --target 10 --away 20 --duration 2 --figure runs.png",
+    "stability": "stability est.json --kp 50 --target 10 --away 20 --duration 1 --figure runs.png",
     "study": "study one.urdf --replicates 2 --duration 10 --laws pd --course planned",
-    "track": "track est.json --period 2 --report report.html --figures figures",
-    "track --reference": "track est.json --reference test.csv --report report.html",
+    "track": "track est.json --period 1",
+    "track --reference": "track est.json --reference short.csv",
 }
 
 
@@ -38,21 +38,17 @@ def inputs(tmp_path_factory):
     for seed, (log, estimate) in enumerate((("log", "est"), ("test", "other"))):
         swing(leg, seconds=8.0, seed=seed).to_csv(folder / f"{log}.csv")
         exoid.identify(leg, exoid.Recording.from_csv(folder / f"{log}.csv")).save(folder / f"{estimate}.json")
+    swing(leg, seconds=2.0).to_csv(folder / "short.csv")
     return folder
 
 
 def test_every_verb_is_here():
-    assert {command.split()[0] for command in COMMANDS} == set(VERBS) - {
-        "reproduce",
-        "wear",
-    }  # a wearer has hip and knee
-
-
-SLOW = ("study", "track")
+    wearer = {"reproduce", "wear"}  # who has hip and knee
+    assert {command.split()[0] for command in COMMANDS} == set(VERBS) - wearer
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in COMMANDS])
+@pytest.mark.parametrize("name", COMMANDS)
 def test_a_verb_works_on_one_joint(inputs, tmp_path, exoid_, name):
     shutil.copytree(inputs, tmp_path, dirs_exist_ok=True)
     run = exoid_(*COMMANDS[name].split())

@@ -72,21 +72,3 @@ def test_logs_of_one_name_in_several_folders_are_told_apart(exoid_, logs, tmp_pa
     assert code == 0
     assert "offset_hip[monday/log.csv]" in out
     assert Estimate.load("e-tuesday-log.csv.json").value("offset_hip") > 1.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("monday.csv", "--own", "offset"), "there is only one log"),
-        (("monday.csv", "monday.csv", "--own", "offset"), "one log was given twice"),
-        (("monday.csv", "tuesday.csv", "--own", "zero"), "no parameter 'zero'"),
-        (("monday.csv", "tuesday.csv", "--own", "offset", "--test", "monday.csv"), "--test has no effect"),
-        (("monday.csv", "tuesday.csv", "--own", "offset", "--report", "r.html"), "--report has no effect"),
-        (("monday.csv", "tuesday.csv", "--own", "offset", "-o", "no/where/e.json"), "where"),
-    ],
-)
-def test_what_makes_no_sense_is_refused_in_one_line(exoid_, logs, tmp_path, arguments, words):
-    code, out, err = exoid_("identify", "bleex", *arguments)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert words in err
-    assert {path.name for path in tmp_path.iterdir()} == set(logs)

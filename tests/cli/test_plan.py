@@ -74,39 +74,3 @@ def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch
     assert contacts["right_foot"].all()
     assert not contacts["left_foot"].any()
     assert (tmp_path / "plan.png").stat().st_size > 0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("nobody",), "no leg or URDF file"),
-        (("cuhk", "--duration", "1"), "too short"),
-        (("cuhk", "--noise", "much"), "write numbers"),
-        (("cuhk", "--angles", "knee"), "JOINT=LOW:HIGH"),
-        (("cuhk", "--angles", "elbow=0:10"), "no joint 'elbow'"),
-        (("cuhk", "--angles", "hip=40:50", "--torque", "5", *QUICK), "no motion was found"),
-        (("cuhk", "--ground", "0.9"), "without --foot"),
-        (("cuhk", "--foot", "1,2,3"), "X,Z in metres"),
-        (("cuhk", "--terms", "magic"), "no term 'magic'"),
-        (("cuhk", "--assess", "nothing.csv"), "nothing.csv"),
-        (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "-o has no effect"),
-        (("cuhk", "-o", "plan.txt", *QUICK), "name the file .csv"),
-        (("cuhk", "-o", "nowhere/plan.csv", *QUICK), "there is no folder nowhere"),
-        (("cuhk", "--stance", "both", *QUICK), "has no sole"),
-        (("bleex", "--stance", "tail", *QUICK), "choose among both, left, right"),
-        (("bleex", "--stance", "left", "--tilts", "10", *QUICK), "--tilts has no effect"),
-        (("bleex", "--stance", "left", "--assess", "slow.csv"), "--assess has no effect"),
-        (("bleex", "--stance", "left", "--sole", "left_foot=1"), "FOOT=HEEL,TOE,HEIGHT"),
-        (("bleex", "--friction", "0.5", *QUICK), "--friction has no effect"),
-        (("bleex", "--stance", "left", "--friction", "0"), "friction"),
-        (("bleex", "--stance", "left,right", "-o", "plan.txt", *QUICK), "name the file .csv"),
-    ],
-)
-def test_bad_input_ends_in_one_line(run, arguments, words, tmp_path):
-    slow_log(tmp_path / "slow.csv")
-    code, out, err = run(*arguments)
-    assert code == 2
-    assert out == ""
-    assert err.count("\n") == 1
-    assert words in err
-    assert not (tmp_path / "plan.csv").exists()

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from public_robots import urdf_of
+from swings import harmonics
 
 import exoid
 from exoid.cli import robots
@@ -20,9 +21,7 @@ def log_of_ur5(path):
     rng = np.random.default_rng(5)
     t = np.arange(4000) / 200.0
     w, size, phase = 2.0 * np.pi * 0.15 * np.arange(1, 5), *rng.uniform(0.1, 0.3, (2, 3, 4))
-    wave = np.multiply.outer(t, w)[:, None, :] + 20.0 * phase
-    q = (size * np.sin(wave)).sum(-1)
-    v, a = (size * w * np.cos(wave)).sum(-1), -(size * w**2 * np.sin(wave)).sum(-1)
+    q, v, a = harmonics(t, size, w, 20.0 * phase)
     tau = leg.inverse_dynamics(q, v, a) + 0.5 * np.tanh(v / 0.02) + 0.3 * v + rng.normal(scale=0.05, size=q.shape)
     exoid.Recording(time=t, q=q, tau=tau, joint_names=joints).to_csv(path)
 

@@ -53,26 +53,3 @@ def test_one_file_has_the_segments_of_several_logs_and_of_the_test(exoid_, segme
     data = json.loads(run.out)
     assert len(data["inputs"][0]["segments"]) == len(segments.segment_times)
     assert data["tests"][0]["samples"] == np.count_nonzero((segments.time >= 2.0) & (segments.time < 8.0))
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("walk.csv", "masked.csv", "--segments", "swings.csv"), ("which log they belong to", "a column log")),
-        (("walk.csv", "--segments", "named.csv"), ("segments of masked.csv, which is not among the logs",)),
-        (("walk.csv", "--segments", "nowhere.csv"), ("nowhere.csv", "cannot be read (No such file or directory)")),
-        (("walk.csv", "--segments", "walk.csv"), ("walk.csv, line 2", "without start and stop")),
-        (("walk.csv", "--segments", "empty.csv"), ("empty.csv", "there are no segments")),
-        (("walk.csv", "--segments", "late.csv"), ("no sample in the segment from 100 s to 101 s",)),
-        (("walk.csv", "--mask", "swing"), ("no column 'swing'", "name a column of 0 and 1")),
-        (("bleex_swing:train", "--mask", "swing"), ("--mask has no effect",)),
-    ],
-)
-def test_segments_that_do_not_fit_end_in_one_line(exoid_, segments, tmp_path, options, words):
-    (tmp_path / "empty.csv").write_text("start,stop\n")
-    (tmp_path / "late.csv").write_text("start,stop\n100,101\n")
-    run = exoid_("identify", "bleex", *options, *TERMS)
-    assert run.code == 2
-    assert run.err.count("\n") == 1
-    for word in words:
-        assert word in run.err

@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 import re
 import shlex
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from controlled_legs import estimate_of
 from doc_pages import Page
 
 import exoid
 from exoid import Coulomb, Offset, Stiffness, Viscous
-from exoid.cli import main
-from exoid.estimate import Estimate
-from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
 PAGE = Page.read("docs/stability.md")
@@ -25,22 +22,14 @@ QUICK = ("--duration", "0.5")
 needs_page = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
-def run(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr(sys, "argv", ["exoid", "stability", *arguments])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    return int(stop.value.code or 0), *capsys.readouterr()
-
-
 @pytest.mark.slow
 @needs_page
-def test_the_tables_of_the_page_are_those_of_its_command(monkeypatch, capsys, tmp_path):
+def test_the_tables_of_the_page_are_those_of_its_command(exoid_, tmp_path):
     """But for the regulation, whose runs are cut short here, and which is tested by itself."""
     (command,) = PAGE.commands
     assert shlex.split(command)[:3] == ["exoid", "stability", "cuhk"]
     properties, regulation, margins, _ = PAGE.shown
-    monkeypatch.chdir(tmp_path)
-    code, out, err = run(monkeypatch, capsys, *shlex.split(command)[2:], *QUICK)
+    code, out, err = exoid_("stability", *shlex.split(command)[2:], *QUICK)
     assert code == 0
     assert "wrote stability.png" in err
     assert Path("stability.png").read_bytes().startswith(b"\x89PNG")
@@ -60,30 +49,18 @@ def test_the_python_of_the_page_prints_what_it_shows(tmp_path):
     assert PAGE.run_python(tmp_path).endswith(PAGE.shown[-1])
 
 
-def saved(path, **changes) -> Estimate:
-    """An estimate of CUHK-EXO with given values of its terms."""
+def saved(path, **changes):
+    """Write an estimate of CUHK-EXO with given values of its terms."""
     leg = exoid.load_leg("cuhk")
     model = TorqueModel(leg, (Coulomb(), Viscous(), Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",))))
     given = {"c0_hip": 1.445, "c0_knee": 0.593, "d_hip": 0.1, "d_knee": 0.2, "b1_knee": 0.5, "b0_knee": 0.1}
     own = dict(zip(leg.parameter_names, leg.parameters, strict=True))
-    values = np.array([{**own, **given, "offset_hip": 0.3, **changes}[name] for name in model.names])
-    estimate = Estimate(
-        model=model,
-        values=values,
-        covariance=1e-6 * np.eye(len(values)),
-        condition_number=10.0,
-        dof=100.0,
-        residual_rms=np.ones(2),
-        estimator="wls",
-        preparation=ZeroPhase(),
-    )
-    estimate.save(path)
-    return estimate
+    estimate_of(model, {**own, **given, "offset_hip": 0.3, **changes}).save(path)
 
 
-def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(monkeypatch, capsys, tmp_path):
+def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(exoid_, tmp_path):
     saved(tmp_path / "est.json")
-    code, out, _ = run(monkeypatch, capsys, str(tmp_path / "est.json"), *QUICK, "--kp", "40,50", "--json")
+    code, out, _ = exoid_("stability", str(tmp_path / "est.json"), *QUICK, "--kp", "40,50", "--json")
     data = json.loads(out)
     assert code == 0
     assert data["properties"]["bounded"] is False
@@ -95,32 +72,9 @@ def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(monkeyp
     assert np.shape(data["gain_margins"]["margins"]) == (8, 2)
 
 
-def test_friction_that_is_negative_by_chance_is_taken_as_zero_and_said_to_be(monkeypatch, capsys, tmp_path):
+def test_friction_that_is_negative_by_chance_is_taken_as_zero_and_said_to_be(exoid_, tmp_path):
     saved(tmp_path / "est.json", d_hip=-0.001)
-    code, out, err = run(monkeypatch, capsys, str(tmp_path / "est.json"), *QUICK, "--json")
+    code, out, err = exoid_("stability", str(tmp_path / "est.json"), *QUICK, "--json")
     assert code == 0
     assert "d_hip = -0.001 ± 0.001 is taken as zero" in err
     assert json.loads(out)["properties"]["friction"][0] == pytest.approx(1.445)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("absent",), ("no leg or estimate 'absent'",)),
-        (("cuhk", "--kp", "3,4,5"), ("--kp 3,4,5", "left_hip, left_knee")),
-        (("cuhk", "--target", "3,x"), ("--target 3,x",)),
-        (("cuhk", "--kd", "3,-1"), ("kd", "≥ 0")),
-        (("cuhk", "--rate", "0"), ("0 Hz",)),
-        (("cuhk", "--figure", "nowhere/a.png"), ("nowhere/a.png", "no such folder")),
-        (("driven.json", "--rotor", "0.1"), ("--rotor has no effect",)),
-        (("cuhk", "--rotor", "-0.1"), ("rotor inertia is negative",)),
-        (("driven.json",), ("driven.json", "c0_hip = -0.2 ± 0.001 is negative")),
-    ],
-)
-def test_bad_input_ends_in_one_line(monkeypatch, capsys, tmp_path, arguments, words):
-    monkeypatch.chdir(tmp_path)
-    saved("driven.json", c0_hip=-0.2)
-    code, out, err = run(monkeypatch, capsys, *arguments)
-    assert (code, out, err.strip().count("\n")) == (2, "", 0)
-    for word in words:
-        assert word in err

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from controlled_legs import estimate_of
 
 import exoid
 from exoid import control, published, reproduce
@@ -12,7 +13,6 @@ from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
 from exoid.leg.description import describe
 from exoid.rig import Plant
-from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
 NAMES = ["pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "adaptive", "self_tuning"]
@@ -31,11 +31,7 @@ def saved(tmp_path):
     leg = exoid.load_leg("cuhk")
     model = TorqueModel(leg, (Coulomb(), Viscous(), Armature(), Offset()))
     values = {**published.cuhk_parameters(), **published.cuhk_resistances(), "Ia_knee": 0.8, "d_hip": -0.01}
-    found = np.array([values.get(name, 0.0) for name in model.names])
-    count = len(found)
-    Estimate(model, found, 1e-4 * np.eye(count), 10.0, 100.0, np.ones(2), "wls", ZeroPhase(3.0)).save(
-        tmp_path / "est.json"
-    )
+    estimate_of(model, values).save(tmp_path / "est.json")
     return "est.json"
 
 
@@ -143,13 +139,6 @@ def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp
 
 
 @pytest.mark.slow
-def test_bleex_walks_too(track):
-    code, out, _ = track("bleex", "--period", 2)
-    assert code == 0
-    assert "ankle" in out
-
-
-@pytest.mark.slow
 def test_document_2s_comparison_is_printed(track, monkeypatch):
     """The replay itself is tested with the others; here a short one stands in."""
     short = partial(healthy_gait, period=2.0)
@@ -173,44 +162,6 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
     assert code == 0
     assert "rotors of 0.8 kg·m²" in out
     assert "document 2 calls their power comparable" in " ".join(out.split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (("absent.json",), "no estimate 'absent.json'"),
-        (("cuhk", "--kp", "1"), "--kp has no effect"),
-        (("cuhk", "--rotor", "-1"), "rotors of -1"),
-        (("bleex", "--rotor", "0.5"), "--rotor has no effect"),
-        (("bleex", "--wrong"), "--wrong has no effect"),
-        (("bleex", "--kp", "1,2"), "--kp 1,2"),
-        (("bleex", "--kp", "stiff"), "--kp stiff"),
-        (("bleex", "--kp", "-5"), "kp ="),
-        (("bleex", "--period", "0"), "--period 0"),
-        (("bleex", "--scale", "3"), "the motion asks"),
-        (("bleex", "--speed", "VeryFast"), "VeryFast"),
-        (("bleex", "--reference", "absent.csv"), "absent.csv"),
-        (("bleex", "--reference", "absent.csv", "--scale", "1"), "--scale has no effect"),
-        (("bleex", "--payload", "-1"), "invalid payload"),
-        (("bleex", "--friction", "-1"), "times the friction"),
-        (("bleex", "--rate", "0"), "0 Hz"),
-        (("est.json", "--figures", "est.json"), "cannot write files"),
-    ],
-    ids=lambda x: " ".join(x) if isinstance(x, tuple) else "",
-)
-@pytest.mark.usefixtures("saved")
-def test_bad_input_ends_in_one_line(track, arguments, word):
-    code, out, err = track(*arguments)
-    assert (code, out) == (2, "")
-    assert err.startswith("exoid: ")
-    assert err.count("\n") == 1
-    assert word in err
-
-
-def test_help_names_the_options(track):
-    code, out, _ = track("--help")
-    assert code == 0
-    assert "cuhk" in out
 
 
 def test_a_model_gives_the_rig_it_describes():
@@ -269,25 +220,6 @@ def test_every_controller_has_a_dry_run(track, saved, logged, law):
     assert (data["law"], data["rate"]) == (law, 100.0)
     if law == "feedforward_pd":  # the model of the log's own controller
         assert data["rms_difference"][0] < 0.1 * data["rms_recorded"][0]
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--law", "nonsense"), "no controller 'nonsense'"),
-        (("--kp", "10,10"), "gravity_support has no gains"),
-        (("--payload", 1), "--payload has no effect"),
-        (("--wrong",), "--wrong has no effect"),
-        (("--rate", 1000), "1000 Hz"),
-        (("--limit", "0,0"), "limit"),
-        (("--limit", "1,2,3"), "--limit 1,2,3"),
-        (("-o", "log.csv"), "log.csv"),
-    ],
-)
-def test_options_that_a_dry_run_cannot_use(track, saved, logged, options, message):
-    code, out, err = track(saved, "--dry-run", logged, *options)
-    assert (code, out) == (2, "")
-    assert message in err
 
 
 @pytest.mark.parametrize("option", [("--law", "pd"), ("--limit", 3), ("--slew", 3), ("-o", "x.csv")])

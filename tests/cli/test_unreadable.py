@@ -91,12 +91,6 @@ def folder(tmp_path):
     path.chmod(0o700)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_a_folder_without_rights_is_one_line(refused, folder, name):
-    folder.chmod(0)
-    assert "locked" in refused(*COMMANDS[name].format("locked").split())
-
-
 @pytest.mark.parametrize("mode", [0, 0o400])
 @pytest.mark.parametrize("words", [("identify", "one.urdf"), ("validate", "est.json"), ("check", "one.urdf")])
 def test_a_folder_of_logs_without_rights_is_one_line(refused, folder, words, mode):
@@ -152,6 +146,7 @@ def test_what_has_no_end_is_refused_at_once(refused, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     for words in (("validate", "pipe", "log.csv"), ("validate", "/dev/zero", "log.csv")):
         assert "is a device or a pipe" in refused(*words)
+    assert "is not a regular file" in refused("identify", "one.urdf", "pipe")
     for option in ("--actuators", "--columns"):
         assert "is a device or a pipe" in refused("identify", "bleex", "log.csv", option, "pipe")
 

@@ -1,21 +1,19 @@
 """``exoid validate``: cut-off, verdict and exit status."""
 
 import json
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.cli import main
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, data, estimate):
     """An estimate, and logs with the other sign and with a heavier leg."""
     path = tmp_path_factory.mktemp("validate")
-    data = exoid.datasets.bleex_swing()
-    exoid.identify(data.leg, data.train).save(path / "leg.json")
+    estimate.save(path / "leg.json")
     for name, factor in (("negated", -1.0), ("heavier", 1.2)):
         test = data.test
         exoid.Recording(test.time, test.q, tau=factor * test.tau, joint_names=test.joint_names).to_csv(
@@ -25,16 +23,9 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture
-def validate(folder, monkeypatch, capsys):
+def validate(folder, exoid_, monkeypatch):
     monkeypatch.chdir(folder)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "validate", "leg.json", *arguments])
-        with pytest.raises(SystemExit) as exit_:
-            main()
-        return exit_.value.code or 0, *capsys.readouterr()
-
-    return run
+    return partial(exoid_, "validate", "leg.json")
 
 
 def test_an_estimate_that_predicts_ends_in_status_0(validate):
@@ -69,10 +60,3 @@ def test_the_cut_off_is_passed_on(validate):
     assert json.loads(out) == exoid.validate(estimate, data.test, cutoff=4.0).to_json()
     other = json.loads(validate("bleex_swing:test", "--json")[1])
     assert not np.allclose(json.loads(out)["rmse"], other["rmse"])
-
-
-def test_bad_input_stays_status_2(validate):
-    code, out, err = validate("bleex_swing:test", "--cutoff", "-1")
-    assert (code, out) == (2, "")
-    assert "cutoff is -1" in err
-    assert validate("missing.csv")[0] == 2

@@ -4,39 +4,23 @@ from __future__ import annotations
 
 import json
 import re
-import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from drawings import scene_of
-from typer.testing import CliRunner
 
 import exoid
-from exoid.cli import app, main
 from exoid.view.scenes.server import SceneServer
 
 
-@pytest.fixture(scope="module")
-def estimate():
-    data = exoid.datasets.bleex_swing()
-    return exoid.identify(data.leg, data.train)
-
-
 @pytest.fixture
-def view(capsys, monkeypatch, tmp_path, estimate):
+def view(exoid_, estimate):
     """Run ``exoid view ARGUMENTS`` in a folder with an estimate and a URDF."""
-    monkeypatch.chdir(tmp_path)
     estimate.save("est.json")
     Path("leg.urdf").write_text(estimate.model.leg.description.text, encoding="utf-8")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "view", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return int(stop.value.code or 0), *capsys.readouterr()
-
-    return run
+    return partial(exoid_, "view")
 
 
 def page():
@@ -117,46 +101,3 @@ def test_the_address_is_printed_and_a_browser_opened(view, monkeypatch, as_json)
         assert "this machine only" in out
     view("cuhk", "--port", "0", "--no-browser")
     assert opened == [url]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("absent.urdf",), ("absent.urdf", "no leg or URDF file")),
-        (("absent.json",), ("absent.json", "cannot be read")),
-        (("bleex", "--side", "middle"), ("middle", "'left' or 'right'")),
-        (("bleex", "--inertias", "guessed"), ("guessed", "identified")),
-        (("est.json", "--side", "left"), ("--side has no effect",)),
-        (("leg.urdf", "--inertias", "cad"), ("--inertias has no effect",)),
-        (("bleex", "--pose", "left_knee"), ("--pose left_knee", "JOINT=DEGREES")),
-        (("bleex", "--pose", "elbow=3"), ("no joint elbow",)),
-        (("bleex", "--reference", "bleex_swing:test"), ("--reference has no effect", "--log")),
-        (("bleex", "--port", "7000"), ("--port has no effect",)),
-        (("bleex", "--log", "absent.csv"), ("absent.csv",)),
-        (("cuhk", "--log", "bleex_swing:test", "--side", "right"), ("none of the logged joints",)),
-        (("est.json", "--log", "bleex_swing:test", "--horizon", "0"), ("horizon",)),
-        (("bleex", "--html", "nowhere/leg.html"), ("nowhere/leg.html", "cannot be written")),
-    ],
-)
-def test_bad_input_ends_in_one_line(view, arguments, words):
-    html = () if "--html" in arguments else ("--html", "leg.html")
-    code, out, err = view(*arguments, *html)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    for word in words:
-        assert word in err
-
-
-def test_help_names_every_option():
-    text = CliRunner().invoke(app, ["view", "--help"], env={"COLUMNS": "200"}).output
-    for option in (
-        "--log",
-        "--reference",
-        "--horizon",
-        "--html",
-        "--side",
-        "--pose",
-        "--meshes",
-        "--port",
-        "--no-browser",
-    ):
-        assert option in text

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -42,9 +43,10 @@ def run(*command):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Each package in a folder of its own, and a program that runs it."""
-    found = {}
-    for name in NAMES:
+    """Build the package of a law once, in a folder of its own, and a program that runs it."""
+
+    @cache
+    def build(name):
         folder = tmp_path_factory.mktemp(name) / "leg"
         package = write_ros2(folder, laws()[name])
         objects = folder.parent / "leg.o"
@@ -54,8 +56,9 @@ def built(tmp_path_factory):
         whole = folder.parent / "whole.cpp"  # the headers are read once
         whole.write_text("".join(f'#include "{part}"\n' for part in parts))
         run(CPP, *STRICT, *include, whole, objects, "-o", folder.parent / "run")
-        found[name] = (package, folder.parent / "run")
-    return found
+        return package, folder.parent / "run"
+
+    return build
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +91,7 @@ def executed(program, mode, rows, *parameters):
 @pytest.mark.parametrize("mode", ["chained", "topic", "node"])
 @pytest.mark.parametrize("name", NAMES)
 def test_controller_and_node_command_what_python_does(built, recorded, name, mode):
-    tau, status, faults = executed(built[name][1], mode, rows_of(name, recorded))
+    tau, status, faults = executed(built(name)[1], mode, rows_of(name, recorded))
     expected = torques_in_python(laws()[name], recorded)
     np.testing.assert_allclose(tau, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
     if mode != "node":
@@ -103,7 +106,7 @@ def test_numbers_that_are_none_give_the_safe_torque_at_once(built, recorded):
     rows[50, 4] = np.inf  # a velocity
     rows[60, 7] = np.nan  # a desired angle, one of six references
     rows[70, 8] = -np.inf
-    tau, status, faults = executed(built["gravity_friction_pd"][1], "chained", rows)
+    tau, status, faults = executed(built("gravity_friction_pd")[1], "chained", rows)
     expected = np.zeros(SAMPLES, int)
     expected[[40, 50, 60, 70]] = NOT_FINITE, NOT_FINITE, TARGET_NOT_FINITE, TARGET_NOT_FINITE
     assert status.tolist() == expected.tolist()
@@ -127,7 +130,7 @@ def assert_towards(tau, safe, samples):
 def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_comes_back(built, recorded, mode):
     rows = rows_of("gravity_friction_pd", recorded)
     rows[30:60, -1] = 0.0
-    _, status, _ = executed(built["gravity_friction_pd"][1], mode, rows)
+    _, status, _ = executed(built("gravity_friction_pd")[1], mode, rows)
     expected = np.zeros(SAMPLES, int)
     expected[35:60] = TARGET_STALE
     assert status.tolist() == expected.tolist()
@@ -137,7 +140,7 @@ def test_a_reference_that_stops_gives_the_safe_torque_after_50_ms_and_the_law_co
 def test_a_counter_that_stands_still_makes_the_measurement_stale(built, recorded):
     rows = rows_of("gravity_friction_pd", recorded)
     rows[30:60, -3] = rows[29, -3]
-    program = built["gravity_friction_pd"][1]
+    program = built("gravity_friction_pd")[1]
     frozen = executed(program, "chained", rows, "ramp_time=0", "counter_interface=leg/reading")
     assert set(np.flatnonzero(frozen[1] == STALE)) == set(range(35, 60))
     unseen = executed(program, "chained", rows)
@@ -149,7 +152,7 @@ def test_the_node_sees_stamps_that_stand_still_and_messages_that_stop(built, rec
     rows = rows_of("sensitivity_amplification", recorded)
     rows[30:60, -3] = rows[29, -3]
     rows[80:110, -2] = 0.0
-    tau, _, _ = executed(built["sensitivity_amplification"][1], "node", rows)
+    tau, _, _ = executed(built("sensitivity_amplification")[1], "node", rows)
     patience = Safety().steps(200.0)
     assert patience == 10
     assert not tau[30 + patience : 60].any()
@@ -160,7 +163,7 @@ def test_the_node_sees_stamps_that_stand_still_and_messages_that_stop(built, rec
 
 def test_parameters_lower_the_torque_and_raise_it_slowly(built, recorded):
     rows = rows_of("lqr", recorded)
-    program = built["lqr"][1]
+    program = built("lqr")[1]
     whole = executed(program, "chained", rows)[0]
     limit = 0.5 * np.abs(whole).max(axis=0)
     limited = executed(program, "chained", rows, "ramp_time=0", f"torque_limit={','.join(map(repr, limit.tolist()))}")
@@ -183,7 +186,7 @@ def test_parameters_lower_the_torque_and_raise_it_slowly(built, recorded):
 )
 def test_bad_parameters_are_refused_before_anything_moves(built, tmp_path, parameter, words):
     (tmp_path / "in.bin").touch()
-    command = [built["lqr"][1], "configure", tmp_path / "in.bin", tmp_path / "out.bin", parameter]
+    command = [built("lqr")[1], "configure", tmp_path / "in.bin", tmp_path / "out.bin", parameter]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, words in done.stderr) == (3, True), done.stderr
 

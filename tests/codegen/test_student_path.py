@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from compiled import COMPILER, STRICT, needs_compiler
+from swings import harmonics
 
 import exoid
 
@@ -47,8 +48,7 @@ def write_log(path, model, seed):
     rng, time = np.random.default_rng(seed), np.arange(4000) / 100.0
     omega = 2.0 * np.pi * 0.1 * np.arange(1, 6)
     amplitude, phase = rng.uniform(0.05, 0.2, (2, 5)), rng.uniform(0.0, 6.3, (2, 5))
-    angle = omega * time[:, None, None] + phase
-    q, v, a = ((amplitude * x).sum(2) for x in (np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)))
+    q, v, a = harmonics(time, amplitude, omega, phase)
     q[:, 1] += 0.8
     data, rotors = model.createData(), 2e-5 * 50.0**2
     tau = np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)])

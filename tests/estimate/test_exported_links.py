@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from functools import cache
 from typing import NamedTuple
 
@@ -12,6 +11,7 @@ import pytest
 import yourdfpy
 from example_robot_data.robots_loader import ROBOTS, getModelPath
 from lxml import etree
+from mujoco_torques import mujoco_model, mujoco_torque
 
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Leg, Viscous
@@ -27,10 +27,6 @@ from exoid.torques import TorqueModel
 
 EXACT = 1e-9
 """Largest error of a torque, over the largest torque."""
-
-
-BULLET = 1e-6
-"""The same for Bullet, which brings inertias to principal axes with a coarse tolerance of its own."""
 
 
 def bare(path, joints, locked=None):
@@ -109,43 +105,11 @@ def motion(leg, samples=10):
     return q, v, a
 
 
-def mujoco_torque(path, leg, q, v, a):
+def by_mujoco(path, leg, q, v, a):
     """Torques of rigid bodies by MuJoCo; joints that are locked stay where they are."""
-    model = mujoco.MjModel.from_xml_path(str(path))
-    off = mujoco.mjtDisableBit
-    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
+    model = mujoco_model(path)
     model.dof_damping[:] = 0.0
-    data = mujoco.MjData(model)
-    joints = [model.joint(joint) for joint in leg.joint_names]
-    for name, angle in leg.locked.items():
-        data.qpos[model.joint(name).qposadr] = angle
-    torque = np.empty_like(q)
-    for i in range(len(q)):
-        for k, joint in enumerate(joints):
-            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = q[i, k], v[i, k], a[i, k]
-        mujoco.mj_inverse(model, data)
-        torque[i] = [data.qfrc_inverse[joint.dofadr][0] for joint in joints]
-    return torque
-
-
-def bullet_torque(bullet, path, leg, q, v, a):
-    """The same by Bullet, whose inverse dynamics takes all joints."""
-    client = bullet.connect(bullet.DIRECT)
-    try:
-        bullet.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
-        flags = bullet.URDF_USE_INERTIA_FROM_FILE
-        body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
-        infos = [bullet.getJointInfo(body, k, client) for k in range(bullet.getNumJoints(body, client))]
-        names = [info[1].decode() for info in infos if info[3] >= 0]  # those with a velocity
-        places = [names.index(name) for name in leg.joint_names]
-        every = np.zeros((3, len(q), len(names)))
-        for name, angle in leg.locked.items():
-            every[0, :, names.index(name)] = angle
-        every[:, :, places] = np.array([q, v, a])
-        found = [bullet.calculateInverseDynamics(body, *map(list, each), client) for each in every.transpose(1, 0, 2)]
-        return np.array(found)[:, places]
-    finally:
-        bullet.disconnect(client)
+    return mujoco_torque(model, leg.joint_names, q, v, a, leg.locked)
 
 
 class Outcome(NamedTuple):
@@ -199,41 +163,8 @@ CASES = [(name, kind) for name in LEGS for kind in KINDS]
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_exported_links_are_near_the_urdfs_and_mujoco_finds_their_torques(name, kind, tmp_path):
-    outcome = check_exports(name, kind, range(2), tmp_path, mujoco_torque)
+    outcome = check_exports(name, kind, range(2), tmp_path, by_mujoco)
     assert outcome.refused == 0
-
-
-FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
-COUNTS = {"random": 60 if FULL else 15, "ill-conditioned": 20 if FULL else 5}
-"""Number of estimates of each leg: three hundred and a hundred of all five in the full study, a quarter in CI."""
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("name", "kind"), CASES)
-def test_three_hundred_random_and_a_hundred_ill_conditioned_estimates(name, kind, tmp_path):
-    """Written links load in yourdfpy, MuJoCo and, if it is installed, Bullet; both simulators find the torques."""
-    bullet = find_bullet()
-
-    def torque(path, leg, q, v, a):
-        found = mujoco_torque(path, leg, q, v, a)
-        if bullet is not None:
-            by_bullet = bullet_torque(bullet, path, leg, q, v, a)
-            np.testing.assert_allclose(by_bullet, found, rtol=0, atol=BULLET * np.abs(found).max())
-        return found
-
-    count = COUNTS[kind]
-    outcome = check_exports(name, kind, range(100, 100 + count), tmp_path, torque)
-    print(name, kind, outcome, "without Bullet" if bullet is None else "also by Bullet")
-    assert outcome.refused <= 0.02 * count
-
-
-def find_bullet():
-    """The module pybullet, whose wheel does not exist for every version of Python; None without it."""
-    try:
-        import pybullet  # noqa: PLC0415
-    except ImportError:
-        return None
-    return pybullet
 
 
 # ------------------------------------------------------------------------------------ refused, or allowed
@@ -245,7 +176,7 @@ def sure_of_heavy_thigh():
     return noisy_estimate(leg_of("bleex"), "random", np.random.default_rng(0), precision=30.0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_without_a_pull_the_nearest_links_of_noisy_estimates_are_many_times_too_heavy():
     """The finding: a link of 4.7 kg left as 282 kg, and the text said "the nearest are 4.8 std away"."""
     leg = leg_of("bleex")

@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Recording, Viscous
+from exoid import Armature, Coulomb, Estimate, Leg, Recording, Viscous
 from exoid.cli import main
 from exoid.leg.exported import read_exported
 from exoid.torques import LoadFriction
@@ -111,11 +111,6 @@ def test_terms_with_nonlinear_settings_or_load_take_it(swing):
     assert with_["Ia_hip"].value == 1e-3
     assert with_.regrouped == ()
     assert with_["J1"].value == pytest.approx(without["J1"].value - 1e-3, abs=without["J1"].std)
-
-
-def test_a_prior_of_a_merged_rotor_is_still_refused(swing):
-    with pytest.raises(ExoidError, match="Ia_hip is regrouped into J1"):
-        exoid.identify(swing.leg, swing.train, prior={"Ia_hip": (0.05, 0.01)})
 
 
 BODY = (

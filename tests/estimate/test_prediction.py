@@ -9,7 +9,6 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
-import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Recording, TorsoMotion, Viscous, Wrench
 from exoid.estimate import predict_motion
 from exoid.signals import FiniteDifference
@@ -53,11 +52,6 @@ def moved(leg, gravity=None):
         return np.concatenate([v, pin.aba(model, data, q, v, torque(t) - loss)])
 
     return solve_ivp(rate, (0.0, 1.49), START, t_eval=TIME, rtol=1e-9, atol=1e-10, max_step=1e-2).y.T
-
-
-@pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,8 @@ import pytest
 import yourdfpy
 from example_robot_data.robots_loader import ROBOTS, getModelPath
 from lxml import etree
+from mujoco_torques import mujoco_model, mujoco_torque
+from swings import harmonics
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
@@ -91,19 +93,10 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     """
     estimate = estimate_of(leg, rigid=near(leg, 0.1))
     export = estimate.to_urdf(tmp_path / "leg.urdf")
-    model = mujoco.MjModel.from_xml_path(str(export.urdf))
-    off = mujoco.mjtDisableBit
-    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
-    data = mujoco.MjData(model)
-    joints = [model.joint(joint) for joint in leg.joint_names]
-    friction = np.array([model.dof_frictionloss[joint.dofadr[0]] for joint in joints])
+    model = mujoco_model(export.urdf)
+    friction = np.array([model.dof_frictionloss[model.joint(joint).dofadr[0]] for joint in leg.joint_names])
     q, v, a = motion(leg)
-    torque = np.empty_like(q)
-    for i in range(len(q)):
-        for k, joint in enumerate(joints):
-            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = q[i, k], v[i, k], a[i, k]
-        mujoco.mj_inverse(model, data)
-        torque[i] = [data.qfrc_inverse[joint.dofadr][0] for joint in joints]
+    torque = mujoco_torque(model, leg.joint_names, q, v, a)
     assert (friction > 0.0).all()
     torque += friction * np.tanh(v / SMOOTHING)
     np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
@@ -120,9 +113,7 @@ def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, 
     omega = 2.0 * np.pi * np.array([0.13, 0.37, 0.61])
     rng = np.random.default_rng(3)
     size, phase = rng.uniform(0.1, 0.3, (n, 3)), rng.uniform(0.0, 6.0, (n, 3))
-    angle = np.multiply.outer(time, omega)[:, None] + phase
-    q, v = (size * np.sin(angle)).sum(-1), (size * omega * np.cos(angle)).sum(-1)
-    a = -(size * omega**2 * np.sin(angle)).sum(-1)
+    q, v, a = harmonics(time, size, omega, phase)
     tau = again.inverse_dynamics(q, v, a)
     root = etree.parse(str(export.urdf)).getroot()
     beside = json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]
@@ -137,9 +128,7 @@ def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, 
     np.testing.assert_allclose(found.values, estimate.values, rtol=1e-7, atol=1e-8)
 
 
-def test_an_identified_example_is_exported_as_it_is(tmp_path):
-    data = exoid.datasets.bleex_swing()
-    estimate = exoid.identify(data.leg, data.train)
+def test_an_identified_example_is_exported_as_it_is(data, estimate, tmp_path):
     export = estimate.to_urdf(tmp_path / "leg.urdf")
     assert export.lift.feasible
     np.testing.assert_array_equal(export.values, estimate.values)

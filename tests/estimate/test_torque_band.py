@@ -8,7 +8,6 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import ExoidError
 from exoid.signals import FiniteDifference, ZeroPhase
 
 PLAIN = FiniteDifference()
@@ -71,9 +70,3 @@ def test_the_std_is_that_of_the_covariance(swing, other):
     W = estimate.model.regressor(*other.motion)
     expected = np.sqrt(np.einsum("njp,pq,njq->nj", W, estimate.covariance, W))
     np.testing.assert_allclose(estimate.torque_std(*other.motion), expected, rtol=1e-9)
-
-
-def test_a_level_beyond_one_is_refused(swing):
-    estimate = identify(swing.leg, swing.recording(), TERMS)
-    with pytest.raises(ExoidError, match="level"):
-        estimate.torque_band(*swing.motion, level=95.0)

@@ -89,6 +89,7 @@ def test_feet_stand_flat_without_slip(named):
             assert not foot.force.any()
 
 
+@pytest.mark.slow
 def test_every_scenario_gives_a_recording(named):
     _, run = named
     log = run.recording(seed=1)

@@ -169,7 +169,7 @@ def test_a_slow_log_is_assessed_behind_the_cutoff_with_which_it_will_be_identifi
     np.testing.assert_allclose(said.precision.std, expected.precision.std)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_rig_that_carries_a_plan_out_scatters_as_predicted():
     """Over noisy replicates on rigs that stick, slip and track imperfectly; the full number resolves 10 %."""
     replicates, std = (1000 if FULL else 60), (0.3, 0.3)

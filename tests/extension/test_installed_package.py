@@ -98,13 +98,6 @@ def test_the_command_line_identifies_by_installed_names(folder):
     assert data["inputs"][0]["name"] == "log.lab"
 
 
-def test_the_report_tells_of_the_term(folder):
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "Coulomb, Viscous, EndStop" in page
-    assert "k_knee" in page
-    assert "median" in page
-
-
 def test_a_fresh_interpreter_loads_exports_and_reads_back(folder):
     compiler = "compile" if shutil.which("cc") else "no compiler"
     (folder / "build").mkdir(exist_ok=True)
@@ -120,27 +113,6 @@ def test_a_fresh_interpreter_loads_exports_and_reads_back(folder):
     urdf = (folder / "leg.urdf").read_text(encoding="utf-8")
     for name, attribute in (("c0_knee", "friction"), ("d_knee", "damping")):
         assert f'{attribute}="{saved(folder)["values"][name]!r}"' in urdf
-
-
-def test_a_folder_of_such_logs_is_a_folder_of_logs(folder, recording):
-    (folder / "logs").mkdir()
-    write_lab(folder / "logs" / "a.lab", recording.slice(0, 1000))
-    write_lab(folder / "logs" / "b.LAB", recording.slice(1000))
-    done = command(
-        "identify", "cuhk", "logs", "--terms", "coulomb,viscous,end-stop", "--json", path=installed(folder), cwd=folder
-    )
-    data = json.loads(done.stdout)
-    assert [source["name"] for source in data["inputs"]] == ["a.lab", "b.LAB"]
-    assert data["values"]["k_knee"] == pytest.approx(STIFFNESS["knee"], rel=0.02)
-
-
-def test_without_the_package_one_line_says_what_is_missing(folder):
-    done = command("validate", "est.json", "log.lab", cwd=folder, code=2)
-    assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
-    assert "est.json: no term 'end-stop' (the file has it from the module exoid_springs.end_stop)" in done.stderr
-    assert "install the package that provides it" in done.stderr
-    assert "register_term" not in done.stderr  # a remedy of the Python API is none on a command line
 
 
 @pytest.mark.nightly

@@ -11,50 +11,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from springs import PROJECT, STIFFNESS, run, write_lab
+from springs import STIFFNESS, write_lab
 from swings import Swing
 
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Recording, Viscous
 from exoid.codegen.forms import FORMS
-from exoid.control import ControlModel
-from exoid.experiments import Harmonics
 from exoid.identification import register_estimator
-from exoid.identification.estimators import ClosedLoop, OutputError, wls
+from exoid.identification.estimators import OutputError, wls
 from exoid.leg.exported import read_exported
-from exoid.rig import Plant, ProportionalDerivative
+from exoid.rig import Plant
 from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
 from exoid.signals.readers import ArrayTable
-from exoid.torques import NonlinearParameter, Stiffness, Term, TorqueModel, register_term
-from exoid.torques.catalog import term_from_json, term_to_json
+from exoid.torques import NonlinearParameter, Term, TorqueModel, register_term
+from exoid.torques.catalog import term_to_json
 
 LEG = exoid.load_leg("cuhk")
 FRICTION = (Coulomb(), Viscous())
-
-REGISTER = """
-import exoid, exoid_springs
-exoid.torques.register_term("end-stop", exoid_springs.EndStop)
-exoid.signals.register_preparation("median", exoid_springs.Median)
-exoid.identification.register_estimator("mad", exoid_springs.mad)
-exoid.signals.register_format("lab", exoid_springs.read_lab)
-"""
-IDENTIFY = """
-leg, log = exoid.load_leg("cuhk"), exoid.Recording.from_file("log.lab")
-terms = (exoid.Coulomb(), exoid.Viscous(), exoid_springs.EndStop())
-exoid.identify(leg, log, terms, "mad", preparation="median").save("est.json")
-"""
-LOAD = """
-est = exoid.Estimate.load("est.json")
-est.save("again.json")
-print(est.estimator, est.preparation.name, type(est.model.terms[2]).__name__)
-"""
-REFUSE = """
-import exoid
-try:
-    exoid.Estimate.load("est.json")
-except exoid.ExoidError as error:
-    print(error)
-"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,14 +48,6 @@ class Thick(Term):
         out[0] = np.abs(motion.v) * motion.v
 
 
-class Rubber(Stiffness):
-    """A stiffness that is none of exoid's, τ = Σ b_k |q|^k sgn q."""
-
-    def fill(self, motion, out):
-        super().fill(motion._replace(q=np.abs(motion.q)), out)
-        out *= np.sign(motion.q)
-
-
 def estimate_of(*terms, **changes):
     """An estimate of the leg's own parameters with these terms."""
     model = TorqueModel(LEG, terms)
@@ -99,16 +64,6 @@ def estimate_of(*terms, **changes):
         "preparation": ZeroPhase(5.0),
     }
     return Estimate(**{**given, **changes})
-
-
-@pytest.mark.nightly
-def test_a_script_that_calls_register_needs_no_installation(tmp_path, recording):
-    write_lab(tmp_path / "log.lab", recording)
-    run("-c", REGISTER + IDENTIFY, path=[PROJECT], cwd=tmp_path)
-    assert run("-c", REGISTER + LOAD, path=[PROJECT], cwd=tmp_path).stdout == "mad median EndStop\n"
-    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "est.json").read_bytes()
-    refused = run("-c", REFUSE, path=[PROJECT], cwd=tmp_path).stdout  # the package is there, but nobody said so
-    assert "no term 'end-stop' (the file has it from the module exoid_springs.end_stop)" in refused
 
 
 class TestCoupledTerm:
@@ -146,38 +101,6 @@ class TestCoupledTerm:
 
 
 class TestTerms:
-    @pytest.mark.parametrize(
-        "setting",
-        [
-            None,
-            True,
-            3,
-            0.1,
-            -0.0,
-            "a, \"b\" 'c' °",
-            (),
-            (1, 0.5, "a", None, False),
-            ((1.0, 2.0), (3.0, 4.0)),
-            NonlinearParameter(0.1, 0.01, 1.0),
-        ],
-        ids=ascii,
-    )
-    def test_settings_of_every_kind_come_back_exactly(self, setting, forgetful):
-        register_term("thick", Thick)
-        term = Thick(setting=setting, joints=("knee",))
-        again = term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False)))
-        assert again == term
-        assert repr(again) == repr(term)
-
-    def test_an_estimate_comes_back_with_them(self, forgetful, tmp_path):
-        register_term("thick", Thick)
-        estimate = estimate_of(Coulomb(), Thick(setting=((1, 2.5), "fluid", True, None)))
-        estimate.save(tmp_path / "est.json")
-        again = Estimate.load(tmp_path / "est.json")
-        assert again.model.terms == estimate.model.terms
-        motion = np.random.default_rng(0).standard_normal((3, 50, 2))
-        assert (again.torque(*motion) == estimate.torque(*motion)).all()
-
     @pytest.mark.parametrize("setting", [np.zeros(3), [0.1], np.inf, {"a": 1}, print], ids=ascii)
     def test_a_setting_that_no_file_can_hold_is_refused_before_anything_is_written(self, setting, forgetful, tmp_path):
         register_term("thick", Thick)
@@ -253,38 +176,11 @@ class TestSymbolsOfExoid:
         export.sidecar.write_text(json.dumps(data), encoding="utf-8")
         assert Plant.from_urdf(export.urdf).viscous[1, 0] == export.estimate.value("d_knee")
 
-    @pytest.mark.parametrize("terms", [["coulomb"], {"d_knee": 1}])
-    def test_a_sidecar_with_another_form_of_it_is_refused(self, terms, tmp_path):
-        export = estimate_of(*FRICTION).to_urdf(tmp_path / "leg.urdf")
-        data = json.loads(export.sidecar.read_text(encoding="utf-8"))
-        export.sidecar.write_text(json.dumps(data | {"term_of": terms}), encoding="utf-8")
-        with pytest.raises(ExoidError, match="missing or of the wrong type"):
-            Plant.from_urdf(export.urdf)
-
     def test_friction_that_no_rig_has_is_not_taken_for_static_friction(self, tmp_path):
         """Cs of Stribeck's term is a drop from breakaway to sliding, cs of the rig the whole friction at breakaway."""
         export = estimate_of(*FRICTION, exoid.torques.Stribeck()).to_urdf(tmp_path / "leg.urdf")
         with pytest.raises(ExoidError, match=r"the rig has no cs_hip of the term stribeck"):
             Plant.from_urdf(export.urdf)
-
-    def test_control_laws_compute_its_own_torque(self):
-        estimate = estimate_of(Coulomb(), Thick(), Rubber(degree=1))
-        model = ControlModel.of(estimate)
-        rng = np.random.default_rng(0)
-        q, v = rng.uniform(-1.0, 1.0, (2, 2))
-        coulomb = [estimate.value(f"c0_{joint}") for joint in ("hip", "knee")] * np.sign(v)
-        thick = [estimate.value(f"d_{joint}") for joint in ("hip", "knee")] * np.abs(v) * v
-        np.testing.assert_allclose(model.friction(q, v, 0.0), coulomb + thick, rtol=1e-12)
-        still = np.zeros(2)
-        np.testing.assert_allclose(model.statics(q), estimate.torque(q, still, still)[0], rtol=1e-12)
-
-    def test_no_closed_loop_is_simulated_with_it(self, recording):
-        controller = ProportionalDerivative(np.array([100.0, 50.0]), np.array([10.0, 5.0]))
-        one = np.ones((1, 2, 1))
-        reference = Harmonics(centre=np.zeros((2, 1)), amplitude=0.3 * one, frequency=3.0 * one, phase=0.0 * one)
-        estimator = OutputError(ClosedLoop(controller, reference))
-        with pytest.raises(ExoidError, match="no rig has the parameter d_hip"):
-            exoid.identify(LEG, recording, (Coulomb(), Thick()), estimator)
 
 
 class TestEstimators:
@@ -396,17 +292,6 @@ class TestFormats:
             Recording.from_file(tmp_path / "log.odd")
         assert caught.value.remedy
         assert "\n" not in str(caught.value)
-
-    def test_a_file_that_is_not_there_is_said_to_be_missing(self, springs, forgetful, tmp_path):
-        register_format("lab", springs.read_lab)
-        with pytest.raises(ExoidError, match="no such file"):
-            Recording.from_file(tmp_path / "log.lab")
-
-    def test_options_of_bags_are_refused(self, springs, forgetful, recording, tmp_path):
-        register_format("lab", springs.read_lab)
-        write_lab(tmp_path / "log.lab", recording)
-        with pytest.raises(ExoidError, match="topic and stamps apply to bags"):
-            Recording.from_file(tmp_path / "log.lab", topic="/joints")
 
 
 @dataclass(frozen=True, kw_only=True)

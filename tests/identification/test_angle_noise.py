@@ -56,7 +56,9 @@ def test_the_worst_parameter_is_within_its_figure(name, index):
     assert worst <= SLACK * LIMITS[name][index]
 
 
-@pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
+@pytest.mark.parametrize(
+    "index", [pytest.param(0, marks=pytest.mark.nightly), 1, pytest.param(2, marks=pytest.mark.nightly), 3]
+)
 def test_rounded_angles_cost_no_more_than_twice_the_figures(index):
     """Rounding of a slow motion is not white noise, and worse for least squares than noise of the same size."""
     setting = list(study.SETTINGS)[index]
@@ -76,6 +78,7 @@ def test_output_error_is_at_least_as_near(index):
     assert worst <= 2.0 * LIMITS["output-error"][index]
 
 
+@pytest.mark.nightly
 def test_intervals_of_joint_maximum_likelihood_hold():
     """All settings together; nominal 95 %."""
     inside = np.concatenate([outcomes("ml", setting, REPLICATES)[1] for setting in study.SETTINGS])

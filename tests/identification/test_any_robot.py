@@ -69,15 +69,6 @@ def test_exact_torques_give_the_parameters(arm):
     assert effect.max() < 1e-3
 
 
-def test_a_joint_that_stands_still_is_refused_by_name(arm):
-    recording = arm.recording(TRAIN, arm.noise_of(10))
-    q = recording.q.copy()
-    q[:, 4] = 0.3
-    still = exoid.Recording(time=recording.time, q=q, tau=recording.tau, joint_names=recording.joint_names)
-    with pytest.raises(ExoidError, match=f"{arm.leg.joint_names[4]} stands still"):
-        identify(arm.leg, still)
-
-
 def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):
     """All joints follow one sine: rank is missing."""
     time, q, _, _ = arm.motion(TRAIN)

@@ -13,8 +13,6 @@ import exoid
 
 REPLICATES = 400 if os.environ.get("EXOID_FULL_STUDIES") else 120
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def sides():
@@ -30,14 +28,18 @@ NOISES = {"left": Noise((0.3, 0.2, 0.1), np.exp(-0.02 / 0.05)), "right": Noise((
 """That of the left leg has a memory of 50 ms, that of the right one is white."""
 
 
-@pytest.fixture(scope="module")
-def replicates(sides):
+def replicate(sides, count):
+    """Estimates of both legs together, each from other noise."""
     legs, rng = {side: session.leg for side, session in sides.items()}, np.random.default_rng(11)
     clean = {side: session.recording() for side, session in sides.items()}
     return [
-        identify(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS)
-        for _ in range(REPLICATES)
+        identify(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS) for _ in range(count)
     ]
+
+
+@pytest.fixture(scope="module")
+def replicates(sides):
+    return replicate(sides, REPLICATES)
 
 
 def noisy(recording, rng, noise):
@@ -60,8 +62,8 @@ def test_intervals_contain_the_truth_as_often_as_they_say(sides, replicates):
     assert (np.abs(scatter - 1.0) < 0.3).all()
 
 
-def test_intervals_of_each_group_are_those_of_the_whole(sides, replicates):
-    together = replicates[0]
+def test_intervals_of_each_group_are_those_of_the_whole(sides):
+    (together,) = replicate(sides, 1)
     for group, places in zip(together, together.layout.places, strict=True):
         np.testing.assert_allclose(together[group].std, together.std[places], rtol=1e-12)
         wide = together[group].interval() - together.interval()[places]
@@ -69,6 +71,7 @@ def test_intervals_of_each_group_are_those_of_the_whole(sides, replicates):
         assert (wide[:, 1] >= -1e-12).all()
 
 
+@pytest.mark.nightly
 def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_always(sides, replicates):
     """Of all comparisons 5 % or less, and for what is shared 1 %, as adjusted for the number of parameters."""
     names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
@@ -88,6 +91,7 @@ SHARES = np.array([0.047, 0.214, 0.458, 0.715])
 """Share of p-values below each level of 400 replicates; docs/intervals.md says why some are smaller than it."""
 
 
+@pytest.mark.nightly
 def test_p_values_of_equal_parameters_are_uniform_or_a_little_larger(sides, replicates):
     """Within two standard errors of the measured shares; parameters of one replicate are correlated."""
     names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}

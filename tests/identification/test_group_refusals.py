@@ -18,11 +18,6 @@ BAD, NI = BadArgumentError, NotIdentifiableError
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
-
-
-@pytest.fixture(scope="module")
 def two(leg):
     rng = np.random.default_rng(0)
     return {name: Session(leg, seed).recording(rng) for seed, name in enumerate(("a", "b"), 1)}

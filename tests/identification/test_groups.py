@@ -22,11 +22,6 @@ ZEROS = {"monday": (1.5, -0.8, 0.2), "tuesday": (-0.9, 0.5, -0.3), "friday": (0.
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex", side="left", inertias="cad")
-
-
-@pytest.fixture(scope="module")
 def legs(leg):
     return {"left": leg, "right": exoid.load_leg("bleex", side="right", inertias="cad")}
 

@@ -10,11 +10,6 @@ from exoid import Coulomb, Viscous
 TERMS = (Coulomb(smoothing=0.05), Viscous())
 
 
-@pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
 def friction(v):
     return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
@@ -29,7 +24,7 @@ def logs(exo, lean, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", [0.0, 0.5, -3.0])
+@pytest.mark.parametrize("degrees", [0.5, -3.0])
 def test_the_lean_is_found_and_intervals_hold(exo, degrees):
     deviations = []
     for seed in (1000, 1001):

@@ -14,11 +14,6 @@ HIP, KNEE, ANKLE = "left_hip", "left_knee", "left_ankle"
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
-
-
-@pytest.fixture(scope="module")
 def swing(leg):
     return Swing(leg, base=0.15)
 

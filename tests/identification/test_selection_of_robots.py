@@ -15,7 +15,7 @@ import study_selection as study
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "every"), [("cuhk", True), ("bleex", False)])
+@pytest.mark.parametrize(("name", "every"), [("cuhk", True), pytest.param("bleex", False, marks=pytest.mark.nightly)])
 def test_the_terms_that_matter_are_found_at_each_joint_and_predict_another_motion(name, every):
     """As `scripts/study_selection.py` prints for robots with up to seven joints."""
     simulation = study.simulate(name, every=every)

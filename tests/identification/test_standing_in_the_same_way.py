@@ -15,11 +15,6 @@ LATE = 0.012
 
 
 @pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
-@pytest.fixture(scope="module")
 def runs():
     machine = bleex_machine()
     standing = [single_support(machine, 8.0, standing=foot, seed=1 + foot) for foot in (0, 1)]

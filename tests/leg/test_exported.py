@@ -89,9 +89,7 @@ def test_the_rig_simulates_it_and_identification_of_the_log_returns_the_estimate
     np.testing.assert_allclose(found.values[friction], estimate.values[friction], rtol=0.05)
 
 
-def test_an_identified_example_runs_on_the_rig(tmp_path):
-    data = exoid.datasets.bleex_swing()
-    estimate = exoid.identify(data.leg, data.train)
+def test_an_identified_example_runs_on_the_rig(data, estimate, tmp_path):
     plant = Plant.from_urdf(estimate.to_urdf(tmp_path / "leg.urdf").urdf, pitch=0.1)
     assert plant.leg.joint_names == data.leg.joint_names
     assert plant.pitch[0] == 0.1

@@ -28,8 +28,8 @@ def estimator(walker):
     ("seed", "stride", "machine", "learning"),
     [
         (1000, 10.0, "three joints", False),
-        (1001, 1.2, "abduction", False),
-        (1002, 12.0, "two joints", False),
+        pytest.param(1001, 1.2, "abduction", False, marks=pytest.mark.slow),
+        pytest.param(1002, 12.0, "two joints", False, marks=pytest.mark.slow),
         (1003, 4.0, "two joints", True),  # strapped on while the estimator still learns the leg
         (1004, 10.0, "three joints", True),
         *(
@@ -61,7 +61,7 @@ def test_a_load_in_the_first_strides_is_found_whatever_the_motion_was():
         assert STUDY["named"](online) == ("load at knee",)
 
 
-@pytest.mark.parametrize("stride", [1.2, 10.0])
+@pytest.mark.parametrize("stride", [pytest.param(1.2, marks=pytest.mark.slow), 10.0])
 def test_learning_a_leg_is_no_change(stride):
     for machine in STUDY["MACHINES"]:
         walker = Walker.of(1000, stride, machine)

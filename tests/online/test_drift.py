@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from swings import harmonics
 
 import exoid
 from exoid.online import RecursiveEstimator
@@ -21,9 +22,8 @@ def swing(seconds, seed=0):
     """Exact motion, (N, 2) each."""
     rng = np.random.default_rng(seed)
     omega = 2.0 * np.pi * np.array([[0.9, 1.3], [0.7, 1.9]])
-    at = (np.arange(round(seconds * RATE)) / RATE)[:, None, None] * omega + rng.uniform(0.0, 6.0, (2, 2))
-    size = np.array([[0.4, 0.15], [0.5, 0.2]])
-    return tuple(x.sum(-1) for x in (size * np.sin(at), size * omega * np.cos(at), -size * omega**2 * np.sin(at)))
+    size, phase = np.array([[0.4, 0.15], [0.5, 0.2]]), rng.uniform(0.0, 6.0, (2, 2))
+    return harmonics(np.arange(round(seconds * RATE)) / RATE, size, omega, phase)
 
 
 def torque(motion, friction, seed=0):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from swings import harmonics
 
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
@@ -23,11 +24,6 @@ PACKAGE = str(Path(exoid.__file__).parent / "*")  # other threads of the test pr
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex", inertias="cad")
-
-
-@pytest.fixture(scope="module")
 def truth(leg):
     return np.concatenate([leg.parameters, RESISTANCES])
 
@@ -37,9 +33,7 @@ def swing(leg, truth, seconds, seed=0, noise=1.0):
     rng = np.random.default_rng(seed)
     omega = 2.0 * np.pi * np.array([[0.9, 1.3], [0.7, 1.9], [1.1, 2.3]])
     size, phase = np.array([[0.4, 0.15], [0.5, 0.2], [0.2, 0.1]]), rng.uniform(0.0, 6.0, (3, 2))
-    at = (np.arange(round(seconds * RATE)) / RATE)[:, None, None] * omega + phase
-    q, v, a = (size * x for x in (np.sin(at), omega * np.cos(at), -(omega**2) * np.sin(at)))
-    q, v, a = q.sum(-1), v.sum(-1), a.sum(-1)
+    q, v, a = harmonics(np.arange(round(seconds * RATE)) / RATE, size, omega, phase)
     tau = TorqueModel(leg, TERMS).regressor(q, v, a) @ truth + noise * NOISE * rng.standard_normal(q.shape)
     return q, v, a, tau
 

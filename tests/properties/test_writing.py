@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import exoid
 from exoid import Estimate, ExoidError, Leg, Recording
 from exoid.leg.exported import read_exported
 
@@ -45,12 +44,6 @@ WRITER = textwrap.dedent(
             recording.to_csv("new.csv")
     """
 )
-
-
-@pytest.fixture(scope="module")
-def estimate():
-    data = exoid.datasets.bleex_swing()
-    return exoid.identify(data.leg, data.train)
 
 
 @pytest.fixture

@@ -218,14 +218,14 @@ def attend(
     *,
     seconds: float = TRAINING,
     features: Sequence[str] = ("fit", "select", "check", "doctor"),
-    mistakes: int | None = None,
+    mistakes: Iterable[str] = tuple(MISTAKES),
 ) -> Outcome:
-    """Draw, simulate and identify one machine; the doctor sees the first mistakes of the table."""
+    """Draw, simulate and identify one machine; the doctor sees the log with each of these mistakes."""
     outcome = Outcome(draw(seed))
     machine, leg = outcome.machine, outcome.machine.leg()
     training = simulate(machine, seconds)
     if "doctor" in features:
-        for mistake in [*MISTAKES][:mistakes]:
+        for mistake in mistakes:
             _attempt(outcome, mistake, partial(_diagnose, outcome, leg, training.recording, mistake))
     if {"fit", "select", "check"}.isdisjoint(features):
         return outcome

@@ -14,7 +14,7 @@ from .machine import draw
 from .population import without_gravity
 from .simulate import simulate
 
-SEEDS = 0, pytest.param(2, marks=pytest.mark.nightly), 14, 22, pytest.param(36, marks=pytest.mark.nightly)
+SEEDS = 0, pytest.param(14, marks=pytest.mark.slow), *(pytest.param(k, marks=pytest.mark.nightly) for k in (2, 22, 36))
 
 
 @cache

@@ -33,12 +33,12 @@ def test_the_same_seed_gives_the_same_figures():
 @pytest.mark.parametrize("seed", [6, 9, 25])
 def test_faults_of_torques_are_named_on_a_floating_base(seed):
     """Rows of the base are beside those of the joints: the doctor looks at both."""
-    (outcome,) = population((seed,), features=("doctor",))
+    (outcome,) = population((seed,), features=("doctor",), mistakes=OF_TORQUES)
     assert all(outcome.named[mistake] for mistake in OF_TORQUES)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "mistake"), [(3, "sign of one torque"), (3, "two far joints swapped")])
-def test_faults_of_one_torque_of_six_are_named(seed, mistake):
-    (outcome,) = population((seed,), features=("doctor",))
-    assert outcome.named[mistake]
+def test_faults_of_one_torque_of_six_are_named():
+    (outcome,) = population((3,), features=("doctor",), mistakes=OF_TORQUES[::2])
+    assert all(outcome.named.values())
+    assert len(outcome.named) == 2

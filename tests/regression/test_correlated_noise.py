@@ -137,16 +137,6 @@ def test_gls_is_that_of_statsmodels(pendulum):
     np.testing.assert_allclose(std, expected.bse, rtol=0.01)
 
 
-def test_gls_is_near_statsmodels_glsar(pendulum):
-    problem = problem_of(pendulum, 5)
-    fit = ESTIMATORS["gls"](problem)
-    W, tau = regression_of(problem)
-    expected = sm.GLSAR(tau, W, rho=1).iterative_fit(10)
-    std = np.sqrt(np.diag(fit.solution.covariance))
-    assert (np.abs(fit.solution.values - expected.params) < 0.25 * std).all()
-    np.testing.assert_allclose(std, expected.bse, rtol=0.15)
-
-
 def test_huber_is_that_of_statsmodels(pendulum):
     problem = problem_of(pendulum, 6)
     rng = np.random.default_rng(7)

@@ -7,7 +7,6 @@ import pytest
 from swings import TERMS, Swing
 from unchecked import identify
 
-import exoid
 from exoid import Estimate, Stiffness
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
@@ -15,11 +14,6 @@ from exoid.signals import FiniteDifference, Poses
 from exoid.torques import TorqueModel
 
 PLAIN = FiniteDifference()
-
-
-@pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
 
 
 def logs(leg, spoilt=0.0):
@@ -82,7 +76,7 @@ def test_a_share_is_the_part_of_the_variance_that_a_recordings_noise_makes(leg):
     np.testing.assert_allclose(share, scatter / np.sum(scatter, axis=0), atol=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_changes_scatter_as_expected(leg):
     """Of recordings of one leg, 80 times."""
     rng = np.random.default_rng(1)

@@ -161,7 +161,7 @@ def test_bounds_keep_friction_at_zero_and_say_so(swing, estimator):
     assert unbound.bounded == ()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_bounds_make_intervals_no_worse(swing):
     """A friction of zero: half of all estimates would be negative; intervals still contain the truth."""
     rng, inside = np.random.default_rng(8), []

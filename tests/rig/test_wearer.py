@@ -347,16 +347,6 @@ def test_the_limb_is_that_of_winters_table():
     assert J[0] > J[1] > J[2]
 
 
-@pytest.mark.slow
-def test_a_passive_limb_of_the_same_size_makes_the_documents_leg():
-    """CUHK-EXO as published carries such a wearer: hardware and limb together are that leg again."""
-    limb = limb_of(CUHK, 1.70, 65.0)
-    bare = CUHK.with_parameters(CUHK.parameters - limb.parameters)
-    welded = simulate(Plant.build(CUHK), GAIT, PD, IdealTorque(), 1.0, rates=FINE)
-    cuffed = worn(Plant.build(bare), Wearer(limb, 1e6, 1e4), controller=PD)
-    np.testing.assert_allclose(cuffed.q, welded.q, atol=1e-3)
-
-
 def test_an_intention_without_acceleration_needs_muscles_without_feedforward():
     class Line:
         def at(self, time):

@@ -234,14 +234,6 @@ def pose():
     return {"position": position, "quaternion": turn.as_quat(), "time": walked.time}
 
 
-def test_a_quaternion_with_w_first_is_refused_where_it_is_used():
-    given = pose()
-    wrong = np.roll(given["quaternion"], 1, axis=1)  # read as (x, y, z, w), it turns the base upside down
-    base = BaseMotion.from_pose(given["position"], wrong, given["time"])
-    with pytest.raises(ExoidError, match="upside down"):
-        Recording(given["time"], np.zeros((len(base), 1)), joint_names=("knee",), base=base)
-
-
 def test_no_sequence_of_hostile_numbers_makes_another_error():
     rng = np.random.default_rng(0)
     for kind, size in itertools.product(range(6), (1e-320, 1.0, 1e8, 1e300)):

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -152,56 +151,12 @@ def test_every_recording_reads_back_bit_by_bit(recording):
             assert written.tobytes() == read.tobytes()
 
 
-@pytest.mark.parametrize("failing", ["write", "replace"])
-def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monkeypatch, failing):
-    path = log([HEADER, *ROWS])
-    before, recording = path.read_bytes(), Recording.from_csv(path)
-    seen = []
-
-    def fail(*_):
-        seen.extend(tmp_path.iterdir())
-        raise OSError(28, "No space left on device")
-
-    def open_on_a_full_disk(self, *args, opened=Path.open, **options):
-        file = opened(self, *args, **options)
-        file.write(b"time,q_h")
-        file.writelines = fail
-        return file
-
-    if failing == "replace":
-        monkeypatch.setattr(Path, "replace", fail)
-    else:
-        monkeypatch.setattr(Path, "open", open_on_a_full_disk)
-    with pytest.raises(ExoidError, match=r"log\.csv: cannot be written: No space left on device.*disk with free space"):
-        recording.to_csv(path)
-    monkeypatch.undo()
-    assert len(seen) == 2  # the old file and the half-written one beside it
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
-
-
 # --- what is refused: the file ------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
-def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "pipe.csv")
-    refused(tmp_path / "pipe.csv", "not a regular file")
 
 
 def test_two_columns_of_one_name_that_nobody_reads_do_no_harm(log):
     path = log(["time,q_hip,Unused,Unused", *(f"{k / 100},0.1,text,0" for k in range(10))])
     assert len(Recording.from_csv(path)) == 10
-
-
-# --- what is refused: the columns ---------------------------------------------------------------------------
-
-
-def test_a_missing_time_or_angle_column_is_refused_with_the_closest_and_with_what_exists(log):
-    lines = [HEADER.replace("time", "Time"), *ROWS]
-    message = refused(log(lines), r"log\.csv: no column 'time' .*closest: Time; the file has: Time, q_hip, q_knee,")
-    assert "columns={'time': <header in the file>}" in message
-    refused(log([HEADER, *ROWS]), r"no column 'q_ankle'.*columns=\{'q_ankle'", joint_names=("hip", "ankle"))
 
 
 # --- what is refused: the cells -----------------------------------------------------------------------------
@@ -212,57 +167,7 @@ def test_a_column_with_a_foreign_header_is_named_by_both(log):
     refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
 
 
-def test_a_gap_in_time_is_refused_by_line_unless_resampling_is_off(log):
-    lines = ["time,q_hip", *(f"{0.01 * k + (k >= 20)},0.1" for k in range(40))]
-    refused(log(lines), r"log\.csv, line 22: a gap of 1\.01 s .*split the log there")
-    assert len(Recording.from_csv(log(lines), resample=False)) == 40
-
-
-# --- whatever the bytes -------------------------------------------------------------------------------------
-
-
-def read_or_refuse(data):
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "log.csv"
-        path.write_bytes(data)
-        try:
-            recording = Recording.from_csv(path)
-        except ExoidError:
-            return None
-    assert np.isfinite(recording.q).all()
-    assert (np.diff(recording.time) > 0.0).all()
-    return recording
-
-
-TEXTS = st.text(max_size=200).map(lambda text: text.encode("utf-8", "surrogatepass"))
-
-
-@given(data=st.one_of(st.binary(max_size=300), TEXTS))
-@settings(max_examples=300, deadline=None)
-@example(b"time\tq_a\n" + b'"\n' * 12)
-def test_any_bytes_are_read_or_refused(data):
-    read_or_refuse(data)
-
-
-CELLS = st.one_of(
-    st.floats(width=64).map(repr),
-    st.integers(-(10**20), 10**20).map(str),
-    st.text(alphabet='0123456789.,;"eE+-# nax\t', max_size=5),
-)
-
-
-@pytest.mark.slow
-@given(
-    start=st.sampled_from(["time,q_a", "time,q_a,tau_a,v_a", "time;q_a;note", '"time","q_a"', "# time,q_a"]),
-    cells=st.lists(st.lists(CELLS, min_size=2, max_size=4), min_size=8, max_size=14),
-    numbered=st.booleans(),
-)
-@settings(max_examples=200, deadline=None)
-def test_anything_shaped_like_a_log_is_read_or_refused(start, cells, numbered):
-    mark = ";" if ";" in start else ","
-    width = start.count(mark) + 1
-    rows = [mark.join([str(0.01 * k), *row][:width] if numbered else row) for k, row in enumerate(cells)]
-    read_or_refuse("\n".join([start, *rows]).encode())
+# --- options ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("read", [Recording.from_csv, Recording.from_file, Recordings.from_folder])

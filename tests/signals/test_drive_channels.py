@@ -92,14 +92,6 @@ def test_temperatures_have_units_with_a_zero_of_their_own(tmp_path, unit, cells)
     np.testing.assert_allclose(read.temperature[:, 0], WARMING, atol=1e-9)
 
 
-def test_one_sensor_may_serve_several_joints_and_no_other_quantity(tmp_path):
-    path = write_columns(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, q_knee=0.1 * TIME, case=WARMING)
-    read = Recording.from_csv(path, columns={"temp_hip": "case", "temp_knee": "case"})
-    np.testing.assert_array_equal(read.temperature[:, 0], read.temperature[:, 1])
-    with pytest.raises(exoid.ExoidError, match="different header"):
-        Recording.from_csv(path, columns={"temp_hip": "case", "i_hip": "case"})
-
-
 def test_a_header_in_kelvins_is_not_read_as_degrees_in_silence(tmp_path):
     path = write_columns(tmp_path / "log.csv", **{"time": TIME, "q_hip": 0.1 * TIME, "case [K]": WARMING + 273.15})
     with pytest.raises(exoid.ExoidError, match="says K"):

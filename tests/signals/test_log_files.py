@@ -389,22 +389,6 @@ def test_a_file_that_ends_too_early_is_refused_wherever_it_ends(kind, tmp_path):
             np.testing.assert_array_equal(result.q, swing().q[: len(result)])
 
 
-@given(st.data())
-@settings(max_examples=80)
-def test_a_damaged_file_gives_a_recording_or_one_error(data):
-    """Bytes changed at random places; where no checksum covers them the values may change, nothing else may happen."""
-    kind = data.draw(st.sampled_from(list(WRITERS)))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / kind
-        WRITERS[kind](path, swing(samples=12))
-        file = _file_of(path)
-        content = bytearray(file.read_bytes())
-        for _ in range(data.draw(st.integers(1, 8))):
-            content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-        file.write_bytes(content)
-        outcome(path)
-
-
 def test_a_damaged_compressed_element_of_a_mat_file_is_refused(tmp_path):
     path = tmp_path / "log.mat"
     element = zlib.compress(struct.pack("<II", 14, 4_000_000_000))

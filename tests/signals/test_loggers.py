@@ -182,14 +182,3 @@ def test_the_command_names_format_and_joint(exoid_, tmp_path):
     est = exoid.Estimate.load(tmp_path / "est.json")
     assert est.value("X1") == pytest.approx(leg.parameters[0], rel=0.01)
     assert est.value("d_knee") == pytest.approx(0.4, rel=0.02)
-
-
-def test_an_openexo_trial_whose_titles_were_cut_is_refused(openexo):
-    """Titles that a lost packet cut name the wrong columns, and what is called the clock runs backwards."""
-    lines = openexo.read_text(encoding="utf-8").splitlines()
-    titles = ["epoch", "mark", "Ankle Angle", "Exoskeleton time (seconds)", "Measured Torque (R)"]
-    openexo.write_text(
-        "\n".join([",".join(titles), *(",".join(x.split(",")[:5]) for x in lines[1:])]), encoding="utf-8"
-    )
-    with pytest.raises(ExoidError, match="runs backwards"):
-        Recording.from_file(openexo, format="openexo-right:ankle")

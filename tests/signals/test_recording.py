@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from exoid import ExoidError
-from exoid.signals import Approaches, FiniteDifference, Poses, Recording, Source
+from exoid.signals import Recording, Source
 
 JOINTS = ("hip", "left_knee")
 TIME = np.arange(60) / 50.0
@@ -129,11 +129,3 @@ def test_an_uneven_recording_in_memory_says_so_in_a_notebook():
     shown = Recording(time=t, q=np.zeros((50, 1)), joint_names=("knee",))._repr_html_()
     assert "Recording: 50 samples at 100 Hz, " in shown
     assert "s (uneven)</caption>" in shown
-
-
-def test_data_of_many_samples_print_one_line():
-    poses = Poses(np.zeros((5000, 2)), np.ones((5000, 2)), ("hip", "knee"))
-    assert repr(poses) == "Poses(5000 poses; joints: hip, knee)"
-    assert repr(Approaches(poses, poses)) == f"Approaches(below={poses!r}, above={poses!r})"
-    motion = Recording(time=np.arange(5000) / 100.0, q=poses.q, joint_names=poses.joint_names)
-    assert repr(FiniteDifference().kinematics(motion)) == "Kinematics(5000 samples, 2 joints, valid: 1 to 4999)"

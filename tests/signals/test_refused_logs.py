@@ -258,6 +258,7 @@ LOGS = {
     "Latin": Log(b"time,q_hip\n0,1\n0,\xff\n", "line 3"),
     "no header": Log(b"# made today\n0.0,0.1\n0.1,0.2\n", "line 2"),
     "no rows": Log(b"time,q_hip\n"),
+    "quotes without end": Log(b"time\tq_a\n" + b'"\n' * 12),
     "nine rows": Log(table("time,q_hip", "0.1", 9)),
     "a name twice": Log(table("time,q_hip,q_hip", "1,2")),
     "no time": Log(changed(1, HEADER.replace("time", "Time"))),

@@ -90,20 +90,6 @@ def test_a_class_without_a_name_is_refused_with_the_call_that_gives_one():
         named_to_json(registry(), "name", Inner())
 
 
-def test_settings_that_the_class_does_not_take_are_refused_with_those_it_takes():
-    with pytest.raises(ExoidError, match=r"the thing 'thing' does not take \{'derived': 1\.0\}.*settings are setting$"):
-        named_from_json(registry(), "name", {"name": "thing", "derived": 1.0})
-    with pytest.raises(ExoidError, match=r"install the version of theirs that wrote the file"):
-        named_from_json(registry(), "name", {"name": "thing", "from": "theirs", "other": 1.0})
-
-
-def test_an_unknown_name_says_where_the_file_has_it_from():
-    with pytest.raises(ExoidError, match=r"no thing 'far' \(the file has it from the module theirs\.things\)"):
-        named_from_json(registry(), "name", {"name": "far", "from": "theirs.things"})
-    with pytest.raises(ExoidError, match="no thing ''"):
-        named_from_json(registry(), "name", {})
-
-
 def test_a_class_by_name_needs_defaults():
     assert named_default(registry(), "thing") == Thing()
     with pytest.raises(ExoidError, match=r"'demanding' cannot be made without settings .*pass Demanding\(\.\.\.\)"):

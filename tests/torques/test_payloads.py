@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from swings import harmonics
 from unchecked import identify
 
 import exoid
@@ -71,10 +72,8 @@ def log(leg, payloads=(), noise=0.0, seed=0, seconds=30.0):
     rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, 0.01)
     n = len(leg.joint_names)
     frequencies, phases = rng.uniform(0.2, 1.2, (4, n)), rng.uniform(0.0, 6.3, (4, n))
-    angle = 2.0 * np.pi * frequencies * t[:, None, None] + phases
-    q = 0.25 * np.sin(angle).sum(axis=1) - 0.3
-    v = (0.5 * np.pi * frequencies * np.cos(angle)).sum(axis=1)
-    a = (-(np.pi**2) * frequencies**2 * np.sin(angle)).sum(axis=1)
+    q, v, a = harmonics(t, 0.25, 2.0 * np.pi * frequencies.T, phases.T)
+    q = q - 0.3
     model = exoid.torques.TorqueModel(leg, TERMS)
     values = [*leg.parameters, *(FRICTION[name.partition("_")[0]] for name in model.names[len(leg.parameters) :])]
     tau = model.regressor(q, v, a) @ values + difference(leg, payloads, q, v, a)

@@ -11,11 +11,6 @@ from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
 
 
-@pytest.fixture
-def leg():
-    return exoid.load_leg("bleex")
-
-
 def model_of(leg: Leg, *terms: object) -> TorqueModel:
     return TorqueModel(leg, terms)
 
@@ -171,13 +166,6 @@ def test_regrouped_parameters_state_their_share_and_leave_the_others_their_colum
     W = model.regressor(q, v, a)
     np.testing.assert_array_equal(W[:, 0, 12], v[:, 0] ** 3)
     assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
-
-
-def test_models_and_motions_print_one_line(leg):
-    model = model_of(leg, Viscous(joints=("knee",)), Offset(joints=("hip",)))
-    names = ", ".join(leg.parameter_names)
-    assert repr(model) == f"TorqueModel('bleex.urdf', terms: Viscous, Offset; {names}, d_knee, offset_hip)"
-    assert repr(model.motion(*np.zeros((3, 5000, 3)))) == "Motion(5000 samples, 3 joints, 0 internal states)"
 
 
 def test_what_is_left_is_independent(leg):

@@ -124,12 +124,6 @@ def test_the_style_lasts_no_longer_than_its_block():
     assert mpl.rcParams["font.size"] == before
 
 
-@pytest.fixture(scope="module")
-def estimate():
-    data = exoid.datasets.bleex_swing()
-    return exoid.identify(data.leg, data.train)
-
-
 def test_parameters_are_drawn_at_their_values_beside_cad(estimate):
     names = ["X1", "X2", "X3"]
     cad = dict(zip(estimate.names, 1.1 * estimate.values, strict=True))

@@ -18,11 +18,6 @@ from exoid.view.report.page import Picture
 
 
 @pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
-@pytest.fixture(scope="module")
 def logs(exo):
     options = {"seconds": 12.0, "noise": 0.4, "encoder": 1e-4}
     both, left, right = (standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left")))

@@ -16,11 +16,6 @@ from exoid.view.report import interaction_report
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
-
-
-@pytest.fixture(scope="module")
 def estimate(leg):
     return unworn_estimate(leg)
 

@@ -26,6 +26,14 @@ def swing():
 
 @pytest.fixture(scope="module")
 def page(swing):
+    """Its words: without drawings."""
+    data, estimate = swing
+    with undrawn():
+        return identification_report(estimate, [data.train], [data.test])
+
+
+@pytest.fixture(scope="module")
+def drawn(swing):
     data, estimate = swing
     return identification_report(estimate, [data.train], [data.test])
 
@@ -35,8 +43,8 @@ def text_of(tree):
 
 
 @pytest.mark.slow
-def test_the_report_is_a_valid_page_that_loads_nothing(page):
-    check(page.html())
+def test_the_report_is_a_valid_page_that_loads_nothing(drawn):
+    check(drawn.html())
 
 
 @pytest.mark.slow
@@ -207,9 +215,9 @@ def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
 
 
 @pytest.mark.slow
-def test_the_same_estimate_gives_the_same_page(page, swing):
+def test_the_same_estimate_gives_the_same_page(drawn, swing):
     data, estimate = swing
-    assert identification_report(estimate, [data.train], [data.test]).html() == page.html()
+    assert identification_report(estimate, [data.train], [data.test]).html() == drawn.html()
 
 
 def test_names_from_files_cannot_break_the_page():

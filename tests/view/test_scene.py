@@ -357,12 +357,6 @@ def test_scenes_that_cannot_be_drawn_raise_errors():
         scene(leg, recording=long)
 
 
-def test_a_visual_with_an_attribute_that_is_not_a_number_is_named():
-    text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="five"', 1)
-    with pytest.raises(ExoidError, match=r"thigh.*'five'"):
-        scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
-
-
 def test_a_urdf_in_millimetres_is_refused():
     text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-430")
     with pytest.raises(ExoidError, match="too far to be drawn"):

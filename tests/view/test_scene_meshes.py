@@ -2,38 +2,19 @@
 
 from __future__ import annotations
 
-import io
 import re
 
 import numpy as np
 import pytest
 import trimesh
-import yourdfpy.urdf
-from drawings import meshes, objects
+from drawings import SHANK, leg_with, mesh_visual, meshes, objects
 
-import exoid
-from exoid import ExoidError, Leg
-from exoid.leg.description import describe
+from exoid import ExoidError
 from exoid.view import scene
-from exoid.view.scenes.mesh_search import find_mesh
 from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, mesh_arrays
 from exoid.view.scenes.urdf_visuals import PLAIN
 
-SHANK = "/exoid/left leg/left_hip/body/left_knee/body/shape"
 RED, BLUE = (200, 30, 40), (10, 60, 220)
-
-
-def leg_with(visual, materials=""):
-    """BLEEX's left leg whose shank has these elements instead of its own visuals."""
-    text = exoid.load_leg("bleex").description.text
-    shank = r'(<link name="left_shank">).*?(<inertial>.*?</inertial>).*?</link>'
-    text = re.sub(shank, lambda found: f"{found[1]}{found[2]}{visual}</link>", text, flags=re.DOTALL)
-    text = re.sub(r"(<robot [^>]*>)", lambda found: found[1] + materials, text, count=1)
-    return Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
-
-
-def mesh_visual(filename, inside=""):
-    return f'<visual><geometry><mesh filename="{filename}"/></geometry>{inside}</visual>'
 
 
 def two_boxes():
@@ -194,28 +175,6 @@ def test_paths_of_windows_and_names_beyond_ascii_are_found(filename, tmp_path):
     assert [geometry["type"] for geometry, _, _ in meshes(objects(drawn)[SHANK])] == ["BufferGeometry"]
 
 
-def test_a_link_in_the_folder_does_not_lead_out_of_it(tmp_path):
-    (tmp_path / "leg").mkdir()
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "secret.stl")
-    (tmp_path / "leg" / "link.stl").symlink_to(tmp_path / "secret.stl")
-    for name in ("link.stl", "../link.stl", "/link.stl"):
-        with pytest.raises(FileNotFoundError, match="outside"):
-            find_mesh(name, tmp_path / "leg")
-
-
-def test_the_search_of_yourdfpy_leaves_the_folder_and_ignores_the_package(tmp_path):
-    """Two reasons for a search of our own."""
-    (tmp_path / "leg").mkdir()
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "secret.stl")
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "leg" / "a.stl")
-    search = yourdfpy.urdf.filename_handler_magic
-    assert search("../secret.stl", str(tmp_path / "leg")).endswith("secret.stl")
-    assert search("package://another_robot/a.stl", str(tmp_path / "leg")).endswith("leg/a.stl")
-    for name in ("../secret.stl", "package://another_robot/a.stl"):
-        with pytest.raises(FileNotFoundError):
-            find_mesh(name, tmp_path / "leg")
-
-
 def test_a_shape_that_urdf_does_not_know_becomes_a_note(tmp_path):
     capsule = "<visual><geometry><capsule radius='0.1' length='0.2'/></geometry></visual><visual/>"
     drawn = scene(leg_with(capsule), meshes=tmp_path)
@@ -243,11 +202,3 @@ def test_numbers_of_a_visual_that_are_none_are_one_error(visual, said):
     with pytest.raises(ExoidError, match=re.escape(said)) as error:
         scene(leg_with(visual))
     assert "left_shank" in str(error.value)
-
-
-def test_yourdfpy_takes_numbers_that_are_none():
-    """The reason for a check of our own."""
-    for shape in ('<box size="1 2"/>', '<sphere radius="nan"/>'):
-        text = f'<robot name="a"><link name="b"><visual><geometry>{shape}</geometry></visual></link></robot>'
-        read = yourdfpy.URDF.load(io.BytesIO(text.encode()), build_scene_graph=False)
-        assert len(read.robot.links[0].visuals) == 1

@@ -8,7 +8,8 @@ import warnings
 
 import numpy as np
 import pytest
-from drawings import meshes, objects, places
+import trimesh
+from drawings import SHANK, leg_with, mesh_visual, meshes, objects, places
 
 import exoid
 from exoid import Leg
@@ -28,7 +29,7 @@ def without_visuals(leg):
 
 def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them():
     leg = exoid.load_leg("bleex")
-    shank = meshes(objects(scene(leg))["/exoid/left leg/left_hip/body/left_knee/body/shape"])
+    shank = meshes(objects(scene(leg))[SHANK])
     visuals = leg.description.parse().findall("link[@name='left_shank']/visual")
     assert len(shank) == len(visuals)
     colours = {m.get("name"): m.find("color").get("rgba") for m in leg.description.parse().findall("material")}
@@ -112,85 +113,25 @@ def test_a_foot_that_rolls_points_forward_too():
     assert sole[2][0, 3] > 0.0
 
 
-def sphere(radius=1.0, rows=24, columns=48):
-    """Points and outward triangles of a sphere."""
-    theta, phi = np.linspace(0.0, np.pi, rows), np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
-    grid = np.array([[np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)] for t in theta for p in phi])
-    faces = []
-    for i in range(rows - 1):
-        for j in range(columns):
-            a, b = i * columns + j, i * columns + (j + 1) % columns
-            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
-    return radius * grid, np.array(faces)
-
-
-def write_stl(path, points, faces):
-    lines = ["solid s"]
-    for face in faces:
-        lines += [
-            "facet normal 0 0 0",
-            "outer loop",
-            *(f"vertex {x} {y} {z}" for x, y, z in points[face]),
-            "endloop",
-            "endfacet",
-        ]
-    path.write_text("\n".join([*lines, "endsolid s"]))
-
-
-def test_a_mesh_keeps_its_shape_and_gets_outward_normals(tmp_path):
-    points, faces = sphere(0.1)
-    write_stl(tmp_path / "ball.stl", points, faces)
-    (mesh,) = load_mesh(tmp_path / "ball.stl", np.array([1.0, 1.0, 2.0]))
-    scaled_back = mesh.points / np.array([0.1, 0.1, 0.2])
-    np.testing.assert_allclose(np.linalg.norm(scaled_back, axis=1), 1.0, atol=0.02)
-    normals = scaled_back / np.array([1.0, 1.0, 2.0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    assert np.einsum("ij,ij->i", normals, mesh.normals).min() > 0.9
-    assert mesh.triangles.max() < len(mesh.points)
+def write_ball(path):
+    trimesh.creation.icosphere(subdivisions=1, radius=0.1).export(path)
 
 
 def test_a_cube_keeps_its_edges(tmp_path):
-    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    write_stl(tmp_path / "cube.stl", corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]))
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(tmp_path / "cube.stl")
     (mesh,) = load_mesh(tmp_path / "cube.stl", np.ones(3))
     assert len(mesh.points) == 24  # eight corners with three normals each
     np.testing.assert_allclose(np.abs(mesh.normals).max(axis=1), 1.0, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_a_fine_mesh_is_simplified(tmp_path):
-    points, faces = sphere(0.1, 150, 300)
-    header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
-    header += "".join(f"property float {axis}\n" for axis in "xyz")
-    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    body = "\n".join([*(f"{x:.6f} {y:.6f} {z:.6f}" for x, y, z in points), *(f"3 {a} {b} {c}" for a, b, c in faces)])
-    (tmp_path / "ball.ply").write_text(header + body + "\n")
-    (mesh,) = load_mesh(tmp_path / "ball.ply", np.ones(3))
-    assert len(mesh.triangles) <= 20_000 < 0.5 * len(faces)
-    np.testing.assert_allclose(np.linalg.norm(mesh.points, axis=1), 0.1, rtol=0.02)
-
-
-def leg_with_mesh(filename):
-    text = exoid.load_leg("bleex").description.text
-    visual = f'<visual><geometry><mesh filename="{filename}"/></geometry></visual>'
-    text = re.sub(
-        r'(<link name="left_shank">).*?(<inertial>.*?</inertial>).*?</link>',
-        rf"\1\2{visual}</link>",
-        text,
-        flags=re.DOTALL,
-    )
-    return Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
 
 
 @pytest.mark.parametrize("filename", ["meshes/shank.stl", "package://my_exo/meshes/shank.stl"])
 def test_meshes_are_found_beside_the_urdf_and_in_its_package(filename, tmp_path):
     (tmp_path / "my_exo" / "meshes").mkdir(parents=True)
     (tmp_path / "my_exo" / "urdf").mkdir()
-    write_stl(tmp_path / "my_exo" / "meshes" / "shank.stl", *sphere(0.1))
+    write_ball(tmp_path / "my_exo" / "meshes" / "shank.stl")
     folder = tmp_path / "my_exo" / ("urdf" if filename.startswith("package") else "")
-    drawn = scene(leg_with_mesh(filename), meshes=folder)
-    ((geometry, _, _),) = meshes(objects(drawn)["/exoid/left leg/left_hip/body/left_knee/body/shape"])
+    drawn = scene(leg_with(mesh_visual(filename)), meshes=folder)
+    ((geometry, _, _),) = meshes(objects(drawn)[SHANK])
     assert geometry["type"] == "BufferGeometry"
     assert drawn.notes == ()
 
@@ -210,17 +151,18 @@ def test_a_urdf_cannot_put_any_file_of_the_machine_into_a_page(tmp_path, monkeyp
     inside, outside = tmp_path / "leg", tmp_path / "secret.stl"
     (inside / "meshes").mkdir(parents=True)
     for file in (outside, inside / "meshes" / "a.stl"):
-        write_stl(file, *sphere(0.1))
+        write_ball(file)
     (inside / "link.stl").symlink_to(outside)
     for name in ("meshes/a.stl", "./meshes/../meshes/a.stl", f"file://{inside}/meshes/a.stl", "../meshes/a.stl"):
         assert find_mesh(name, inside).samefile(inside / "meshes" / "a.stl")
     root = str(tmp_path).strip("/").split("/", 1)
     names = [str(outside), f"file://{outside}", "../secret.stl", "link.stl", "package://leg/../secret.stl"]
+    names.append("package://leg/link.stl")
     names += [f"package://{root[0]}/{root[1]}/secret.stl", "package://../secret.stl", "package:///secret.stl"]
     for name in names:
         with pytest.raises(FileNotFoundError, match=r"secret|link"):
             find_mesh(name, inside)
-        drawn = scene(leg_with_mesh(name), meshes=inside)
+        drawn = scene(leg_with(mesh_visual(name)), meshes=inside)
         assert len(drawn.notes) == 1
         assert name in drawn.notes[0]
 
@@ -230,7 +172,7 @@ def test_a_mesh_elsewhere_in_the_urdfs_package_is_found(tmp_path):
         (tmp_path / folder).mkdir(parents=True)
     for package in ("exo", "other"):
         (tmp_path / package / "package.xml").write_text("<package/>")
-        write_stl(tmp_path / package / "meshes" / "a.stl", *sphere(0.1))
+        write_ball(tmp_path / package / "meshes" / "a.stl")
     for name in ("../../meshes/a.stl", "package://exo/meshes/a.stl", "package://other/meshes/a.stl"):
         found = find_mesh(name, tmp_path / "exo" / "robots" / "urdf")
         assert found.samefile(tmp_path / ("other" if "other" in name else "exo") / "meshes" / "a.stl")
@@ -247,28 +189,23 @@ def test_names_that_no_file_can_have_are_not_found(name, tmp_path):
     [("nan", "1 1 1"), ("1e39", "1 1 1"), ("0.1", "0 0 0"), ("0.1", "1e-300 1 1"), ("0.1", "0 1 1")],
 )
 def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
-    points, faces = sphere(0.1, 6, 6)
-    header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
-    header += "".join(f"property float {axis}\n" for axis in "xyz")
-    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    vertices = [f"{value} 0 0", *(f"{x:.6f} {y:.6f} {z:.6f}" for x, y, z in points[1:])]
-    body = "\n".join([*vertices, *(f"3 {a} {b} {c}" for a, b, c in faces)])
-    (tmp_path / "bad.ply").write_text(f"{header}{body}\n")
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=0.1)
+    text = trimesh.exchange.ply.export_ply(ball, encoding="ascii").decode()
+    head, _, body = text.partition("end_header\n")
+    (tmp_path / "bad.ply").write_text(f"{head}end_header\n{value} 0 0\n{body.partition(chr(10))[2]}")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as outside of the tests, where these warnings are no errors
-        drawn = scene(leg_with_mesh(f'bad.ply" scale="{scale}'), meshes=tmp_path)
+        drawn = scene(leg_with(mesh_visual(f'bad.ply" scale="{scale}')), meshes=tmp_path)
     (note,) = drawn.notes
     assert "bad.ply" in note
     assert json.dumps(drawn.to_json(), allow_nan=False)
 
 
-@pytest.mark.parametrize("content", [None, "this is not a mesh"])
-def test_a_missing_or_broken_mesh_becomes_a_bar_and_a_note(content, tmp_path):
-    if content is not None:
-        (tmp_path / "gone.stl").write_text(content)
-    drawn = scene(leg_with_mesh("gone.stl"), meshes=tmp_path)
+def test_a_broken_mesh_becomes_a_bar_and_a_note(tmp_path):
+    (tmp_path / "gone.stl").write_text("this is not a mesh")
+    drawn = scene(leg_with(mesh_visual("gone.stl")), meshes=tmp_path)
     (note,) = drawn.notes
     assert "gone.stl" in note
     assert "left_shank" in note
-    kinds = {g["type"] for g, _, _ in meshes(objects(drawn)["/exoid/left leg/left_hip/body/left_knee/body/shape"])}
+    kinds = {g["type"] for g, _, _ in meshes(objects(drawn)[SHANK])}
     assert "BoxGeometry" in kinds

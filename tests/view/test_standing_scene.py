@@ -19,11 +19,6 @@ FEET = ("left_foot", "right_foot")
 
 
 @pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
-@pytest.fixture(scope="module")
 def log(exo):
     found = standing(exo, "both", seconds=4.0)
     return replace(found.recording, wrenches=found.wrenches)

@@ -12,11 +12,6 @@ from exoid.estimate.finding import Finding
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("bleex")
-
-
-@pytest.fixture(scope="module")
 def estimate(leg):
     return unworn_estimate(leg)
 

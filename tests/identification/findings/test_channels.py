@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from logs import clean, kinds, of_kind, with_column
+from logs import clean, kinds, with_column
 
 import exoid
 
@@ -26,33 +26,6 @@ def test_a_peak_of_a_quantised_signal_is_no_rail():
     assert "saturation" not in kinds(exoid.check(leg, smooth))
 
 
-def test_a_frozen_torque_is_named_with_its_times():
-    leg, log = clean()
-    start = 1000
-
-    def freeze(x):
-        x[start : start + 300] = x[start]
-        return x
-
-    finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, freeze)), "stuck-channel")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(3.0, abs=0.03)
-    assert f"{log.time[start]:.3f} s" in finding.message
-
-
-def test_a_frozen_angle_is_found():
-    leg, log = clean()
-    start = int(np.argmax(np.abs(np.gradient(log.q[500:2000, 1])))) + 500
-
-    def freeze(x):
-        x[start : start + 200] = x[start]
-        return x
-
-    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, freeze)), "stuck-channel")
-    assert finding.joint == leg.joint_names[1]
-    assert "angle" in finding.message
-
-
 def test_a_joint_that_comes_to_rest_is_not_stuck():
     leg, log = clean()
 
@@ -61,61 +34,6 @@ def test_a_joint_that_comes_to_rest_is_not_stuck():
         return x[1000] + (x - x[1000]) * (1.0 - np.where(u < 1.0, np.sin(np.pi * u) ** 4, 0.0))
 
     assert "stuck-channel" not in kinds(exoid.check(leg, with_column(log, "q", 1, rest)))
-
-
-def test_samples_missing_behind_new_stamps_are_found():
-    leg, log = clean()
-    fast = int(np.argmax(np.abs(np.gradient(log.q, axis=0)).sum(axis=1)[500:2000])) + 500
-    keep = np.delete(np.arange(len(log)), np.s_[fast : fast + 4])
-    short = dataclasses.replace(log, time=log.time[: len(keep)], q=log.q[keep], tau=log.tau[keep])
-    finding = of_kind(exoid.check(leg, short), "missing-samples")
-    assert finding.value == pytest.approx(0.04, rel=0.1)
-    assert finding.interval[0] < 0.04 < finding.interval[1]
-
-
-def test_dropouts_to_zero_are_found():
-    leg, log = clean()
-    lost = np.random.default_rng(1).random(len(log)) < 0.02
-    finding = of_kind(exoid.check(leg, with_column(log, "tau", 0, lambda x: np.where(lost, 0.0, x))), "dropout")
-    assert finding.joint == leg.joint_names[0]
-    assert finding.value == pytest.approx(lost.mean(), abs=0.005)
-
-
-def test_values_of_a_slower_bus_are_found():
-    leg, log = clean()
-    held = with_column(log, "tau", 2, lambda x: x[np.arange(len(x)) // 4 * 4])
-    finding = of_kind(exoid.check(leg, held), "stale-samples")
-    assert finding.joint == leg.joint_names[2]
-    assert finding.value == pytest.approx(0.75, abs=0.01)
-
-
-def test_one_sided_spikes_are_found():
-    leg, log = clean()
-    hit = np.random.default_rng(1).random(len(log)) < 0.01
-    finding = of_kind(exoid.check(leg, with_column(log, "tau", 0, lambda x: x + hit * 3.0 * x.std())), "spikes")
-    assert finding.joint == leg.joint_names[0]
-    assert "one side" in finding.message
-
-
-def test_a_late_velocity_is_found_with_its_delay():
-    leg, log = clean()
-    v = np.gradient(log.q, axis=0) * log.sample_rate
-    assert kinds(exoid.check(leg, dataclasses.replace(log, v=v))) == set()
-    v[:, 1] = np.interp(log.time - 0.05, log.time, v[:, 1])
-    finding = of_kind(exoid.check(leg, dataclasses.replace(log, v=v)), "velocity-delay")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(0.05, abs=0.005)
-
-
-def test_an_angle_that_wraps_is_found():
-    leg, log = clean()
-
-    def wrap(x):
-        x[1500:] += 2.0 * np.pi
-        return x
-
-    wide = dataclasses.replace(log, largest_angle=np.inf)
-    assert of_kind(exoid.check(leg, with_column(wide, "q", 1, wrap)), "angle-wrap").joint == leg.joint_names[1]
 
 
 def test_a_dead_torque_channel_is_a_finding_not_an_exception():

@@ -9,25 +9,6 @@ from logs import clean, kinds, late, of_kind, with_column
 import exoid
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["bleex", "cuhk"])
-@pytest.mark.parametrize("delay", [0.005, 0.02, 0.05])
-def test_late_torques_are_found_with_their_delay(name, delay):
-    leg, log = clean(name)
-    finding = of_kind(exoid.check(leg, late(log, delay, range(len(leg.joint_names)))), "torque-delay")
-    assert finding.joint == ""
-    assert finding.unit == "s"
-    assert finding.value == pytest.approx(delay, abs=0.001)
-    assert finding.parameters
-
-
-def test_a_late_torque_of_one_joint_is_named():
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, late(log, 0.01, [1])), "torque-delay")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(0.01, abs=0.001)
-
-
 def test_delay_auto_finds_the_parameters_of_the_log_without_delay():
     leg, log = clean()
     right = exoid.identify(leg, log)
@@ -44,56 +25,6 @@ def test_delay_auto_finds_the_parameters_of_the_log_without_delay():
     assert [finding.value for finding in shifts] == pytest.approx([0.02] * 3, abs=0.001)
 
 
-def test_another_delay_is_refused():
-    with pytest.raises(exoid.ExoidError, match="no delay"):
-        exoid.identify(*clean(), delay="later")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("joint", [0, 1, 2])
-def test_a_torque_of_the_wrong_sign_is_named(joint):
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, with_column(log, "tau", joint, lambda x: -x)), "torque-sign")
-    assert (finding.joint, finding.value, finding.severity) == (leg.joint_names[joint], -1.0, "error")
-
-
-def test_all_torques_of_the_wrong_sign_are_found():
-    leg, log = clean()
-    assert of_kind(exoid.check(leg, dataclasses.replace(log, tau=-log.tau)), "torque-sign").joint == ""
-
-
-@pytest.mark.parametrize("joint", [1, 2])
-def test_an_angle_of_the_wrong_sign_is_named(joint):
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, with_column(log, "q", joint, lambda x: -x)), "angle-sign")
-    assert finding.joint == leg.joint_names[joint]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("quantities", [("tau",), ("q",), ("tau", "q")])
-def test_swapped_joints_are_named(quantities):
-    leg, log = clean()
-    swapped = dataclasses.replace(log, **{name: getattr(log, name)[:, [1, 0, 2]] for name in quantities})
-    finding = of_kind(exoid.check(leg, swapped), "joint-order")
-    assert finding.joint == f"{leg.joint_names[0]}, {leg.joint_names[1]}"
-
-
-@pytest.mark.parametrize("factor", [1000.0, 0.05])
-def test_torque_in_another_unit_is_found_by_the_urdf(factor):
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, dataclasses.replace(log, tau=factor * log.tau)), "torque-scale")
-    assert finding.joint == ""
-    assert finding.value == pytest.approx(factor, rel=0.1)
-    assert ("N·mm" in finding.message) == (factor == 1000.0)
-
-
-def test_one_torque_out_of_scale_is_named():
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, lambda x: 1.2 * x)), "torque-scale")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(1.2, abs=0.03)
-
-
 def test_a_torque_in_another_unit_hides_no_scale_of_another_joint():
     leg, log = clean()
     both = with_column(with_column(log, "tau", 2, lambda x: 1000.0 * x), "tau", 1, lambda x: 1.2 * x)
@@ -103,43 +34,6 @@ def test_a_torque_in_another_unit_hides_no_scale_of_another_joint():
     two_leg, two = clean("cuhk")
     found = exoid.check(two_leg, with_column(two, "tau", 0, lambda x: 1000.0 * x))
     assert [one.joint for one in found if one.kind == "torque-scale"] == [two_leg.joint_names[0]]
-
-
-def test_angles_in_degrees_are_found():
-    leg, log = clean()
-    wide = dataclasses.replace(log, largest_angle=np.inf)
-    finding = of_kind(exoid.check(leg, with_column(wide, "q", 1, np.rad2deg)), "angle-scale")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(180.0 / np.pi)
-
-
-def test_an_angle_of_another_scale_is_named():
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: 1.1 * x)), "angle-scale")
-    assert (finding.joint, finding.value) == (leg.joint_names[1], pytest.approx(1.1, abs=0.02))
-
-
-@pytest.mark.parametrize("degrees", [5.0, 15.0])
-def test_a_wrong_zero_in_the_middle_of_the_leg_is_named(degrees):
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: x + np.deg2rad(degrees))), "angle-offset")
-    assert finding.joint == leg.joint_names[1]
-    assert finding.value == pytest.approx(np.deg2rad(degrees), rel=0.35)
-
-
-def test_a_wrong_zero_of_the_last_joint_shows_only_against_the_urdf():
-    leg, log = clean("cuhk")
-    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: x + 0.3)), "angle-offset")
-    assert (finding.joint, finding.severity) == (leg.joint_names[1], "info")
-    assert finding.value == pytest.approx(0.3, abs=0.03)
-
-
-@pytest.mark.parametrize("degrees", [5.0, 15.0])
-def test_a_tilted_base_is_found(degrees):
-    leg, log = clean()
-    tilted = with_column(log, "q", 0, lambda x: x - np.deg2rad(degrees))
-    finding = of_kind(exoid.check(leg, tilted), "gravity-direction")
-    assert abs(finding.value) == pytest.approx(np.deg2rad(degrees), rel=0.35)
 
 
 def test_a_wrong_length_is_named():
@@ -177,13 +71,6 @@ def test_friction_of_another_form_is_named(form):
     assert finding.joint == leg.joint_names[1]
     assert form in finding.message
     assert "c0_knee" in finding.parameters or "d_knee" in finding.parameters
-
-
-def test_cross_talk_is_named():
-    leg, log = clean()
-    mixed = with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0])
-    finding = of_kind(exoid.check(leg, mixed), "cross-talk")
-    assert (finding.joint, finding.value) == (leg.joint_names[1], pytest.approx(0.05, abs=0.01))
 
 
 def test_torque_that_is_only_noise_is_found():
@@ -224,13 +111,6 @@ def test_negative_rotor_inertia_is_found():
     finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, lambda x: x - less)), "impossible-leg")
     assert finding.parameters == ("Ia_knee",)
     assert finding.value < 0.0
-
-
-def test_a_slow_clock_is_found_with_its_size():
-    leg, log = clean()
-    finding = of_kind(exoid.check(leg, dataclasses.replace(log, time=0.98 * log.time)), "clock")
-    assert finding.value == pytest.approx(-0.02, abs=0.004)
-    assert finding.interval[1] < 0.0
 
 
 def test_a_leg_far_from_its_urdf_is_information():

@@ -38,7 +38,9 @@ def cuhk(tmp_path_factory):
     }
 
 
-@pytest.fixture(scope="session", params=[0.8, 0.0], ids=lambda rotor: f"rotor {rotor}")
+@pytest.fixture(
+    scope="session", params=[0.8, pytest.param(0.0, marks=pytest.mark.nightly)], ids=lambda rotor: f"rotor {rotor}"
+)
 def tracking(request):
     """Document 2's comparison of controllers with every law, with rotors and without."""
     replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)

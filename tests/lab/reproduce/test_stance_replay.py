@@ -43,7 +43,7 @@ def test_stance_tells_the_torso_and_swing_does_not(replay):
     assert all(replay.coverage(way) > 0.75 for way in replay.estimates)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_ground_force_follows_from_torques_on_other_motions(replay):
     assert [(each.motion, each.link) for each in replay.forces] == [
         ("unseen squats", "left_foot"),
@@ -57,19 +57,19 @@ def test_ground_force_follows_from_torques_on_other_motions(replay):
         assert np.ptp(each.measured) > 10.0 * each.force
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_wrong_labels_move_nothing_and_are_counted(replay):
     assert replay.wrong.moved < 1.0
     assert 0.03 < replay.wrong.share < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_fixed_torso_is_called_wrong(replay):
     assert any(finding.severity == "error" for finding in replay.walk.fixed)
     assert replay.walk.bias_error < 0.02
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_text_json_and_page_say_the_same(replay):
     report = reproduce.stance_report(replay)
     text, data = str(report), report.data
@@ -86,7 +86,7 @@ def test_text_json_and_page_say_the_same(replay):
     assert list(report.figures()) == ["stance_ground_force"]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_rotor_of_a_held_hip_is_in_j1(replay):
     truth = replay.truth
     assert replay.true_value("swing", "J1_left") == truth["J1_left"] + truth["Ia_left_hip"]

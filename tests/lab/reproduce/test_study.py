@@ -14,7 +14,7 @@ from exoid import reproduce
 REPLICATES = 16 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 3
 SEED = 7
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 
 def p95(errors):
@@ -31,7 +31,6 @@ def bleex():
     return {side: [getattr(replay, side) for replay in replays] for side in ("left", "right")}
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["left", "right"])
 def test_bleex_within_its_figures_at_the_95th_percentile(bleex, name):
     sides = bleex[name]
@@ -75,7 +74,6 @@ def test_bleex_beats_cad_and_the_document_in_nearly_every_replicate(bleex, name)
         assert (least("cad") >= [15.0, 6.0, 8.0]).all()
 
 
-@pytest.mark.nightly
 def test_cuhk_within_its_figures_at_the_95th_percentile():
     replays = reproduce.reproduce_cuhk(SEED, REPLICATES)
     truth = replays[0].truth

@@ -107,11 +107,6 @@ def test_impossible_delays_are_refused(delay):
         spectral_radius(BARE, law(1.0, 100.0), POSE, delay)
 
 
-def test_impossible_rates_are_refused():
-    with pytest.raises(ExoidError, match="0 Hz"):
-        gain_margins(BARE, lambda s, rate: law(s, 100.0), POSE, rates=[0.0])
-
-
 def test_the_table_and_its_json(margins):
     for word in ("rate [Hz]", "gains × (delay 1)", "300", "without Coulomb friction"):
         assert word in str(margins)

@@ -172,6 +172,7 @@ def test_turning_round_is_not_stopping(regulations):
     assert cut.outcome == "limit cycle"
 
 
+@pytest.mark.slow
 def test_the_table_names_every_run(regulations):
     text = str(regulations)
     for word in ("× 1.2", "limit cycle", "stops", "V₀ = 9.725 J", "100 Hz", "no friction"):

@@ -82,13 +82,6 @@ def test_a_wrong_coriolis_matrix_loses_property_2(monkeypatch):
     assert found.symmetric_positive_definite
 
 
-def test_it_prints_what_holds_and_why():
-    text = str(check_properties(cuhk_plant()))
-    for word in ("1: M symmetric positive definite", "yes", "3: C, G and F_r bounded", "no", "linear in θ̇", "kg·m²"):
-        assert word in text
-    assert repr(check_properties(cuhk_plant())) == "ModelProperties(1: True, 2: True, 3: False)"
-
-
 def test_no_poses_are_refused():
     with pytest.raises(ExoidError, match="properties at 0 poses"):
         check_properties(LEG, poses=0)

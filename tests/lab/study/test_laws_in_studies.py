@@ -22,12 +22,10 @@ from exoid.lab.study import (
     Study,
     TrackingTask,
     plausible_truth,
-    run,
     run_study,
 )
 from exoid.lab.study.design import TrackingCase
 from exoid.lab.study.replicates import run_chunk
-from exoid.lab.study.run import run_chunks
 from exoid.lab.study.tracking_runs import track_cases
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 from exoid.torques.catalog import term_by_name
@@ -133,26 +131,6 @@ def _exact():
 
 
 @pytest.mark.slow
-def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path, monkeypatch):
-    def dying(what, numbers, workers):
-        yield next(iter(run_chunks(what, numbers, workers)))
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patched:
-        patched.setattr(run, "run_chunks", dying)
-        with pytest.raises(KeyboardInterrupt):
-            run_study(study(), tmp_path / "kept")
-    assert same(run_study(study(), tmp_path / "kept"), result)
-    with pytest.raises(ExoidError, match="another study"):
-        run_study(study(course=course("pd")), tmp_path / "kept")
-
-
-@pytest.mark.nightly
-def test_processes_give_the_same_bits(result):
-    assert same(run_study(study(), workers=2), result)
-
-
-@pytest.mark.slow
 def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():
     """PD far too stiff for its rate; LQR has gains of its own."""
     wild = TrackingTask.of(("pd", "lqr"), GAIT, PERIOD, KNOWN, kp=(1e7,), kd=(1e6,))
@@ -185,12 +163,6 @@ def test_an_estimate_without_a_controller_is_counted_as_lost(monkeypatch):
     assert np.isnan(tracking[1, 0]).all()
     assert np.isfinite(tracking[1, 1]).all()
     assert np.isfinite(tracking[0]).all()
-
-
-def test_a_study_without_laws_says_nothing_of_laws():
-    assert "course" not in study(course=None).to_json()
-    assert "laws" not in run_study(study(course=None, replicates=2)).to_json()
-    assert study().sha256 != study(course=course("pd")).sha256 != study(course=None).sha256
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,14 @@
 """Studies agree with known answers, and are the same with any workers and after any interruption."""
 
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
 import sys
-import threading
-import time
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import joblib
 import numpy as np
 import pytest
 
@@ -230,28 +226,6 @@ def test_a_folder_in_which_another_run_writes_its_first_file_is_used(result, tmp
     assert same(run_study(study(), tmp_path), result)
 
 
-def kill_a_child_once(folder, after, killed):
-    """Kill one process that this one has started, as soon as there are so many chunks."""
-    for _ in range(20_000):
-        children = [child for child in multiprocessing.active_children() if child.pid]
-        if children and len(list(folder.glob("piece-*.npz"))) >= after:
-            os.kill(children[0].pid, signal.SIGKILL)
-            killed.append(children[0].pid)
-            return
-        time.sleep(0.01)
-
-
-@pytest.mark.nightly
-def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
-    killed = []
-    killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 1, killed), daemon=True)
-    killer.start()
-    found = run_study(study(), tmp_path / "kept", 2)
-    killer.join(timeout=1.0)
-    assert len(killed) == 1
-    assert same(found, result)
-
-
 class DeadlyNoise(Noise):
     """Noise that kills the process that draws it."""
 
@@ -280,39 +254,6 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
     )
     ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=200, check=True)
     assert ran.stdout == json.dumps(run_study(study()).to_json()) + "\n"
-
-
-@pytest.mark.nightly
-def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
-    command = [
-        sys.executable,
-        "-c",
-        "from exoid.cli import main; main()",
-        "study",
-        "cuhk",
-        "--replicates",
-        "6",
-        "--json",
-    ]
-    runs = [
-        subprocess.Popen([*command, *more], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
-        for more in (["-o", "kept"], ["-o", "kept"], [])
-    ]
-    printed = [run.communicate(timeout=200)[0] for run in runs]
-    assert [run.returncode for run in runs] == [0, 0, 0]
-    assert printed[0] == printed[1] == printed[2] != ""
-
-
-@pytest.mark.nightly
-def test_a_dask_cluster_gives_the_same_bits(result):
-    """Two workers of a local cluster, as joblib's backend."""
-    distributed = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster,
-        distributed.Client(cluster),
-        joblib.parallel_config("dask"),
-    ):
-        assert same(run_study(study()), result)
 
 
 @pytest.mark.parametrize(

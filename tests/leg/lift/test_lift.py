@@ -255,14 +255,6 @@ def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     assert 20 < feasible < 80
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
-def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
-    rng = np.random.default_rng(5)
-    for _ in range(5):
-        assert_possible(lift(arm, *noisy(arm, rng, share)))
-
-
 # -------------------------------------------------------------------------------------------- priors
 
 

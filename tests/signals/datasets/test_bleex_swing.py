@@ -25,16 +25,6 @@ def script():
     return module
 
 
-@pytest.fixture(scope="module")
-def data():
-    return exoid.datasets.bleex_swing()
-
-
-@pytest.fixture(scope="module")
-def estimate(data):
-    return exoid.identify(data.leg, data.train)
-
-
 def assert_made(recording, again, script):
     """Angles to two encoder counts, torques to what two counts do through the controller's stiffness."""
     count = script.ENCODER_COUNT

@@ -16,11 +16,6 @@ from exoid.torques.contacts.support_model import SupportModel
 FEET = {"both": ("left_foot", "right_foot"), "left": ("left_foot",)}
 
 
-@pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
 @pytest.mark.parametrize("feet", FEET)
 def test_rows_without_the_wrenches_fulfil_the_equation(exo, feet):
     log = standing(exo, feet, seconds=4.0)

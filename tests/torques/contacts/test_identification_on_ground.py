@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from standing import GRAVITY, Standing, mirrored, standing
+from unchecked import identify
 
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
@@ -18,11 +19,6 @@ NOISE, ENCODER = 0.4, 1e-4
 
 def friction(v):
     return 1.5 * np.tanh(v / 0.05) + 0.8 * v
-
-
-@pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
 
 
 def logs(exo, seed=0, seconds=30.0) -> list[Standing]:
@@ -39,7 +35,7 @@ def stance(exo):
 
 @pytest.fixture(scope="module")
 def estimate(exo, stance):
-    return exoid.identify(exo, [log.recording for log in stance], terms=TERMS)
+    return identify(exo, [log.recording for log in stance], TERMS)
 
 
 def deviations(exo, estimate):
@@ -73,6 +69,7 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
     assert str(again) == str(estimate)
 
 
+@pytest.mark.slow
 def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, estimate):
     rng = np.random.default_rng(1)
     recordings = []
@@ -86,7 +83,7 @@ def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, es
         open_switch = np.zeros(len(log.recording), dtype=bool)
         switches = {link: log.recording.contacts.get(link, open_switch) for link in wrenches}
         recordings.append(replace(log.recording, wrenches=wrenches, contacts=switches))
-    found = exoid.identify(exo, recordings, terms=TERMS)
+    found = identify(exo, recordings, TERMS)
     assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
     assert found["M"].std < estimate["M"].std
@@ -173,6 +170,7 @@ def test_a_foot_that_tips_over_does_not_hide_the_bias(exo):
         np.testing.assert_allclose(errors.gyro_bias, (0.0, 0.01, 0.0), atol=0.001)
 
 
+@pytest.mark.slow
 def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
     """No foot rests in a swing: the bias of 1 % of gravity was 1 % of every X."""
     log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
@@ -184,7 +182,7 @@ def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
     assert [each.kind for each in found.findings if each.kind.startswith("imu")] == ["imu-bias"] * 4
     corrected = split(exo, session[0]).imu.corrected(swing.base)
-    again = exoid.identify(exo, [*session, replace(swing, base=corrected)], terms=TERMS)
+    again = identify(exo, [*session, replace(swing, base=corrected)], TERMS)
     np.testing.assert_allclose(again.values, found.values, atol=0.2 * found.std.min())
 
 
@@ -348,7 +346,7 @@ def test_a_known_payload_is_no_part_of_the_machine(exo):
     load = exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3))
     options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5, "payloads": (load,)}
     each = [standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left"))]
-    found = exoid.identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], terms=())
+    found = identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], ())
     assert abs(found["M"].value - exo.parameters[0]) < 0.05
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 

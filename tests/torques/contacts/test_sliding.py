@@ -17,11 +17,6 @@ RATE = 250.0
 
 
 @pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
-@pytest.fixture(scope="module")
 def still(exo):
     """Squats on both feet with an IMU that has a bias."""
     log = standing(exo, "both", seed=5, noise=0.4, encoder=ENCODER, rate=RATE)

@@ -24,11 +24,6 @@ def friction(v):
     return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
-@pytest.fixture(scope="module")
-def exo():
-    return exoid.load_exo("bleex", base="floating")
-
-
 def compliances(estimate):
     return [finding for finding in estimate.findings if finding.kind == "sole-compliance"]
 

@@ -1,0 +1,232 @@
+"""Options of each verb that make no sense: one line with what is wrong, and no file is written or changed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from controlled_legs import LEG, estimate_of, exact_estimate
+from walking import Walk
+
+import exoid
+from exoid import Coulomb
+from exoid.torques import TorqueModel
+
+RAIL = [f"wrench_rail_{part}" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
+SHORT = "--duration 8 --highest 0.6 --starts 1 --noise 0.3"
+
+REFUSED = {
+    "track": [
+        ("absent.json", "no estimate 'absent.json'"),
+        ("cuhk --kp 1", "--kp has no effect"),
+        ("cuhk --rotor -1", "rotors of -1"),
+        ("bleex --rotor 0", "--rotor has no effect"),
+        ("bleex --wrong", "--wrong has no effect"),
+        ("bleex --kp 1,2", "--kp 1,2"),
+        ("bleex --kp stiff", "--kp stiff"),
+        ("bleex --kp -5", "kp ="),
+        ("bleex --period 0", "--period 0"),
+        ("bleex --scale 3", "the motion asks"),
+        ("bleex --speed VeryFast", "VeryFast"),
+        ("bleex --reference absent.csv", "absent.csv"),
+        ("bleex --reference absent.csv --scale 1", "--scale has no effect"),
+        ("bleex --payload -1", "invalid payload"),
+        ("bleex --friction -1", "times the friction"),
+        ("bleex --rate 0", "0 Hz"),
+        ("est.json --figures est.json", "cannot write files"),
+        ("cuhk.json --dry-run log.csv --law nonsense", "no controller 'nonsense'"),
+        ("cuhk.json --dry-run log.csv --kp 10,10", "gravity_support has no gains"),
+        ("cuhk.json --dry-run log.csv --payload 1", "--payload has no effect"),
+        ("cuhk.json --dry-run log.csv --wrong", "--wrong has no effect"),
+        ("cuhk.json --dry-run log.csv --rate 1000", "1000 Hz"),
+        ("cuhk.json --dry-run log.csv --limit 0,0", "limit"),
+        ("cuhk.json --dry-run log.csv --limit 1,2,3", "--limit 1,2,3"),
+        ("cuhk.json --dry-run log.csv -o log.csv", "log.csv"),
+    ],
+    "plan": [
+        ("nobody", "no leg or URDF file"),
+        ("cuhk --duration 1", "too short"),
+        ("cuhk --noise much", "write numbers"),
+        ("cuhk --angles knee", "JOINT=LOW:HIGH"),
+        ("cuhk --angles elbow=0:10", "no joint 'elbow'"),
+        (f"cuhk --angles hip=40:50 --torque 5 {SHORT}", "no motion was found"),
+        ("cuhk --ground 0.9", "without --foot"),
+        ("cuhk --foot 1,2,3", "X,Z in metres"),
+        ("cuhk --terms magic", "no term 'magic'"),
+        ("cuhk --assess nothing.csv", "nothing.csv"),
+        ("cuhk --assess slow.csv -o plan.csv", "-o has no effect"),
+        (f"cuhk -o plan.txt {SHORT}", "name the file .csv"),
+        (f"cuhk -o nowhere/plan.csv {SHORT}", "there is no folder nowhere"),
+        (f"cuhk --stance both {SHORT}", "has no sole"),
+        (f"bleex --stance tail {SHORT}", "choose among both, left, right"),
+        (f"bleex --stance left --tilts 10 {SHORT}", "--tilts has no effect"),
+        ("bleex --stance left --assess slow.csv", "--assess has no effect"),
+        ("bleex --stance left --sole left_foot=1", "FOOT=HEEL,TOE,HEIGHT"),
+        (f"bleex --friction 0.5 {SHORT}", "--friction has no effect"),
+        ("bleex --stance left --friction 0", "friction"),
+        (f"bleex --stance left,right -o plan.txt {SHORT}", "name the file .csv"),
+    ],
+    "stability": [
+        ("absent", "no leg or estimate 'absent'"),
+        ("cuhk --kp 3,4,5", "--kp 3,4,5", "left_hip, left_knee"),
+        ("cuhk --target 3,x", "--target 3,x"),
+        ("cuhk --kd 3,-1", "kd", "≥ 0"),
+        ("cuhk --rate 0", "0 Hz"),
+        ("cuhk --figure nowhere/a.png", "nowhere/a.png", "no such folder"),
+        ("driven.json --rotor 0.1", "--rotor has no effect"),
+        ("cuhk --rotor -0.1", "rotor inertia is negative"),
+        ("driven.json", "driven.json", "c0_hip = -0.2 ± 0.001 is negative"),
+    ],
+    "view": [
+        ("absent.urdf --html leg.html", "absent.urdf", "no leg or URDF file"),
+        ("absent.json --html leg.html", "absent.json", "cannot be read"),
+        ("bleex --side middle --html leg.html", "middle", "'left' or 'right'"),
+        ("bleex --inertias guessed --html leg.html", "guessed", "identified"),
+        ("est.json --side left --html leg.html", "--side has no effect"),
+        ("leg.urdf --inertias cad --html leg.html", "--inertias has no effect"),
+        ("bleex --pose left_knee --html leg.html", "--pose left_knee", "JOINT=DEGREES"),
+        ("bleex --pose elbow=3 --html leg.html", "no joint elbow"),
+        ("bleex --reference bleex_swing:test --html leg.html", "--reference has no effect", "--log"),
+        ("bleex --port 7000 --html leg.html", "--port has no effect"),
+        ("bleex --log absent.csv --html leg.html", "absent.csv"),
+        ("cuhk --log bleex_swing:test --side right --html leg.html", "none of the logged joints"),
+        ("est.json --log bleex_swing:test --horizon 0 --html leg.html", "horizon"),
+        ("bleex --html nowhere/leg.html", "nowhere/leg.html", "cannot be written"),
+    ],
+    "export": [
+        ("est.json -o leg.urdf --c leg.c", "one file", "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML"),
+        ("est.json -o leg.urdf --precision float", "--precision has no effect"),
+        ("est.json --c leg.c --mass-factor 3", "--mass-factor and --pull have no effect"),
+        ("est.json --c leg.c --pull 3", "--mass-factor and --pull have no effect"),
+        ("est.json -o new.urdf --mass-factor 0.5", "mass factor 0.5", "out of range"),
+        ("est.json -o new.urdf --pull -1", "pull -1.0", "out of range"),
+        ("est.json --c leg.c --precision half", "no precision 'half'", "double or float"),
+        ("est.json --c nowhere/leg.c", "nowhere/leg.c", "cannot be written"),
+        ("absent.json -o leg.urdf", "absent.json", "cannot be read"),
+        ("est.json -o nowhere/leg.urdf", "nowhere/leg.urdf", "cannot be written"),
+        ("est.json --law fuzzy --c law.c", "--law fuzzy: no such controller"),
+        ("est.json --law adaptive --c law.c", "Adaptive has no form in C"),
+        ("est.json --law pd -o leg.urdf", "--law has no effect on a URDF"),
+        ("est.json --safe zero --rate 50 --c leg.c", "--rate, --safe: only a control law"),
+        ("est.json --ros2 leg", "--ros2 writes a control law"),
+        ("est.json --law pd --c law.c --ros2 leg", "one file is written at a time"),
+        ("est.json --law pd --ros2 .", "did not write, or that were changed"),
+        ("est.json --law pd --ros2 none/leg", "no folder to write into"),
+        ("est.json --law momentum_observer --ros2 leg", "which no drive must follow"),
+        ("est.json --law pd --c law.txt", "name the source: LAW.c"),
+        ("est.json --law pd --kp 1,2 --c law.c", "--kp 1,2"),
+        ("est.json --law pd --limit 0 --c law.c", "limit = "),
+        ("est.json --law gravity_support --kp 9 --c law.c", "--kp has no effect: gravity_support has none"),
+        ("est.json --law lqr --share 0.5 --c law.c", "--share has no effect: lqr has none"),
+        ("est.json --law gravity_support --share 2 --c law.c", "times the weight"),
+        ("est.json --law sensitivity_amplification --amplification 0.5 --c law.c", "amplification of"),
+        ("est.json --law lqr --period 0 --c law.c", "--period 0"),
+        ("est.json --law pd --period 5 --c law.c", "--period has no effect: pd has none"),
+        ("est.json --law pd --role hip --c law.c", "JOINT=ROLE"),
+        ("est.json --law pd --patience nan --c law.c", "patience of nan"),
+    ],
+    "identify": [
+        ("one.urdf log.csv", "one.urdf: no joint of the URDF moves"),
+        ("bleex bleex_swing", "bleex_swing:train"),
+        ("bleex bleex_swing:all", "bleex_swing:test"),
+        ("bleex empty", "no logs in the folder"),
+        ("bleex bleex_swing:train --side up", "no side 'up'"),
+        ("bleex bleex_swing:train --inertias guessed", "no inertias 'guessed'", "cad, identified"),
+        ("bleex bleex_swing:train --terms ", "no term ''"),
+        ("bleex bleex_swing:train --start nan", "a limit of nan s"),
+        ("bleex bleex_swing:train --stop -1", "too few samples"),
+        ("bleex bleex_swing:train --joints left_hip", "--joints has no effect"),
+        ("bleex_swing bleex_swing:train --inertias cad", "--inertias has no effect"),
+        ("bleex_swing bleex_swing:train --known X1", "--known X1"),
+        ("bleex_swing bleex_swing:train --known X1=heavy", "--known X1=heavy"),
+        ("bleex_swing bleex_swing:train --known X1=1 --known X1=2", "X1 twice"),
+        ("bleex_swing bleex_swing:train --prior J3=0.05", "--prior J3=0.05"),
+        ("bleex_swing bleex_swing:train --noise pink", "pink"),
+        ("bleex_swing bleex_swing:train --known Z=1", "no parameter 'Z'"),
+        ("bleex walk.csv --column tau_left_hip=tau_left_hip:mA", "is not a unit of torque"),
+        ("bleex walk.csv --column q_left_hip=q_left_hip:furlong", "is neither a number nor a unit"),
+        ("bleex walk.csv --column i_left_hip=tau_left_hip:1e3", "looks like mA"),
+        ("bleex bleex_swing:train --names left_hip", "has no effect"),
+        ("bleex bleex_swing:train --passive left_hip", "has no effect"),
+        ("bleex bleex_swing:train --unmeasured left_hip", "has no effect"),
+        ("cuhk log.csv --payload other.csv=knee:3@0,0,0", "other.csv is not among the logs"),
+        ("cuhk log.csv --payload knee:3000@0,0,0", "too heavy or too far away"),
+        ("cuhk log.csv --payload knee:3", "is no payload"),
+        ("cuhk log.csv --payload ankle:3@0,0,0", "a payload on 'ankle', which the leg does not have"),
+        ("cuhk rail.csv --wrench rail", "--wrench 'rail' does not say the axes"),
+        ("cuhk rail.csv --wrench rail:floor", "--wrench 'floor' is no axes"),
+        ("cuhk rail.csv --wrench rail:link --wrench rail:world", "rail is given twice"),
+        ("cuhk rail.csv --wrench belt:link", "axes of the wrench on belt, which the log does not have"),
+        ("cuhk log.csv --base-position 0,0,0", "no motion of the base"),
+        ("bleex walk.csv masked.csv --segments swings.csv", "which log they belong to", "a column log"),
+        ("bleex walk.csv --segments named.csv", "segments of masked.csv, which is not among the logs"),
+        ("bleex walk.csv --segments nowhere.csv", "nowhere.csv", "cannot be read (No such file or directory)"),
+        ("bleex walk.csv --segments walk.csv", "walk.csv, line 2", "without start and stop"),
+        ("bleex walk.csv --segments empty.csv", "empty.csv", "there are no segments"),
+        ("bleex walk.csv --segments late.csv", "no sample in the segment from 100 s to 101 s"),
+        ("bleex walk.csv --mask swing", "no column 'swing'", "name a column of 0 and 1"),
+        ("bleex bleex_swing:train --mask swing", "--mask has no effect"),
+        ("bleex walk.csv --own offset", "there is only one log"),
+        ("bleex walk.csv walk.csv --own offset", "one log was given twice"),
+        ("bleex walk.csv masked.csv --own zero", "no parameter 'zero'"),
+        ("bleex walk.csv masked.csv --own offset --test walk.csv", "--test has no effect"),
+        ("bleex walk.csv masked.csv --own offset --report r.html", "--report has no effect"),
+        ("bleex walk.csv masked.csv --own offset -o no/where/e.json", "where"),
+    ],
+    "validate": [
+        ("est.json bleex_swing:test --cutoff -1", "cutoff is -1"),
+        ("est.json bleex_swing:test --payload knee:3@0,0,0", "payload"),
+    ],
+    "interaction": [
+        ("est.json walk.csv --strides a,b", "--strides a,b"),
+        ("est.json walk.csv bleex_swing:test -o new.csv", "--output of 2 logs"),
+        ("est.json walk.csv -o walk.csv", "walk.csv"),
+        ("est.json walk.csv --cutoff -1", "cutoff is -1"),
+    ],
+}
+"""Arguments of each verb, and words of the line."""
+
+ALL = [
+    pytest.param(f"{verb} {words}", said, id=f"{verb} {words}")
+    for verb, rows in REFUSED.items()
+    for words, *said in rows
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Estimates of both legs and of one that is driven by its friction, and logs."""
+    path, data = tmp_path_factory.mktemp("files"), exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train, check=False).save(path / "est.json")
+    exact_estimate().save(path / "cuhk.json")
+    estimate_of(TorqueModel(LEG, (Coulomb(),)), {"c0_hip": -0.2}).save(path / "driven.json")
+    (path / "leg.urdf").write_text(data.leg.description.text, encoding="utf-8")
+    (path / "one.urdf").write_text(data.leg.description.text.replace("revolute", "fixed"), encoding="utf-8")
+    spans = [(4.0 + k, 4.6 + k) for k in range(10)]
+    data.train.to_csv(path / "walk.csv")
+    data.train.segments(spans).to_csv(path / "masked.csv")
+    rows = "".join(f"{start},{stop}\n" for start, stop in spans)
+    tables = {"swings": rows, "empty": "", "late": "100,101\n"}
+    for name, lines in tables.items():
+        (path / f"{name}.csv").write_text(f"start,stop\n{lines}", encoding="utf-8")
+    (path / "named.csv").write_text("log, start, stop\nmasked.csv,2.0,8.0\n", encoding="utf-8")
+    motion = Walk(LEG, seconds=20.0)
+    exoid.Recording(motion.time, motion.joints[0], joint_names=LEG.joint_names).to_csv(path / "slow.csv")
+    tau, names = LEG.inverse_dynamics(*motion.joints), LEG.joint_names
+    exoid.Recording(motion.time, motion.joints[0], tau=tau, joint_names=names).to_csv(path / "log.csv")
+    head = ["time", *(f"{kind}_{name}" for kind in ("q", "tau") for name in names), *RAIL]
+    table = np.column_stack([motion.time, motion.joints[0], tau, np.ones((len(tau), 6))])
+    np.savetxt(path / "rail.csv", table, delimiter=",", header=",".join(head), comments="")
+    (path / "empty").mkdir()
+    return path
+
+
+@pytest.mark.parametrize(("command", "said"), ALL)
+def test_options_that_make_no_sense_are_one_line_and_write_nothing(exoid_, folder, monkeypatch, command, said):
+    monkeypatch.chdir(folder)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    run = exoid_(*command.split(" "))
+    assert (run.code, run.out, run.err.count("\n")) == (2, "", 1), run
+    assert run.err.startswith("exoid: ")
+    for words in said:
+        assert words in run.err
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before

@@ -1,0 +1,139 @@
+"""Faults of a log that are planted, one at a time: each has the one finding of its kind, with its joint and size."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from logs import clean, late, of_kind, with_column
+
+import exoid
+
+
+class Fault(NamedTuple):
+    """A way to spoil a log, and the finding: its kind, joint, value, words of the message, and leg."""
+
+    spoil: Callable[[exoid.Recording], exoid.Recording]
+    kind: str
+    joint: int | None = None
+    value: Any = None
+    words: str = ""
+    leg: str = "bleex"
+
+
+def column(quantity, joint, change):
+    """Spoil one column."""
+    return lambda log: with_column(dataclasses.replace(log, largest_angle=np.inf), quantity, joint, change)
+
+
+def frozen(start, count):
+    """Repeat one sample."""
+    return lambda x: np.where((np.arange(len(x)) >= start) & (np.arange(len(x)) < start + count), x[start], x)
+
+
+def turned(degrees):
+    return lambda x: x + np.deg2rad(degrees)
+
+
+def columns(**order):
+    """Put columns of quantities into another order."""
+    return lambda log: dataclasses.replace(log, **{name: getattr(log, name)[:, k] for name, k in order.items()})
+
+
+def scaled(factor):
+    return lambda log: dataclasses.replace(log, tau=factor * log.tau)
+
+
+def without_four_samples(log):
+    """Leave out samples of fast motion behind new stamps."""
+    fast = int(np.argmax(np.abs(np.gradient(log.q, axis=0)).sum(axis=1)[500:2000])) + 500
+    keep = np.delete(np.arange(len(log)), np.s_[fast : fast + 4])
+    return dataclasses.replace(log, time=log.time[: len(keep)], q=log.q[keep], tau=log.tau[keep])
+
+
+def late_velocity(log):
+    v = np.gradient(log.q, axis=0) * log.sample_rate
+    v[:, 1] = np.interp(log.time - 0.05, log.time, v[:, 1])
+    return dataclasses.replace(log, v=v)
+
+
+def about(value, size):
+    return pytest.approx(value, abs=size)
+
+
+SWAP = [1, 0, 2]
+FEW, FEWER = (np.random.default_rng(1).random(3000) < share for share in (0.02, 0.01))
+FAULTS = {
+    "frozen torque": Fault(column("tau", 1, frozen(1000, 300)), "stuck-channel", 1, about(3.0, 0.03), "12.137 s"),
+    "frozen angle": Fault(column("q", 1, frozen(620, 200)), "stuck-channel", 1, None, "angle"),
+    "samples missing": Fault(without_four_samples, "missing-samples", None, about(0.04, 0.004)),
+    "dropouts": Fault(column("tau", 0, lambda x: np.where(FEW, 0.0, x)), "dropout", 0, about(FEW.mean(), 0.005)),
+    "a slower bus": Fault(
+        column("tau", 2, lambda x: x[np.arange(len(x)) // 4 * 4]), "stale-samples", 2, about(0.75, 0.01)
+    ),
+    "spikes": Fault(column("tau", 0, lambda x: x + FEWER * 3.0 * x.std()), "spikes", 0, None, "one side"),
+    "late velocity": Fault(late_velocity, "velocity-delay", 1, about(0.05, 0.005)),
+    "a turn more": Fault(column("q", 1, lambda x: x + 2.0 * np.pi * (np.arange(len(x)) > 1500)), "angle-wrap", 1),
+    **{
+        f"{name}, torques {delay} s late": Fault(
+            lambda log, s=delay: late(log, s, range(log.q.shape[1])),
+            "torque-delay",
+            None,
+            about(delay, 0.001),
+            "",
+            name,
+        )
+        for name, delay in (("bleex", 0.005), ("bleex", 0.05), ("cuhk", 0.02))
+    },
+    "one torque late": Fault(lambda log: late(log, 0.01, [1]), "torque-delay", 1, about(0.01, 0.001)),
+    **{f"sign of torque {j}": Fault(column("tau", j, np.negative), "torque-sign", j, -1.0) for j in range(3)},
+    "sign of all torques": Fault(scaled(-1.0), "torque-sign"),
+    **{f"sign of angle {j}": Fault(column("q", j, np.negative), "angle-sign", j) for j in (1, 2)},
+    **{
+        f"{' and '.join(which)} swapped": Fault(columns(**dict.fromkeys(which, SWAP)), "joint-order", -1)
+        for which in (("tau",), ("q",), ("tau", "q"))
+    },
+    "N·mm": Fault(scaled(1000.0), "torque-scale", None, about(1000.0, 100.0), "N·mm"),
+    "another unit": Fault(scaled(0.05), "torque-scale", None, about(0.05, 0.005)),
+    "scale of one torque": Fault(column("tau", 1, lambda x: 1.2 * x), "torque-scale", 1, about(1.2, 0.03)),
+    "degrees": Fault(column("q", 1, np.rad2deg), "angle-scale", 1, about(57.3, 0.1)),
+    "scale of one angle": Fault(column("q", 1, lambda x: 1.1 * x), "angle-scale", 1, about(1.1, 0.02)),
+    **{
+        f"zero {d}° off": Fault(column("q", 1, turned(d)), "angle-offset", 1, about(d / 57.3, d / 164.0))
+        for d in (5, 15)
+    },
+    "zero of the last joint": Fault(column("q", 1, lambda x: x + 0.3), "angle-offset", 1, about(0.3, 0.03), "", "cuhk"),
+    **{
+        f"base tilted by {d}°": Fault(column("q", 0, turned(-d)), "gravity-direction", None, about(d / 57.3, d / 164.0))
+        for d in (5, 15)
+    },
+    "cross-talk": Fault(
+        lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
+    ),
+    "a slow clock": Fault(
+        lambda log: dataclasses.replace(log, time=0.98 * log.time), "clock", None, about(-0.02, 0.004)
+    ),
+}
+
+
+VARIANTS = {
+    "sign of torque 1",
+    "sign of torque 2",
+    "tau and q swapped",
+    "q swapped",
+    "zero 15° off",
+    "base tilted by 15°",
+}
+
+
+@pytest.mark.parametrize("fault", [pytest.param(f, marks=[pytest.mark.slow] * (f in VARIANTS)) for f in FAULTS])
+def test_a_fault_has_the_finding_of_its_kind_with_joint_and_size(fault):
+    spoil, kind, joint, value, words, name = FAULTS[fault]
+    leg, log = clean(name)
+    finding = of_kind(exoid.check(leg, spoil(log)), kind)
+    names = leg.joint_names
+    assert finding.joint == {None: "", -1: ", ".join(names[:2])}.get(joint, names[joint or 0])
+    assert value is None or finding.value == value
+    assert words in finding.message
+    assert finding.interval is None or finding.interval[0] < finding.interval[1]
