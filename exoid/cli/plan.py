@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,11 +32,13 @@ from .options import (
     TorqueNoise,
     given,
 )
-from .outputs import check_outputs, print_result
+from .outputs import check_outputs, print_result, save_figure
 from .progress import progress_bar
 from .refusals import refuse
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from exoid.experiments.excitation import Assessment, MotionLimits, Plan, StancePlan
     from exoid.experiments.excitation.limits import Clearance
     from exoid.leg.leg import Leg
@@ -221,17 +222,16 @@ def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: s
     written: Sequence[Path] = ()
     if output is not None and not isinstance(result, Assessment):
         written = write_plan(output, result)
-    if figure is not None:
-        _draw(result, figure)
-    for path in (*written, *([] if figure is None else [figure])):
+    for path in written:
         note(f"wrote {path}")
+    if figure is not None:
+        save_figure(figure, _draw(result))
 
 
-def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
+def _draw(result: Assessment | Plan | StancePlan) -> Figure:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     from exoid.experiments.excitation import Plan  # noqa: PLC0415
-    from exoid.tools.files import write_bytes  # noqa: PLC0415
     from exoid.view.plans import plot_planned_motion, plot_precision  # noqa: PLC0415
 
     with exoid.view.paper():
@@ -242,9 +242,7 @@ def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
             plot_precision(right.subplots(), result.precision)
         else:
             plot_precision(sheet.subplots(), result.precision)
-        content = io.BytesIO()
-        sheet.savefig(content, format=Path(path).suffix.lstrip(".") or "png")
-    write_bytes(path, [content.getvalue()])
+    return sheet
 
 
 def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:

@@ -91,18 +91,13 @@ def plot_residual_trend(
     return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
 
 
-def plot_friction_fit(
-    ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
-) -> Axes:
+def plot_friction_fit(ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
     """Plot measured and modelled friction torque of one joint over its velocity."""
     # Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
     # velocity.
-    draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
+    draw_samples(ax, velocity, measured, MEASURED, size=1.4, alpha=0.3, label="measured less other terms")
     draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
-    decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
-    for handle in ax.get_legend().legend_handles:  # type: ignore[union-attr]
-        handle.set(markersize=5, alpha=1.0)  # type: ignore[union-attr]
-    return ax
+    return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
 
 
 def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: str) -> Axes:

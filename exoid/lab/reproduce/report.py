@@ -66,7 +66,7 @@ class ReplayReport(Report):
         Returns:
             Figures by file name.
         """
-        return {name: drawing.figure() for name, drawing in self.drawings.items()}
+        return self.page().figures()
 
     def page(self) -> Page:
         """Make a page: findings, figures and tables.
@@ -76,8 +76,8 @@ class ReplayReport(Report):
         """
         findings = [Text(lines) for first, *others in self.findings for lines in ([first], others) if lines]
         pictures = [
-            Picture.of(drawing.figure(), drawing.caption, drawing.caption, full=drawing.full)
-            for drawing in self.drawings.values()
+            Picture(each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN, each.full)
+            for name, each in self.drawings.items()
         ]
         contents: dict[str, Sequence[Block]] = {"Findings": findings[1:], "Figures": pictures, "Tables": self.tables}
         return Page.of(self.title, [line for line in (self.about, self.findings[0][0]) if line], contents)

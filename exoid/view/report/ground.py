@@ -22,8 +22,8 @@ from exoid.view.scenes.leg_geometry import LegGeometry
 from exoid.view.scenes.standing import level_points
 from exoid.view.style import decimation
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS
-from .page import Block, Text, draw_picture
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained
+from .page import PAGE_COLUMN, Block, Picture, Text
 
 NOTE = (
     "Forces of the ground follow from joint torques and motion alone; force plates are drawn, but not used. The 95 % "
@@ -50,11 +50,9 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
     if not rows:
         return
     yield Text([NOTE])
-    yield DataTable(
-        "Vertical force of the ground on resting feet, from joint torques",
-        ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]"),
-        rows,
-    )
+    headers = ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]")
+    caption = "Vertical force of the ground on resting feet, from joint torques"
+    yield from explained(DataTable(caption, headers, rows))
     shown: set[frozenset[str]] = set()
     for recording, feet in each:
         links = frozenset(foot.link for foot in feet)
@@ -62,11 +60,12 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
             continue
         shown.add(links)
         for foot in feet:
-            yield draw_picture(
+            yield Picture(
                 partial(_draw, foot=foot),
                 f"Vertical force of the ground on {foot.link} and its centre of pressure over time, with 95 % bands",
                 f"{foot.link} in {_name(recording)}, {SHOWN_SECONDS:.0f} s from its first rest",
-                aspect=0.9,
+                "ground_force",
+                height=0.9 * PAGE_COLUMN,
             )
 
 
@@ -109,7 +108,8 @@ def _draw(figure: Figure, foot: FootForce) -> None:
     above, below = figure.subplots(2, 1, sharex=True)
     plate = None if foot.measured is None else foot.measured.force[shown, 2]
     time = force.time[shown]
-    plot_ground_force(above, time, force.force[shown, 2], force.force_half[shown, 2], plate).set_xlabel("")
+    label = f"{foot.link} vertical force [N]"
+    plot_ground_force(above, time, force.force[shown, 2], force.force_half[shown, 2], plate, label).set_xlabel("")
     centre, half = 1e3 * force.center_of_pressure(foot.height)[shown, 0], 1e3 * _centre_half(force, foot.height)[shown]
     plate = None if foot.measured is None else 1e3 * foot.measured.center_of_pressure(foot.height)[shown, 0]
     plot_ground_force(below, time, centre, half, plate, "centre of pressure [mm]")

@@ -9,18 +9,19 @@ import numpy as np
 from exoid.actuators.drive_data import describe_actuators
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
-from exoid.estimate.finding import verdict_line
+from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions, influences
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 
-from .blocks import SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
+from .blocks import SHOWN_SECONDS, explained, finding_blocks, replay_blocks, sentence, shown_part
 from .fit import (
     RecordingPrediction,
     excitation_pictures,
     friction_blocks,
     predict_recording,
     residual_blocks,
+    residual_pictures,
     torque_blocks,
 )
 from .ground import ground_blocks
@@ -80,6 +81,15 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
     bad = [finding for finding in estimate.findings if finding.severity != "info"]
     counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)
     lines = [f"{len(grades)} parameters: {counts}."]
+    lines += predicted_in_words(estimate, tested)
+    if not tested:
+        lines.append("There is no held-out recording: the errors below are those of the fit.")
+    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
+    return lines + [f"Warning: {warning}." for warning in estimate.warnings]
+
+
+def predicted_in_words(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> Iterator[str]:
+    """Say how well recordings that the estimate was not fitted to are predicted."""
     for prediction in tested:
         nrmse = prediction.validation.nrmse
         known = np.isfinite(nrmse)
@@ -88,16 +98,45 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
             for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
         )
         quality = "predicts well" if (nrmse[known] <= 0.1).all() else "does not predict every joint well"
-        lines.append(
+        yield (
             f"On the held-out recording {prediction.validation.source} the estimate {quality} (NRMSE, the RMS error "
             f"over the standard deviation of the torque: {joints})."
         )
         if prediction.validation.findings:
-            lines.append(sentence(verdict_line(prediction.validation.findings)))
-    if not tested:
-        lines.append("There is no held-out recording: the errors below are those of the fit.")
-    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
-    return lines + [f"Warning: {warning}." for warning in estimate.warnings]
+            yield sentence(verdict_line(prediction.validation.findings))
+
+
+def validation_report(
+    estimate: Estimate, recordings: Sequence[Recording], cutoff: float | None = None
+) -> Page:
+    """Report how an estimate predicts recordings that it was not fitted to.
+
+    Args:
+        estimate: The estimate.
+        recordings: Recordings that it was not fitted to.
+        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
+
+    Returns:
+        A page: ``validation_report(...).save("report.html")``.
+
+    Raises:
+        ExoidError: There is no recording, or one lacks torque or a joint of the leg.
+    """
+    if not recordings:
+        raise BadArgumentError("a report without recordings", remedy="pass those that the estimate is tested on")
+    tested = [predict_recording(estimate, recording, cutoff) for recording in recordings]
+    findings = ordered([finding for each in tested for finding in each.validation.findings])
+    contents: dict[str, Iterator[Block]] = {
+        "Findings": finding_blocks(findings),
+        "Measured and predicted torque": torque_blocks(estimate, tested, True),
+        "Ground force": ground_blocks(estimate, [each.recording for each in tested]),
+        "Friction": friction_blocks(estimate, tested),
+        "Residuals": residual_pictures(estimate, tested),
+        "Replay": _replay(estimate, tested[0].recording),
+    }
+    names = ", ".join(each.validation.source for each in tested)
+    title = f"{estimate.model.leg.description.name}: prediction of {names}"
+    return Page.of(title, [*predicted_in_words(estimate, tested), sentence(verdict_line(findings))], contents)
 
 
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
@@ -148,7 +187,7 @@ def _influence(estimate: Estimate) -> Iterator[Block]:
         "change [std]",
         "expected from noise [std]",
     )
-    yield DataTable("Influence of each recording", headers, rows)
+    yield from explained(DataTable("Influence of each recording", headers, rows))
     if lines := [f"{line}." for line in influences(estimate)]:
         yield Text(lines)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -17,8 +17,8 @@ from exoid.tools.tables import DataTable
 from exoid.view.forces import plot_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
-from .page import Block, Page, Text, draw_picture
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained, finding_blocks, replay_blocks, sentence, shown_part
+from .page import PAGE_COLUMN, Block, Page, Picture, Text
 
 
 def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
@@ -32,22 +32,22 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
     Returns:
         A page: ``interaction_report(...).save("report.html")``.
     """
-    parts = found.parts or (found,)
+    parts = {f"_{k}" if k > 1 else "": part for k, part in enumerate(found.parts or (found,), 1)}
     contents: dict[str, Iterator[Block]] = {
         "Torque of the wearer": _figures(found),
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, parts),
         "Over the gait": _over_gait(estimate, parts),
-        "Replay": _replay(estimate, parts[0], recordings[0]),
+        "Replay": _replay(estimate, parts[""], recordings[0]),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
     return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
-    yield DataTable(found.source, HEADERS, found.rows())
     for part in found.parts:
         yield DataTable(part.source, HEADERS, part.rows())
+    yield from explained(DataTable(found.source, HEADERS, found.rows()))
     yield Text(
         [
             "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
@@ -57,26 +57,28 @@ def _figures(found: Interaction) -> Iterator[Block]:
     )
 
 
-def _over_time(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
-    for part in parts:
+def _over_time(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
+    for suffix, part in parts.items():
         for joint, label in enumerate(estimate.model.leg.joint_labels):
             if not np.isnan(part.torque[:, joint]).all():
-                yield draw_picture(
+                yield Picture(
                     partial(_draw_time, part=part, joint=joint, label=label),
                     f"Torque of the wearer at the {label} over time with its 95 % band",
                     f"{label}, {shown_part(part.time, part.source)}",
+                    f"wearer_torque{suffix}",
                 )
 
 
-def _over_gait(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
-    for part in parts:
+def _over_gait(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
+    for suffix, part in parts.items():
         if part.period is not None:
-            yield draw_picture(
+            yield Picture(
                 partial(_draw_gait, part=part, labels=estimate.model.leg.joint_labels),
                 "Torque and power of the wearer over the phase of the gait",
                 f"{part.source}: mean ± standard deviation; a cycle of {part.period:.3g} s begins at the "
                 f"{part.phase_source}",
-                aspect=1.0,
+                f"wearer_gait{suffix}",
+                height=PAGE_COLUMN,
             )
 
 

@@ -12,10 +12,10 @@ from exoid.estimate.text import below_parameters, compared_table, parameter_rows
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
-from exoid.view.parameters import plot_correlation, plot_parameters
+from exoid.view.parameters import STRONG, plot_correlation, plot_parameters, strongest_pairs
 
-from .blocks import sentence
-from .page import Block, Text, draw_picture, plot_picture
+from .blocks import explained, sentence
+from .page import Block, Picture, Text, on_axes
 
 IDENTIFIABILITY = {
     "well": "well identified",
@@ -30,25 +30,25 @@ IDENTIFIABILITY = {
 def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
     """Draw parameters beside other values by label and name, those of each unit, and the correlation matrix."""
     caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
-    yield compared_table(caption, parameter_rows(estimate), other_values)
+    yield from explained(compared_table(caption, parameter_rows(estimate), other_values))
     yield Text([sentence(line) for line in below_parameters(estimate)])
     for unit in dict.fromkeys(estimate.units):
         names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
-        yield plot_picture(
-            plot_parameters,
-            (estimate, names, other_values),
+        yield Picture(
+            on_axes(plot_parameters, estimate, names, other_values),
             f"Parameters in {unit} with 95 % intervals: {', '.join(names)}",
             f"Parameters in {unit} with 95 % intervals",
-            aspect=max(0.5, 0.2 + 0.08 * len(names)),
+            "parameters",
+            height=max(1.4, 0.6 + 0.23 * len(names)),
         )
-    yield draw_picture(
-        lambda figure: plot_correlation(figure.add_subplot(), estimate),
-        f"Correlation matrix of the errors of {len(estimate.names)} parameters",
-        "Correlation of the errors; strong colours mark pairs that are hard to separate",
-        columns=2.0,
-        aspect=1.75,
-        full=True,
-    )
+    if pairs := strongest_pairs(estimate):
+        yield Picture(
+            on_axes(plot_correlation, estimate),
+            "Correlation of the errors of pairs of parameters",
+            f"Pairs whose errors correlate most; from ±{STRONG} on they are hard to separate",
+            "correlation",
+            height=max(1.4, 0.6 + 0.2 * len(pairs)),
+        )
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
