@@ -90,7 +90,7 @@ def identify(
     from .column_map import columns_of  # noqa: PLC0415
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
     from .log_parts import refuse_other  # noqa: PLC0415
-    from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
+    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     refuse_unknown_leg(leg)
     tests, pages = test or [], {"--test": test, "--report": report, "--figures": figures}
@@ -126,7 +126,8 @@ def identify(
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
-    save_page(lambda: exoid.view.report.identification_report(estimate, all_at_once(recordings), held_out), figures, report)
+    in_memory = (each for each in recordings if isinstance(each, exoid.Recording))
+    save_page(lambda: exoid.view.report.identification_report(estimate, [*in_memory], held_out), figures, report)
     data = estimate.to_json()
     del data["leg"]["urdf"]
     if predicted:

@@ -174,7 +174,11 @@ def plan(
             else:
                 more |= {"tilts_deg": _tilts(torso), "poses": torso.poses} | search.arguments(starts=16)
                 result = excitation.plan_excitation(found, chosen, **more)
-    _write(result, output, figure)
+    if output is not None and not isinstance(result, excitation.Assessment):
+        for path in excitation.plan_files.write_plan(output, result):
+            note(f"wrote {path}")
+    if figure is not None:
+        save_figure(figure, _draw(result))
     print_result(result, as_json=as_json, data=_to_json(result))
 
 
@@ -212,20 +216,6 @@ def _range(text: str) -> tuple[float, float]:
     """Turn "-90:-5" into a range [deg]."""
     low, _, high = text.partition(":")
     return float(low), float(high)
-
-
-def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: str | None) -> None:
-    """Write the requested files."""
-    from exoid.experiments.excitation import Assessment  # noqa: PLC0415
-    from exoid.experiments.excitation.plan_files import write_plan  # noqa: PLC0415
-
-    written: Sequence[Path] = ()
-    if output is not None and not isinstance(result, Assessment):
-        written = write_plan(output, result)
-    for path in written:
-        note(f"wrote {path}")
-    if figure is not None:
-        save_figure(figure, _draw(result))
 
 
 def _draw(result: Assessment | Plan | StancePlan) -> Figure:

@@ -44,7 +44,7 @@ def validate(
     recordings = read_logs(logs, reading)
     result = exoid.validate(loaded, recordings, cutoff=cutoff, actuators=drives)
     loaded = loaded if drives is None else replace(loaded, actuators=drives)
-    save_page(lambda: exoid.view.report.validation_report(loaded, recordings, cutoff), figures, report)
+    save_page(lambda: exoid.view.report.identification_report(loaded, (), recordings, cutoff=cutoff), figures, report)
     print_result(result, as_json=as_json)
     if result.verdict in ("does not predict", *(["predicts poorly"] if strict else [])):
         raise Exit(1)  # exit status where the estimate does not predict the logs

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -102,9 +104,9 @@ def _draw_intervals(
     index = [estimate.names.index(name) for name in names]
     values, rows = estimate.values[index], np.arange(len(names)) + below
     error = np.abs(estimate.interval(level)[index].T - values)
-    style = {"fmt": marker, "ms": 3.5, "mfc": "white" if below > 0.0 else colour, "capsize": 2.5, "color": colour}
-    ax.errorbar(values, rows, xerr=error, label=label, zorder=3, **style)
-    return rows
+    style: dict[str, Any] = {"fmt": marker, "ms": 3.5, "mfc": "white" if below > 0.0 else colour, "color": colour}
+    ax.errorbar(values, rows, xerr=error, label=label, capsize=2.5, zorder=3, **style)
+    return np.asarray(rows, dtype=np.float64)
 
 
 def _with_error(value: float, std: float) -> str:
@@ -117,7 +119,7 @@ def _label_rows(ax: Axes, names: Sequence[str], texts: Sequence[str], xlabel: st
     for row, text in enumerate(texts):
         ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=7)
     # Below the column, beside the label of the axis: a legend above may be wider than the axes.
-    below = {"xytext": (0, -24), "textcoords": "offset points", "fontsize": 7, "annotation_clip": False}
+    below: dict[str, Any] = {"xytext": (0, -24), "textcoords": "offset points", "fontsize": 7, "annotation_clip": False}
     ax.annotate(footer, (1.02, 0.0), xycoords="axes fraction", **below)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
     labels = [_short(name) for name in names]
@@ -153,7 +155,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
 def strongest_pairs(estimate: Estimate) -> list[tuple[int, int]]:
     """Indices of parameters whose errors correlate by :data:`STRONG` or more, at least 3 pairs and at most 16."""
     size = np.abs(estimate.correlation)
-    pairs = sorted(zip(*np.triu_indices(len(size), 1), strict=True), key=lambda pair: -size[pair])
+    pairs = sorted(combinations(range(len(size)), 2), key=lambda pair: -size[pair])
     return pairs[: min(16, max(3, sum(size[pair] >= STRONG for pair in pairs)))]
 
 

@@ -28,7 +28,7 @@ COLUMNS = {
     "RMSE [N·m]": "root of the mean squared residual",
     "NRMSE": "RMSE over the standard deviation of the measured torque; 0 is perfect, 1 as bad as a constant",
     "R²": "share of the variance of the measured torque that is predicted",
-    "in 95 % band [%]": "share of samples inside the band",
+    "in 95 % band": "share of samples inside the band",
     "share of torque [%]": "RMS of the mean residual over that of the torque",
     "p-value": "probability of means as large as these if there were only noise",
     "share of information [%]": "part of what is known of all parameters that comes from this recording",

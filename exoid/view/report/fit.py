@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
+from exoid.estimate.validation import HEADERS
 from exoid.regression import Trend
 from exoid.regression.rows import for_leg
 from exoid.regression.trends import trend_warnings
@@ -65,7 +66,7 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
     """Table of prediction errors, and measured and predicted torque of the first recording."""
-    yield from explained(error_table(estimate, predictions, held_out))
+    yield from explained(error_table(predictions, held_out))
     yield Text(
         [
             "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
@@ -77,34 +78,10 @@ def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]
     yield from torque_pictures(estimate, predictions[0])
 
 
-def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
+def error_table(predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
     """Table of prediction errors, and of the coverage of the prediction band."""
-    rows = [
-        (
-            p.validation.source,
-            joint,
-            *(
-                "–" if np.isnan(value) else text
-                for value, text in (
-                    (rmse, f"{rmse:.4g}"),
-                    (nrmse, f"{nrmse:.4f}"),
-                    (r2, f"{r2:.4f}"),
-                    (coverage, f"{100 * coverage:.1f}"),
-                )
-            ),
-        )
-        for p in predictions
-        for joint, rmse, nrmse, r2, coverage in zip(
-            estimate.model.leg.joint_labels,
-            p.validation.rmse,
-            p.validation.nrmse,
-            p.validation.r2,
-            p.validation.coverage,
-            strict=True,
-        )
-    ]
-    caption = "Held-out recordings" if held_out else "Recordings of the fit"
-    return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band [%]"), rows)
+    rows = [(p.validation.source, *row) for p in predictions for row in p.validation.rows()]
+    return DataTable("Held-out recordings" if held_out else "Recordings of the fit", ("recording", *HEADERS), rows)
 
 
 def torque_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
@@ -174,7 +151,7 @@ def residual_pictures(
     q, v, residual = (
         np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
     )
-    trends = {(trend.joint, trend.against): trend for trend in tested}
+    trends = {(trend.joint, str(trend.against)): trend for trend in tested}
     for x, against, unit in ((v, "velocity", "rad/s"), (np.rad2deg(q), "angle", "deg")):
         for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
             arguments = (x[:, joint], residual[:, joint], joint, f"{label} {against} [{unit}]", label)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -31,48 +31,51 @@ from .parameters import IDENTIFIABILITY, advice, parameter_blocks
 
 def identification_report(
     estimate: Estimate,
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording] = (),
     held_out: Sequence[Recording] = (),
     other_values: Mapping[str, Mapping[str, float]] | None = None,
+    cutoff: float | None = None,
 ) -> Page:
     """Report an estimate: its parameters, their uncertainty, its fit, and advice on what to record next.
 
     Args:
         estimate: The estimate.
-        recordings: Recordings that it was fitted to.
+        recordings: Recordings that it was fitted to; none for a report of the prediction of others.
         held_out: Recordings that it was not fitted to, to test the prediction.
         other_values: Values by parameter name, by label, for comparison; None for those of the leg's URDF.
+        cutoff: Cut-off frequency of the torques of held-out recordings [Hz]; None for the estimate's own preparation.
 
     Returns:
-        A page: ``identification_report(...).save("report.html")``.
+        A page: ``identification_report(...).save("report.html")``. Its ``figures()`` are those of a paper, by name.
 
     Raises:
         ExoidError: There is no recording, or one lacks torque or a joint of the leg.
     """
-    if not recordings:
+    if not (recordings or held_out):
         raise BadArgumentError("a report without recordings", remedy="pass those that the estimate was made from")
     if other_values is None:
         leg = estimate.model.leg
         other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
     fitted = [predict_recording(estimate, recording) for recording in recordings]
-    tested = [predict_recording(estimate, recording) for recording in held_out]
-    contents: dict[str, Iterator[Block]] = {
+    tested = [predict_recording(estimate, recording, cutoff) for recording in held_out]
+    found = ordered([*estimate.findings, *(finding for each in tested for finding in each.validation.findings)])
+    contents: dict[str, Iterable[Block]] = {
         "Parameters": parameter_blocks(estimate, other_values),
-        "Findings": finding_blocks(estimate.findings),
+        "Findings": finding_blocks(found),
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
-        "Friction": friction_blocks(estimate, fitted),
-        "Residuals": residual_blocks(estimate, fitted),
+        "Friction": friction_blocks(estimate, fitted or tested),
+        "Residuals": residual_blocks(estimate, fitted) if fitted else residual_pictures(estimate, tested),
         "Replay": _replay(estimate, (tested or fitted)[0].recording),
-        "Excitation": excitation_pictures(estimate, fitted),
-        "What to record next": advice(estimate, [each.recording for each in fitted]),
+        "Excitation": excitation_pictures(estimate, fitted or tested),
+        "What to record next": advice(estimate, [each.recording for each in fitted]) if fitted else (),
         "Inputs and settings": _inputs_and_settings(estimate),
     }
     count = len(estimate.inputs)
-    recorded = f"{count} recording{'' if count == 1 else 's'}"
-    return Page.of(
-        f"{estimate.model.leg.description.name}: identified from {recorded}", summary(estimate, tested), contents
-    )
+    title = f"identified from {count} recording{'' if count == 1 else 's'}"
+    if not fitted:
+        title = f"prediction of {', '.join(each.validation.source for each in tested)}"
+    return Page.of(f"{estimate.model.leg.description.name}: {title}", summary(estimate, tested), contents)
 
 
 def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[str]:
@@ -81,15 +84,6 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
     bad = [finding for finding in estimate.findings if finding.severity != "info"]
     counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)
     lines = [f"{len(grades)} parameters: {counts}."]
-    lines += predicted_in_words(estimate, tested)
-    if not tested:
-        lines.append("There is no held-out recording: the errors below are those of the fit.")
-    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
-    return lines + [f"Warning: {warning}." for warning in estimate.warnings]
-
-
-def predicted_in_words(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> Iterator[str]:
-    """Say how well recordings that the estimate was not fitted to are predicted."""
     for prediction in tested:
         nrmse = prediction.validation.nrmse
         known = np.isfinite(nrmse)
@@ -98,45 +92,16 @@ def predicted_in_words(estimate: Estimate, tested: Sequence[RecordingPrediction]
             for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
         )
         quality = "predicts well" if (nrmse[known] <= 0.1).all() else "does not predict every joint well"
-        yield (
+        lines.append(
             f"On the held-out recording {prediction.validation.source} the estimate {quality} (NRMSE, the RMS error "
             f"over the standard deviation of the torque: {joints})."
         )
         if prediction.validation.findings:
-            yield sentence(verdict_line(prediction.validation.findings))
-
-
-def validation_report(
-    estimate: Estimate, recordings: Sequence[Recording], cutoff: float | None = None
-) -> Page:
-    """Report how an estimate predicts recordings that it was not fitted to.
-
-    Args:
-        estimate: The estimate.
-        recordings: Recordings that it was not fitted to.
-        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
-
-    Returns:
-        A page: ``validation_report(...).save("report.html")``.
-
-    Raises:
-        ExoidError: There is no recording, or one lacks torque or a joint of the leg.
-    """
-    if not recordings:
-        raise BadArgumentError("a report without recordings", remedy="pass those that the estimate is tested on")
-    tested = [predict_recording(estimate, recording, cutoff) for recording in recordings]
-    findings = ordered([finding for each in tested for finding in each.validation.findings])
-    contents: dict[str, Iterator[Block]] = {
-        "Findings": finding_blocks(findings),
-        "Measured and predicted torque": torque_blocks(estimate, tested, True),
-        "Ground force": ground_blocks(estimate, [each.recording for each in tested]),
-        "Friction": friction_blocks(estimate, tested),
-        "Residuals": residual_pictures(estimate, tested),
-        "Replay": _replay(estimate, tested[0].recording),
-    }
-    names = ", ".join(each.validation.source for each in tested)
-    title = f"{estimate.model.leg.description.name}: prediction of {names}"
-    return Page.of(title, [*predicted_in_words(estimate, tested), sentence(verdict_line(findings))], contents)
+            lines.append(sentence(verdict_line(prediction.validation.findings)))
+    if not tested:
+        lines.append("There is no held-out recording: the errors below are those of the fit.")
+    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
+    return lines + [f"Warning: {warning}." for warning in estimate.warnings]
 
 
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:

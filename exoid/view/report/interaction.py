@@ -18,7 +18,7 @@ from exoid.view.forces import plot_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained, finding_blocks, replay_blocks, sentence, shown_part
-from .page import PAGE_COLUMN, Block, Page, Picture, Text
+from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
 
 def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
@@ -59,10 +59,12 @@ def _figures(found: Interaction) -> Iterator[Block]:
 
 def _over_time(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
     for suffix, part in parts.items():
+        time = part.time - part.time[0]
+        shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
         for joint, label in enumerate(estimate.model.leg.joint_labels):
             if not np.isnan(part.torque[:, joint]).all():
                 yield Picture(
-                    partial(_draw_time, part=part, joint=joint, label=label),
+                    on_axes(plot_interaction, time[shown], part.torque[shown, joint], part.band[shown, joint], label),
                     f"Torque of the wearer at the {label} over time with its 95 % band",
                     f"{label}, {shown_part(part.time, part.source)}",
                     f"wearer_torque{suffix}",
@@ -88,13 +90,6 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
     said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."
     return replay_blocks(estimate, shown, said, interaction=part)
-
-
-def _draw_time(figure: Figure, part: Interaction, joint: int, label: str) -> None:
-    """Draw the torque of a joint at the beginning of a recording."""
-    time = part.time - part.time[0]
-    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
-    plot_interaction(figure.add_subplot(), time[shown], part.torque[shown, joint], part.band[shown, joint], label)
 
 
 def _draw_gait(figure: Figure, part: Interaction, labels: tuple[str, ...]) -> None:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.estimate.comparison import Comparison
 from exoid.estimate.text import below_parameters, compared_table, parameter_rows
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
-from exoid.view.parameters import STRONG, plot_correlation, plot_parameters, strongest_pairs
+from exoid.view.parameters import STRONG, plot_comparison, plot_correlation, plot_parameters, strongest_pairs
 
 from .blocks import explained, sentence
-from .page import Block, Picture, Text, on_axes
+from .page import Block, Picture, Text, on_axes, paper_figure
 
 IDENTIFIABILITY = {
     "well": "well identified",
@@ -49,6 +51,28 @@ def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str,
             "correlation",
             height=max(1.4, 0.6 + 0.2 * len(pairs)),
         )
+
+
+def comparison_figures(first: Estimate, second: Estimate, comparison: Comparison) -> dict[str, Figure]:
+    """Draw the parameters of two estimates beside each other, with their differences.
+
+    Args:
+        first: An estimate.
+        second: Another one.
+        comparison: Their comparison (:func:`exoid.compare`).
+
+    Returns:
+        Figures of a paper by name, for :func:`exoid.view.write_figures`.
+    """
+    panels = [
+        Picture(
+            on_axes(plot_comparison, first, second, comparison, unit),
+            f"Parameters in {unit} of both estimates with 95 % intervals",
+            height=max(1.4, 0.6 + 0.3 * comparison.units.count(unit)),
+        )
+        for unit in dict.fromkeys(comparison.units)
+    ]
+    return {"comparison": paper_figure(panels)}
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
