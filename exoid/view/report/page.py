@@ -14,7 +14,6 @@ from urllib.parse import quote
 
 import jinja2
 from matplotlib.figure import Figure
-from matplotlib.legend import Legend
 
 from exoid._version import __version__
 from exoid.tools.files import write_whole
@@ -139,19 +138,12 @@ def paper_figure(panels: Sequence[Picture]) -> Figure:
         for cell, panel in zip(cells, panels, strict=False):
             panel.draw(cell)
         legends = [legend for cell in cells for ax in cell.axes if (legend := ax.get_legend())]
-        if len(legends) > 1 and len({_described(each) for each in legends}) == 1:
+        if len(legends) > 1 and len({tuple(text.get_text() for text in each.get_texts()) for each in legends}) == 1:
             handles, labels = legends[0].axes.get_legend_handles_labels()
             for each in legends:
                 each.remove()
             sheet.legend(handles, labels, loc="outside upper left", ncols=len(labels))
     return sheet
-
-
-def _described(legend: Legend) -> str:
-    """Labels and colours of a legend."""
-    handles = legend.legend_handles
-    colours = [each.get_color() if hasattr(each, "get_color") else each.get_facecolor() for each in handles]
-    return str(([text.get_text() for text in legend.get_texts()], colours))
 
 
 def _rounded(path: re.Match[bytes]) -> bytes:

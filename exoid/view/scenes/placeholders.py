@@ -24,18 +24,13 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         cylinder(0.115 * size, 0.13 * size, FRAME).placed(at_joint),
         cylinder(0.075 * size, 0.145 * size, Material(colour)).placed(at_joint),
     ]
-    ends = [
-        placement[:3, 3]
-        for parent, placement in zip(skeleton.parents, skeleton.placements, strict=True)
-        if parent == body and np.linalg.norm(placement[:3, 3]) > 0.05 * size
-    ]
+    ends = next_joints(skeleton, body)
     names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
     # Words in the name of a link or joint that identify the last body as a foot.
     if not ends and any(word in names for word in ("foot", "ankle", "toe", "sole")):
         return [*visuals, *_foot(skeleton, body, size)]
     if not ends:
-        lever = np.asarray(leg.model.inertias[body].lever)
-        end = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * _down(skeleton, body)
+        (end,) = segment_ends(skeleton, body)
         cap = cylinder(0.07 * size, 0.1 * size, RUBBER).placed(homogeneous(end, align_z(axis)))
         return [*visuals, _bar(end, axis, size), cap]
     for end in ends:
@@ -46,6 +41,20 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
                 axes = np.column_stack([-axes[:, 1], axes[:, 0], axes[:, 2]])
             visuals.append(torus(0.17 * size, 0.022 * size, np.pi, RUBBER).placed(homogeneous(0.45 * end, axes)))
     return visuals
+
+
+def next_joints(skeleton: Skeleton, body: int) -> list[FloatArray]:
+    """Joints on a body that are not at its own joint, in its frame [m], (3,) each."""
+    far = 0.05 * _segment_length(skeleton)
+    pairs = zip(skeleton.parents, skeleton.placements, strict=True)
+    return [place[:3, 3] for parent, place in pairs if parent == body and np.linalg.norm(place[:3, 3]) > far]
+
+
+def segment_ends(skeleton: Skeleton, body: int) -> list[FloatArray]:
+    """Ends of a body in its frame [m]: the next joints, or a point beyond the centre of mass."""
+    lever, size = np.asarray(skeleton.leg.model.inertias[body].lever), _segment_length(skeleton)
+    far = np.linalg.norm(lever) > 0.02 * size
+    return next_joints(skeleton, body) or [2.0 * lever if far else 0.25 * size * _down(skeleton, body)]
 
 
 def torso_placeholder(skeleton: Skeleton) -> list[Visual]:
