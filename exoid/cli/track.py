@@ -117,7 +117,7 @@ def _dry_run(
     as_json: bool,
 ) -> None:
     """Replay a controller on a log, write and print it."""
-    from exoid.lab.reproduce.tracking_report import law_replay_drawing  # noqa: PLC0415 - it needs matplotlib
+    from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
 
     from .dry_run import dry_run  # noqa: PLC0415 - help needs no controllers
 
@@ -126,7 +126,7 @@ def _dry_run(
         replay.to_csv(dry.output)
         note(f"wrote {dry.output}")
     if figures is not None:
-        save_figures(figures, {"dry_run": law_replay_drawing(replay).figure()})
+        save_figures(figures, {"dry_run": law_replay_figure(replay)})
     print_result(replay, as_json=as_json)
 
 

@@ -41,13 +41,6 @@ def plot_prediction(
     return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True, columns=2)
 
 
-def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray) -> Axes:
-    """Plot the residual torque of one joint over time on its own scale, within the prediction band."""
-    ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.3, lw=0)
-    ax.plot(time, residual, color=RESIDUAL, lw=0.6)
-    return decorate(ax, "time [s]", "residual [N·m]", zero=True)
-
-
 def plot_residual_trend(
     ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str, trend: Trend | None = None
 ) -> Axes:
@@ -115,5 +108,5 @@ def plot_coverage(
     if limits is not None and np.isfinite(limits).all():
         (left, bottom), (right, top) = np.rad2deg(limits)
         ax.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=GUIDE, lw=1.0)
-        ax.annotate("limits", (right, top), ha="right", va="bottom", fontsize=6, color="#777777")
+        ax.annotate("limits", (right, top), ha="right", va="bottom", fontsize=7)
     return decorate(ax, f"{labels[0]} angle [deg]", f"{labels[1]} angle [deg]")

@@ -18,9 +18,6 @@ from exoid.tools.tables import with_error
 from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, RESIDUAL
 from .style import legend_above
 
-MARKERS = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
-"""Marker and colour of each set of other values."""
-
 STRONG = 0.8
 """Correlation from which on a pair is hard to separate: to know one exactly would leave 0.6 of the other's error."""
 
@@ -30,16 +27,14 @@ def plot_parameters(
     estimate: Estimate,
     names: Sequence[str] | None = None,
     other_values: Mapping[str, Mapping[str, float]] | None = None,
-    level: float = 0.95,
 ) -> Axes:
-    """Plot parameters of one unit with confidence intervals and standard deviations, and other values to compare.
+    """Plot parameters of one unit with 95 % intervals and standard deviations, and other values to compare.
 
     Args:
         ax: Axes to draw on.
         estimate: The estimate.
         names: Names of the parameters, all of one unit; None for all parameters that have the unit of the first.
         other_values: Values by parameter name, by label, for example of CAD; missing parameters are not drawn.
-        level: Confidence level of the intervals.
 
     Returns:
         The axes.
@@ -55,9 +50,9 @@ def plot_parameters(
         raise BadArgumentError(
             "parameters of several units do not share an axis", remedy="draw those of one unit at a time"
         )
-    label = f"identified, {100 * level:.0f} %"
-    rows = _draw_intervals(ax, estimate, chosen, level, label, "o", IDENTIFIED)
-    for (label, others), (marker, colour) in zip((other_values or {}).items(), MARKERS, strict=False):
+    rows = _draw_intervals(ax, estimate, chosen, "identified, 95 %", "o", IDENTIFIED)
+    markers = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
+    for (label, others), (marker, colour) in zip((other_values or {}).items(), markers, strict=False):
         present = [(others[name], row) for name, row in zip(chosen, rows, strict=True) if name in others]
         if present:
             ax.plot(*zip(*present, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
@@ -81,8 +76,8 @@ def plot_comparison(ax: Axes, first: Estimate, second: Estimate, comparison: Com
     """
     chosen = [k for k, its_unit in enumerate(comparison.units) if its_unit == unit]
     names = [comparison.names[k] for k in chosen]
-    _draw_intervals(ax, first, names, 0.95, "first, 95 %", "o", IDENTIFIED, -0.16)
-    _draw_intervals(ax, second, names, 0.95, "second, 95 %", "D", CAD, 0.16)
+    _draw_intervals(ax, first, names, "first, 95 %", "o", IDENTIFIED, -0.16)
+    _draw_intervals(ax, second, names, "second, 95 %", "D", CAD, 0.16)
     texts = [
         _with_error(comparison.difference[k], comparison.std[k]) + " *" * bool(comparison.adjusted[k] < SIGNIFICANT)
         for k in chosen
@@ -94,7 +89,6 @@ def _draw_intervals(
     ax: Axes,
     estimate: Estimate,
     names: Sequence[str],
-    level: float,
     label: str,
     marker: str,
     colour: str,
@@ -103,7 +97,7 @@ def _draw_intervals(
     """Draw values with confidence intervals, one a row or a part of a row below it; return the rows."""
     index = [estimate.names.index(name) for name in names]
     values, rows = estimate.values[index], np.arange(len(names)) + below
-    error = np.abs(estimate.interval(level)[index].T - values)
+    error = np.abs(estimate.interval()[index].T - values)
     style: dict[str, Any] = {"fmt": marker, "ms": 3.5, "mfc": "white" if below > 0.0 else colour, "color": colour}
     ax.errorbar(values, rows, xerr=error, label=label, capsize=2.5, zorder=3, **style)
     return np.asarray(rows, dtype=np.float64)

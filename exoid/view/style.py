@@ -71,6 +71,7 @@ def decorate_column(axes: Sequence[Axes], ylabels: Sequence[str], columns: int =
     for ax, label in zip(axes, ylabels, strict=True):
         ax.set(ylabel=label)
     legend_above(axes[0], columns)
+    axes[0].figure.align_ylabels(list(axes))
     axes[-1].set(xlabel="time [s]")
     return axes
 

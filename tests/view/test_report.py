@@ -190,7 +190,7 @@ def test_modelled_and_measured_friction_are_those_of_the_leg():
     start = len(time) // 2 - len(found.friction) // 2
     expected = estimate.preparation.filter(friction, 100.0)[start : start + len(found.friction)]
     np.testing.assert_allclose(found.friction, expected, atol=0.05)
-    np.testing.assert_allclose(found.measured_friction, expected, atol=0.08)
+    np.testing.assert_allclose(found.friction + found.validation.residual, expected, atol=0.08)
 
 
 @pytest.mark.slow

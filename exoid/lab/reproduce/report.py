@@ -12,7 +12,6 @@ from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import DataTable, Report, with_error
-from exoid.view import paper
 from exoid.view.report.page import Block, Page, Picture, Text
 from exoid.view.style import COLUMN
 
@@ -26,14 +25,6 @@ class Drawing(NamedTuple):
     draw: Callable[[Figure], object]
     height: float = 0.7  # [columns of a paper]
     width: float = 1.0  # [columns of a paper]
-    full: bool = False  # whether it takes the full width of a page
-
-    def figure(self) -> Figure:
-        """Draw the figure in the style of a paper."""
-        with paper():
-            figure = Figure(figsize=(self.width * COLUMN, self.height * COLUMN))
-            self.draw(figure)
-            return figure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,7 +67,9 @@ class ReplayReport(Report):
         """
         findings = [Text(lines) for first, *others in self.findings for lines in ([first], others) if lines]
         pictures = [
-            Picture(each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN, each.full)
+            Picture(
+                each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN, each.width > 1.5
+            )
             for name, each in self.drawings.items()
         ]
         contents: dict[str, Sequence[Block]] = {"Findings": findings[1:], "Figures": pictures, "Tables": self.tables}

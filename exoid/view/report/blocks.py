@@ -10,7 +10,6 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, findings_table
 from exoid.signals import Recording
-from exoid.tools.tables import DataTable
 from exoid.view.scenes import scene
 
 from .page import Block, EmbeddedPage, Text
@@ -20,35 +19,6 @@ SHOWN_SECONDS = 20.0
 
 MAX_LINE_POINTS = 1000
 """Largest number of samples of a line: 50 per second."""
-
-COLUMNS = {
-    "± std": "standard deviation",
-    "95 % from": "lower end of the interval that holds the true value with a probability of 95 %; to: its upper end",
-    "class": "how well the recordings determine the parameter",
-    "RMSE [N·m]": "root of the mean squared residual",
-    "NRMSE": "RMSE over the standard deviation of the measured torque; 0 is perfect, 1 as bad as a constant",
-    "R²": "share of the variance of the measured torque that is predicted",
-    "in 95 % band": "share of samples inside the band",
-    "share of torque [%]": "RMS of the mean residual over that of the torque",
-    "p-value": "probability of means as large as these if there were only noise",
-    "share of information [%]": "part of what is known of all parameters that comes from this recording",
-    "change [std]": "change of the parameter without this recording, in its standard deviations",
-    "expected from noise [std]": "standard deviation of that change if all recordings are of one leg",
-    "± 95 % [N]": "half the width of the 95 % band",
-    "rms to plate [N]": "RMS of the difference to the force plate",
-    "outside band": "share of samples whose band does not contain zero",
-    "p": "probability of such a torque if nothing acts",
-    "acts": "whether something acts",
-    "least": "smallest RMS that the test would notice [N·m]",
-}
-"""What the column of a header holds."""
-
-
-def explained(table: DataTable) -> Iterator[Block]:
-    """Show a table, and below it what its columns hold."""
-    yield table
-    if known := [f"{header}: {COLUMNS[header]}" for header in table.headers if header in COLUMNS]:
-        yield Text([sentence("; ".join(known))])
 
 
 def shown_part(time: FloatArray, source: str) -> str:

@@ -18,17 +18,17 @@ from exoid.regression.trends import trend_warnings
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
+from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import (
     plot_coverage,
     plot_excitation,
     plot_friction_fit,
     plot_prediction,
-    plot_residual_band,
     plot_residual_trend,
 )
-from exoid.view.style import decimation
+from exoid.view.style import decimation, decorate
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained, sentence, shown_part
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, sentence, shown_part
 from .page import PAGE_COLUMN, Block, Picture, Text, on_axes
 
 
@@ -40,11 +40,6 @@ class RecordingPrediction(NamedTuple):
     v: FloatArray  # velocities [rad/s], (N, n)
     validation: Validation  # measured and predicted torque
     friction: FloatArray  # friction terms of the predicted torque [N·m], (N, n)
-
-    @property
-    def measured_friction(self) -> FloatArray:
-        """Measured torque less all predicted torque except friction [N·m], (N, n)."""
-        return self.friction + self.validation.residual
 
 
 def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | None = None) -> RecordingPrediction:
@@ -66,7 +61,8 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
     """Table of prediction errors, and measured and predicted torque of the first recording."""
-    yield from explained(error_table(predictions, held_out))
+    rows = [(p.validation.source, *row) for p in predictions for row in p.validation.rows()]
+    yield DataTable("Held-out recordings" if held_out else "Recordings of the fit", ("recording", *HEADERS), rows)
     yield Text(
         [
             "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
@@ -76,12 +72,6 @@ def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]
         ]
     )
     yield from torque_pictures(estimate, predictions[0])
-
-
-def error_table(predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
-    """Table of prediction errors, and of the coverage of the prediction band."""
-    rows = [(p.validation.source, *row) for p in predictions for row in p.validation.rows()]
-    return DataTable("Held-out recordings" if held_out else "Recordings of the fit", ("recording", *HEADERS), rows)
 
 
 def torque_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
@@ -107,16 +97,18 @@ def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int
     band = np.column_stack([predicted - half, predicted + half])
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
     plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
-    plot_residual_band(below, time[shown], measured - predicted, half)
+    below.fill_between(time[shown], -half, half, color=PREDICTED, alpha=0.3, lw=0)
+    below.plot(time[shown], measured - predicted, color=RESIDUAL, lw=0.6)
+    decorate(below, "time [s]", "residual [N·m]", zero=True)
     figure.align_ylabels()
 
 
 def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
     """Draw friction over velocity, of joints that have friction terms."""
     model = estimate.model
-    v, measured, fitted = (
+    v, residual, fitted = (
         np.concatenate(parts)
-        for parts in zip(*((p.v, p.measured_friction, p.friction) for p in predictions), strict=True)
+        for parts in zip(*((p.v, p.validation.residual, p.friction) for p in predictions), strict=True)
     )
     joints = [j for j in range(len(model.leg.joint_labels)) if model.friction[model.acting[j]].any()]
     if joints:
@@ -130,7 +122,7 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
     for joint in joints:
         label = model.leg.joint_labels[joint]
         yield Picture(
-            on_axes(plot_friction_fit, v[:, joint], measured[:, joint], fitted[:, joint], label),
+            on_axes(plot_friction_fit, v[:, joint], (fitted + residual)[:, joint], fitted[:, joint], label),
             f"Friction torque of {label} over its velocity, measured and fitted",
             figure="friction",
         )
@@ -139,7 +131,7 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
 def residual_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
     """Test whether residuals of the fit depend on velocity or angle, and draw them against both."""
     if estimate.trends:
-        yield from explained(trend_table(estimate))
+        yield trend_table(estimate)
     yield trend_notes(estimate)
     yield from residual_pictures(estimate, predictions, estimate.trends)
 

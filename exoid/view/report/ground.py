@@ -14,6 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.ground_prediction import GroundForce, level_wrench
+from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.tools.tables import DataTable
@@ -22,7 +23,7 @@ from exoid.view.scenes.leg_geometry import LegGeometry
 from exoid.view.scenes.standing import level_points
 from exoid.view.style import decimation
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS
 from .page import PAGE_COLUMN, Block, Picture, Text
 
 NOTE = (
@@ -45,16 +46,16 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
     """Show the forces of the ground on resting feet: a table of all recordings, and pictures over time."""
     if not estimate.supports or not estimate.model.leg.base_rows:
         return
-    each = [(recording, list(_feet(estimate, recording))) for recording in recordings]
-    rows = [_row(_name(recording), foot) for recording, feet in each for foot in feet]
+    each = [(source_of(recording) or "array", list(_feet(estimate, recording))) for recording in recordings]
+    rows = [_row(name, foot) for name, feet in each for foot in feet]
     if not rows:
         return
     yield Text([NOTE])
     headers = ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]")
     caption = "Vertical force of the ground on resting feet, from joint torques"
-    yield from explained(DataTable(caption, headers, rows))
+    yield DataTable(caption, headers, rows)
     shown: set[frozenset[str]] = set()
-    for recording, feet in each:
+    for name, feet in each:
         links = frozenset(foot.link for foot in feet)
         if links in shown:
             continue
@@ -63,15 +64,10 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
             yield Picture(
                 partial(_draw, foot=foot),
                 f"Vertical force of the ground on {foot.link} and its centre of pressure over time, with 95 % bands",
-                f"{foot.link} in {_name(recording)}, {SHOWN_SECONDS:.0f} s from its first rest",
+                f"{foot.link} in {name}, {SHOWN_SECONDS:.0f} s from its first rest",
                 "ground_force",
                 height=0.9 * PAGE_COLUMN,
             )
-
-
-def _name(recording: Recording) -> str:
-    """Name of a recording, for readers."""
-    return recording.source.name if recording.source else "array"
 
 
 def _feet(estimate: Estimate, recording: Recording) -> Iterator[FootForce]:

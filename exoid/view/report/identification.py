@@ -11,10 +11,11 @@ from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
 from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions, influences
+from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 
-from .blocks import SHOWN_SECONDS, explained, finding_blocks, replay_blocks, sentence, shown_part
+from .blocks import SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
 from .fit import (
     RecordingPrediction,
     excitation_pictures,
@@ -111,7 +112,7 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
         ghost, note = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
     except ExoidError as error:
         ghost, note = None, f"no prediction of the motion: {error.what}"
-    part = shown_part(recording.time, recording.source.name if recording.source else "array")
+    part = shown_part(recording.time, source_of(recording) or "array")
     said = f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."
     return replay_blocks(estimate, shown, said, ghost=ghost, ghost_label="predicted")
 
@@ -145,14 +146,8 @@ def _influence(estimate: Estimate) -> Iterator[Block]:
         mean_share = "–" if len(estimate.nonlinear) else f"{100 * share[uncertain].mean():.0f}"
         by_noise = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
         rows.append((recording, mean_share, estimate.names[most], largest, by_noise))
-    headers = (
-        "left-out recording",
-        "share of information [%]",
-        "parameter that changes most",
-        "change [std]",
-        "expected from noise [std]",
-    )
-    yield from explained(DataTable("Influence of each recording", headers, rows))
+    headers = ("left-out recording", "share of information [%]", "changes most", "change [std]", "by noise [std]")
+    yield DataTable("Influence of each recording", headers, rows)
     if lines := [f"{line}." for line in influences(estimate)]:
         yield Text(lines)
 

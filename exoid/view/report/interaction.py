@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from exoid.control.wearer import Interaction
 from exoid.control.wearer.interaction import HEADERS
@@ -14,10 +13,10 @@ from exoid.estimate import Estimate
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
-from exoid.view.forces import plot_gait_profile, plot_interaction
+from exoid.view.forces import draw_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, explained, finding_blocks, replay_blocks, sentence, shown_part
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
 from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
 
@@ -37,7 +36,7 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
         "Torque of the wearer": _figures(found),
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, parts),
-        "Over the gait": _over_gait(estimate, parts),
+        "Over the gait": _over_gait(estimate.model.leg.joint_labels, parts),
         "Replay": _replay(estimate, parts[""], recordings[0]),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
@@ -45,9 +44,8 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
-    for part in found.parts:
+    for part in (*found.parts, found):
         yield DataTable(part.source, HEADERS, part.rows())
-    yield from explained(DataTable(found.source, HEADERS, found.rows()))
     yield Text(
         [
             "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
@@ -71,11 +69,11 @@ def _over_time(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator
                 )
 
 
-def _over_gait(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
+def _over_gait(labels: tuple[str, ...], parts: Mapping[str, Interaction]) -> Iterator[Block]:
     for suffix, part in parts.items():
         if part.period is not None:
             yield Picture(
-                partial(_draw_gait, part=part, labels=estimate.model.leg.joint_labels),
+                partial(draw_gait_profile, profile=part.by_phase(), labels=labels),
                 "Torque and power of the wearer over the phase of the gait",
                 f"{part.source}: mean ± standard deviation; a cycle of {part.period:.3g} s begins at the "
                 f"{part.phase_source}",
@@ -90,9 +88,3 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
     said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."
     return replay_blocks(estimate, shown, said, interaction=part)
-
-
-def _draw_gait(figure: Figure, part: Interaction, labels: tuple[str, ...]) -> None:
-    """Draw torque and power over the phase."""
-    above, below = figure.subplots(2, 1, sharex=True)
-    plot_gait_profile((above, below), part.by_phase(), labels)

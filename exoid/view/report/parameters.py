@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +17,7 @@ from exoid.signals import Recording
 from exoid.tools.tables import with_error
 from exoid.view.parameters import STRONG, plot_comparison, plot_correlation, plot_parameters, strongest_pairs
 
-from .blocks import explained, sentence
+from .blocks import sentence
 from .page import Block, Picture, Text, on_axes, paper_figure
 
 IDENTIFIABILITY = {
@@ -32,7 +33,7 @@ IDENTIFIABILITY = {
 def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
     """Draw parameters beside other values by label and name, those of each unit, and the correlation matrix."""
     caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
-    yield from explained(compared_table(caption, parameter_rows(estimate), other_values))
+    yield compared_table(caption, parameter_rows(estimate), other_values)
     yield Text([sentence(line) for line in below_parameters(estimate)])
     for unit in dict.fromkeys(estimate.units):
         names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
@@ -128,9 +129,6 @@ def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Cont
     for each in assessment.advice:
         helped = [k for k, name in enumerate(each.parameters) if name in poor]
         if helped:
-            part = each._replace(
-                parameters=tuple(each.parameters[k] for k in helped),
-                before=tuple(each.before[k] for k in helped),
-                after=tuple(each.after[k] for k in helped),
-            )
-            yield sentence(str(part))
+            fields = ("parameters", "before", "after")
+            part: dict[str, Any] = {name: tuple(getattr(each, name)[k] for k in helped) for name in fields}
+            yield sentence(str(each._replace(**part)))

@@ -56,7 +56,7 @@ function fillLegend(viewer, scene) {
     const label = make("label", layers);
     const box = make("input", label);
     box.type = "checkbox";
-    box.checked = layer.visible;
+    box.checked = true;
     const swatches = make("span", label, "", "swatches");
     for (const colour of layer.colours) make("i", swatches).dataset.colour = colour;
     const show = () => {
