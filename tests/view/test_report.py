@@ -15,7 +15,7 @@ from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
 from exoid.view.report import identification_report
 from exoid.view.report.fit import predict_recording, torque_pictures, trend_notes
-from exoid.view.report.page import EmbeddedPage, Page, Section, Text, draw_picture
+from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
 @pytest.fixture(scope="module")
@@ -218,7 +218,7 @@ def test_names_from_files_cannot_break_the_page():
         Text([evil]),
         DataTable(evil, [evil, "b"], [[evil, "1"]]),
         EmbeddedPage(f"<!DOCTYPE html><title>{evil}</title>", evil),
-        draw_picture(lambda figure: figure.add_subplot(), evil, evil),
+        Picture(lambda figure: figure.add_subplot(), evil, evil),
     ]
     html = Page(evil, [evil], [Section(evil, parts)]).html()
     tree = check(html)
