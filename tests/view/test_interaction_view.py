@@ -1,9 +1,11 @@
 """The torque of the wearer in figures, in the report and in the scene."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
+from drawings import meshes, objects
 from matplotlib.figure import Figure
 from worn import log, push, swing, unworn_estimate
 
@@ -11,6 +13,7 @@ import exoid
 from exoid import ExoidError
 from exoid.control.wearer.gait import profile
 from exoid.view import plot_interaction, scene
+from exoid.view.colours import WEARER
 from exoid.view.forces import draw_gait_profile
 from exoid.view.report import interaction_report
 
@@ -37,7 +40,7 @@ def found(estimate, recording):
 
 
 def arrows(drawn, name="torque of the wearer"):
-    return [path for layer in drawn.layers if name in layer.label for path in layer.paths]
+    return [path for layer in drawn.layers if layer.label == name for path in layer.paths]
 
 
 def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate, recording, found):
@@ -56,6 +59,25 @@ def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate,
         assert np.corrcoef(area, np.abs(size))[0, 1] > 0.99
         big = np.abs(size) > 0.1
         assert (np.sign(scales[known, 1])[big] == np.sign(size)[big]).all()
+
+
+def test_the_wearer_is_translucent_and_the_arrows_have_their_own_scale(estimate, recording, found):
+    drawn = scene(estimate, recording=recording, interaction=found)
+    scales = {layer.label: layer.scale for layer in drawn.layers}
+    length, torque = re.fullmatch(r"radius of ([0-9.]+) m = ([0-9.]+) N·m", scales["torque of the wearer"]).groups()
+    assert length == scales["measured torque"].split()[2]
+    assert float(torque) == pytest.approx(np.abs(found.torque).max(), rel=0.01)
+    assert scales["measured torque"] != scales["torque of the wearer"]
+    limbs = [objects(drawn)[path] for path in arrows(drawn, "wearer")]
+    assert len(limbs) == len(found.joint_names)
+    surfaces = [material for limb in limbs for _, material, _ in meshes(limb)]
+    assert {(each["opacity"], each["color"]) for each in surfaces} == {(0.25, int(WEARER[1:], 16))}
+    assert "wearer" not in [layer.label for layer in scene(estimate, recording=recording).layers]
+
+
+def test_the_prediction_beside_a_wearer_is_that_without_one(estimate, recording, found):
+    assert scene(estimate, recording=recording, interaction=found).to_json()["predicted"] == "predicted without wearer"
+    assert scene(estimate, recording=recording).to_json()["predicted"] == "predicted"
 
 
 def test_no_arrow_where_nothing_was_evaluated(estimate, recording, found):

@@ -96,11 +96,12 @@ function followScheme(viewer, scene) {
     };
     node("/exoid/ground").object.traverse(paintPart);
     node("/exoid").object.traverse(part => {
-      if (!part.material || !part.material.color) return;
-      if (part.material.type === "MeshBasicMaterial") paintPart(part);
-      if (part.material.type !== "MeshPhongMaterial") return;
-      part.userData.day ??= "#" + part.material.color.getHexString();
-      part.material.color.set(night ? lightened(part.userData.day) : part.userData.day);
+      const surface = part.material;
+      if (!surface || !surface.color) return;
+      if (surface.type === "MeshBasicMaterial") paintPart(part);
+      if (surface.type !== "MeshPhongMaterial") return;
+      surface.userData.day ??= "#" + surface.color.getHexString();
+      surface.color.set(night ? lightened(surface.userData.day) : surface.userData.day);
     });
     for (const swatch of document.querySelectorAll("#layers i")) swatch.style.background = recolour(swatch.dataset.colour, night);
     viewer.set_dirty();
