@@ -42,8 +42,8 @@ def draw_gait_profile(figure: Figure, profile: GaitProfile, labels: tuple[str, .
         style = ("-", "--", "-.", ":")[joint % 4]  # for grey print
         above.plot(percent, mean, color=colour, ls=style, label=label)
         below.plot(percent, profile.power[:, joint], color=colour, ls=style)
-    decorate(above, "", "torque of the wearer [N·m]", zero=True)
-    decorate(below, "phase [%]", "power on the leg [W]", zero=True)
+    decorate(above, "", "torque of the\nwearer [N·m]", zero=True)
+    decorate(below, "phase [%]", "power on\nthe leg [W]", zero=True)
 
 
 def plot_ground_force(

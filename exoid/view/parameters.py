@@ -58,7 +58,7 @@ def plot_parameters(
             ax.plot(*zip(*present, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
     errors = (estimate.std[estimate.names.index(name)] for name in chosen)
     texts = [_with_error(estimate.value(name), std) for name, std in zip(chosen, errors, strict=True)]
-    return _label_rows(ax, chosen, texts, f"[{units[chosen[0]]}]", "value ± std")
+    return _label_rows(ax, [_short(name) for name in chosen], texts, f"[{units[chosen[0]]}]", "value ± std")
 
 
 def plot_comparison(ax: Axes, first: Estimate, second: Estimate, comparison: Comparison, unit: str) -> Axes:
@@ -82,17 +82,11 @@ def plot_comparison(ax: Axes, first: Estimate, second: Estimate, comparison: Com
         _with_error(comparison.difference[k], comparison.std[k]) + " *" * bool(comparison.adjusted[k] < SIGNIFICANT)
         for k in chosen
     ]
-    return _label_rows(ax, names, texts, f"[{unit}]", "difference ± std")
+    return _label_rows(ax, [_short(name) for name in names], texts, f"[{unit}]", "difference ± std")
 
 
 def _draw_intervals(
-    ax: Axes,
-    estimate: Estimate,
-    names: Sequence[str],
-    label: str,
-    marker: str,
-    colour: str,
-    below: float = 0.0,
+    ax: Axes, estimate: Estimate, names: Sequence[str], label: str, marker: str, colour: str, below: float = 0.0
 ) -> FloatArray:
     """Draw values with confidence intervals, one a row or a part of a row below it; return the rows."""
     index = [estimate.names.index(name) for name in names]
@@ -116,8 +110,7 @@ def _label_rows(ax: Axes, names: Sequence[str], texts: Sequence[str], xlabel: st
     below: dict[str, Any] = {"xytext": (0, -24), "textcoords": "offset points", "fontsize": 7, "annotation_clip": False}
     ax.annotate(footer, (1.02, 0.0), xycoords="axes fraction", **below)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
-    labels = [_short(name) for name in names]
-    ax.set(yticks=range(len(names)), yticklabels=labels, xlabel=xlabel, ylim=(len(names) - 0.5, -0.5))
+    ax.set(yticks=range(len(names)), yticklabels=names, xlabel=xlabel, ylim=(len(names) - 0.5, -0.5))
     ax.grid(visible=False, axis="y")
     if ax.get_legend_handles_labels()[1]:
         legend_above(ax)

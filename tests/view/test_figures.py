@@ -1,6 +1,7 @@
 """Figures draw what they are given on the axes they are given, and show nothing by themselves."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import matplotlib as mpl
@@ -36,7 +37,8 @@ from exoid.view.experiments import (
 )
 from exoid.view.fit import plot_coverage, plot_excitation, plot_friction_fit
 from exoid.view.parameters import STRONG, strongest_pairs
-from exoid.view.style import COLUMN
+from exoid.view.report.page import Picture, paper_figure
+from exoid.view.style import COLUMN, PAGE
 from exoid.view.tracking import plot_law_replay
 
 NAMES = ("hip", "knee", "ankle")
@@ -172,6 +174,43 @@ def test_three_pairs_are_drawn_where_none_is_strong_and_no_more_than_sixteen(est
         return strongest_pairs(SimpleNamespace(correlation=correlation))
 
     assert (len(pairs_at(0.79)), len(pairs_at(0.81))) == (3, 16)
+
+
+@pytest.mark.parametrize(
+    ("heights", "most", "width", "height", "across"),
+    [
+        ([2.0], 3, COLUMN, 2.0, 1),
+        ([2.0, 2.0], 3, PAGE, 2.0, 2),
+        ([2.0, 2.0, 2.0], 3, PAGE, 2.0, 3),
+        ([2.0, 2.0, 2.0, 2.0], 3, PAGE, 4.0, 2),
+        ([2.0] * 7, 3, PAGE, 6.0, 3),
+        ([1.5, 3.0, 1.0, 2.0, 3.0], 2, PAGE, 6.0, 2),  # neighbours have like heights
+    ],
+)
+def test_panels_of_a_figure_of_a_paper_fill_one_column_or_two(heights, most, width, height, across):
+    def draw(part):
+        part.add_subplot().plot([0.0, 1.0], label="line")
+        part.axes[0].legend()
+
+    figure = paper_figure([Picture(draw, "", height=each, across=most) for each in heights])
+    figure.draw_without_rendering()
+    np.testing.assert_allclose(figure.get_size_inches(), (width, height))
+    assert len(figure.axes) == len(heights)
+    boxes = [ax.get_window_extent() for ax in figure.axes]
+    assert {int(across * box.x0 / figure.bbox.width) for box in boxes} == set(range(across))
+    assert len({round(box.y0) for box in boxes}) == -(-len(heights) // across)
+    assert [ax.get_legend() for ax in figure.axes].count(None) == (0 if len(heights) == 1 else len(heights))
+    assert len(figure.legends) == (0 if len(heights) == 1 else 1), "one legend for all"
+
+
+def test_panels_of_several_legends_keep_them():
+    def draw(part, label):
+        part.add_subplot().plot([0.0, 1.0], label=label)
+        part.axes[0].legend()
+
+    figure = paper_figure([Picture(partial(draw, label=label), "") for label in ("hip", "knee")])
+    assert all(ax.get_legend() for ax in figure.axes)
+    assert not figure.legends
 
 
 def test_a_comparison_draws_both_estimates_and_stars_what_differs(estimate):

@@ -119,4 +119,4 @@ def test_the_figures_draw_what_they_are_given(found):
     above, below = figure.axes
     curves = [line for line in above.lines if len(line.get_xdata()) == 20]
     assert len(curves) == len({line.get_linestyle() for line in curves}) == len(found.joint_names)
-    assert below.get_ylabel() == "power on the leg [W]"
+    assert below.get_ylabel() == "power on\nthe leg [W]"

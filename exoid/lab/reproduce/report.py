@@ -68,7 +68,8 @@ class ReplayReport(Report):
         findings = [Text(lines) for first, *others in self.findings for lines in ([first], others) if lines]
         pictures = [
             Picture(
-                each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN, each.width > 1.5
+                *(each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN),
+                full=each.width > 1.5,
             )
             for name, each in self.drawings.items()
         ]

@@ -104,11 +104,11 @@ def _draw(figure: Figure, foot: FootForce) -> None:
     above, below = figure.subplots(2, 1, sharex=True)
     plate = None if foot.measured is None else foot.measured.force[shown, 2]
     time = force.time[shown]
-    label = f"{foot.link} vertical force [N]"
+    label = f"{foot.link}\nforce [N]"
     plot_ground_force(above, time, force.force[shown, 2], force.force_half[shown, 2], plate, label).set_xlabel("")
     centre, half = 1e3 * force.center_of_pressure(foot.height)[shown, 0], 1e3 * _centre_half(force, foot.height)[shown]
     plate = None if foot.measured is None else 1e3 * foot.measured.center_of_pressure(foot.height)[shown, 0]
-    plot_ground_force(below, time, centre, half, plate, "centre of pressure [mm]")
+    plot_ground_force(below, time, centre, half, plate, "centre of\npressure [mm]")
     below.get_legend().remove()
 
 

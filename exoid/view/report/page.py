@@ -37,6 +37,7 @@ class Picture:
     figure: str = ""  # name of the figure of a paper; "" for none
     width: float = PAGE_COLUMN  # width on a page [inches]
     height: float = 0.7 * PAGE_COLUMN  # height [inches]
+    across: int = 3  # largest number of panels side by side in a paper
     full: bool = False  # whether it takes the full width of the page, and scrolls on a phone
 
     @cached_property
@@ -128,7 +129,8 @@ def on_axes(plot: Callable[..., object], *arguments: object) -> Callable[[Any], 
 
 def paper_figure(panels: Sequence[Picture]) -> Figure:
     """Draw one panel in one column, or several in two, at most three side by side."""
-    across = min(len(panels), 2 if len(panels) == 4 else 3)
+    across = min(len(panels), 2 if len(panels) == 4 else panels[0].across)
+    panels = sorted(panels, key=lambda panel: -panel.height)  # so that neighbours have one height
     rows = [panels[k : k + across] for k in range(0, len(panels), across)]
     heights = [max(panel.height for panel in row) for row in rows]
     with paper():

@@ -43,6 +43,7 @@ def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str,
             f"Parameters in {unit} with 95 % intervals",
             "parameters",
             height=max(1.4, 0.6 + 0.23 * len(names)),
+            across=2,
         )
     if pairs := strongest_pairs(estimate):
         yield Picture(
@@ -70,6 +71,7 @@ def comparison_figures(first: Estimate, second: Estimate, comparison: Comparison
             on_axes(plot_comparison, first, second, comparison, unit),
             f"Parameters in {unit} of both estimates with 95 % intervals",
             height=max(1.4, 0.6 + 0.3 * comparison.units.count(unit)),
+            across=2,
         )
         for unit in dict.fromkeys(comparison.units)
     ]
