@@ -62,25 +62,17 @@ def plot_residual_trend(
         The axes.
     """
     draw_samples(ax, x, residual, joint_colour(joint), size=1.2, alpha=0.4)
+    bins = [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]
     if trend is not None:
         edges = np.rad2deg(trend.edges) if trend.against == "angle" else trend.edges
-        centre, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-        ax.errorbar(
-            centre,
-            trend.mean,
-            yerr=2.0 * trend.std,
-            xerr=half,
-            fmt="o",
-            ms=2.5,
-            lw=1.0,
-            color=MEASURED,
-            label="mean ± 2 std of noise",
-        )
-    elif bins := [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]:
-        centres = [x[rows].mean() for rows in bins]
-        mean = np.array([residual[rows].mean() for rows in bins])
-        error = 2.0 * np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
-        ax.errorbar(centres, mean, yerr=error, fmt="o-", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
+        centre, half, mean, error = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges), trend.mean, trend.std
+    else:
+        centre, mean = (np.array([each[rows].mean() for rows in bins]) for each in (x, residual))
+        half = np.zeros(len(bins))
+        error = np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
+    if len(centre):
+        name = "mean ± 2 s.e." if trend is None else "mean ± 2 std of noise"
+        ax.errorbar(centre, mean, 2.0 * error, half, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label=name)
     return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
 
 

@@ -108,7 +108,19 @@ def render(figure: Figure, file_format: str, **options: Any) -> bytes:  # noqa: 
 def write_figures(
     folder: str | Path, figures: Mapping[str, Figure], formats: Sequence[str] = ("pdf", "svg")
 ) -> list[Path]:
-    """Write figures, each in all formats; all are rendered before the first is written."""
+    """Write figures, each in all formats; all are rendered before the first is written.
+
+    Args:
+        folder: Folder; made if there is none.
+        figures: Figures by name, such as those of a report.
+        formats: Endings of the files, such as pdf, svg and png.
+
+    Returns:
+        The files.
+
+    Raises:
+        ExoidError: The folder cannot be written.
+    """
     path = make_folder(folder)
     images = {path / f"{name}.{each}": render(figure, each) for name, figure in figures.items() for each in formats}
     for file, content in images.items():

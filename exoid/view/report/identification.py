@@ -156,19 +156,15 @@ def _settings(estimate: Estimate) -> Text:
     """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     described = estimate.preparation.describe()
-    preparation = ", ".join([str(described.pop("name")), *(_setting(key, value) for key, value in described.items())])
+    name = str(described.pop("name"))
+    units = {key: " Hz" * (key.endswith("cutoff") and isinstance(described[key], float)) for key in described}
+    values = (f"{key.replace('_', ' ')} {value}{units[key]}" for key, value in described.items())
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
             f"Torque terms besides the rigid bodies: {terms}.",
-            f"Preparation: {preparation}.",
+            f"Preparation: {', '.join([name, *values])}.",
             *map(sentence, assumptions(estimate.prior_knowledge, estimate.bounded)),
             *(f"{regrouped}." for regrouped in estimate.regrouped),
         ]
     )
-
-
-def _setting(name: str, value: object) -> str:
-    """Write a setting of the preparation, frequencies with their unit."""
-    number = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{name.replace('_', ' ')} {number}{' Hz' if name.endswith('cutoff') and isinstance(value, float) else ''}"

@@ -44,8 +44,7 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
-    for part in (*found.parts, found):
-        yield DataTable(part.source, HEADERS, part.rows())
+    yield from (DataTable(part.source, HEADERS, part.rows()) for part in (*found.parts, found))
     yield Text(
         [
             "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
