@@ -152,6 +152,7 @@ def test_validate_writes_a_report_of_what_it_prints(run, tmp_path):
         cells = "".join(f"<td>{cell}</td>" for cell in (joint, rmse, nrmse))
         assert f'<th scope="row">log.csv</th>{cells}' in page
     assert "What to record next" not in page  # the recordings of the fit are not known
+    assert "error bars assume independent samples" in page
     assert "<b>NRMSE</b>: RMSE over the standard deviation" in page
 
 

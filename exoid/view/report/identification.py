@@ -29,6 +29,8 @@ from .ground import ground_blocks
 from .page import Block, Page, Text
 from .parameters import IDENTIFIABILITY, advice, parameter_blocks
 
+SHORT = "The error bars assume independent samples, and are too short."
+
 
 def identification_report(
     estimate: Estimate,
@@ -66,7 +68,9 @@ def identification_report(
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
         "Friction": friction_blocks(estimate, fitted or tested),
-        "Residuals": residual_blocks(estimate, fitted) if fitted else residual_pictures(estimate, tested),
+        "Residuals": residual_blocks(estimate, fitted)
+        if fitted
+        else [Text([SHORT]), *residual_pictures(estimate, tested)],
         "Replay": _replay(estimate, (tested or fitted)[0].recording),
         "Excitation": excitation_pictures(estimate, fitted or tested),
         "What to record next": advice(estimate, [each.recording for each in fitted]) if fitted else (),
