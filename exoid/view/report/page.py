@@ -134,8 +134,7 @@ def paper_figure(panels: Sequence[Picture]) -> Figure:
     rows = [panels[k : k + across] for k in range(0, len(panels), across)]
     heights = [max(panel.height for panel in row) for row in rows]
     with paper():
-        narrow = across == 1 and not panels[0].full
-        sheet = Figure(figsize=(COLUMN if narrow else PAGE, sum(heights)))
+        sheet = Figure(figsize=(PAGE if across > 1 or panels[0].full else COLUMN, sum(heights)))
         cells = sheet.subfigures(len(rows), across, squeeze=False, height_ratios=heights).ravel()
         for cell, panel in zip(cells, panels, strict=False):
             panel.draw(cell)
