@@ -21,13 +21,8 @@ def parsed(html):
 def undrawn():
     """Reports without their drawings, which take most of the time: for tests of their words."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("page", "fit", "parameters"):
-            patch.setattr(f"exoid.view.report.{module}.draw_picture", empty)
+        patch.setattr(Picture, "svg", b"")
         yield
-
-
-def empty(draw, alt_text, caption="", **_):
-    return Picture(b"", alt_text, caption)
 
 
 def check(html, largest=5e6):

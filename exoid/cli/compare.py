@@ -10,13 +10,14 @@ from typer import Argument
 import exoid
 from exoid.errors import BadArgumentError
 
-from .options import AsJson, EstimateName
-from .outputs import print_result
+from .options import AsJson, EstimateName, Figures
+from .outputs import check_outputs, print_result, save_figures
 
 
 def compare(
     first: EstimateName,
     second: Annotated[str, Argument(metavar="B.JSON", help="Another, of other logs or by another estimator.")],
+    figures: Figures = None,
     as_json: AsJson = False,
 ) -> None:
     """Test whether B differs from A: left and right, one day and another, with and without a wearer.
@@ -25,4 +26,9 @@ def compare(
     """
     if Path(first).resolve() == Path(second).resolve():
         raise BadArgumentError("is given twice", where=first, remedy="name two estimates, of other logs or another leg")
-    print_result(exoid.compare(exoid.Estimate.load(first), exoid.Estimate.load(second)), as_json=as_json)
+    check_outputs({}, [first, second], figures)
+    both = exoid.Estimate.load(first), exoid.Estimate.load(second)
+    result = exoid.compare(*both)
+    if figures is not None:
+        save_figures(figures, exoid.view.report.comparison_figures(*both, result))
+    print_result(result, as_json=as_json)

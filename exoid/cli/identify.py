@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from typer import Option
 
@@ -11,7 +11,6 @@ import exoid
 
 from .inputs import given_terms, read_drives, read_logs
 from .legs import find_leg, refuse_unknown_leg, refuse_without_base
-from .messages import note
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
 from .options import (
@@ -20,6 +19,7 @@ from .options import (
     AsJson,
     DriveFile,
     EstimateOutput,
+    Figures,
     Known,
     LegName,
     LegOptions,
@@ -31,12 +31,8 @@ from .options import (
     Text,
     Texts,
 )
-from .outputs import check_outputs, print_result
-from .progress import status
+from .outputs import check_outputs, print_result, save_page
 from .refusals import refuse
-
-if TYPE_CHECKING:
-    from exoid.signals import Recording
 
 
 class FitOptions(NamedTuple):
@@ -76,6 +72,7 @@ def identify(
     own: Annotated[Text, Option(metavar="A,B", help="Parameters of each log (offset, c0_hip); others shared.")] = None,
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
     report: Report = None,
+    figures: Figures = None,
     reading: LogOptions = READ_AS_IT_IS,
     save_columns: Annotated[Text, Option(metavar="LAB.TOML", help="Write columns and options of these logs.")] = None,
     actuators: DriveFile = None,
@@ -93,19 +90,19 @@ def identify(
     from .column_map import columns_of  # noqa: PLC0415
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
     from .log_parts import refuse_other  # noqa: PLC0415
-    from .remote_logs import all_at_once, each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
+    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     refuse_unknown_leg(leg)
-    tests = test or []
+    tests, pages = test or [], {"--test": test, "--report": report, "--figures": figures}
+    refuse({} if own is None else pages, "with --own each log has an estimate")
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
-    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, actuators])
+    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, actuators], figures)
     if save_columns is not None:
         write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     refuse_other(reading, [*logs, *tests])
     if own is not None:
-        refuse({"--test": test, "--report": report}, "with --own each log has an estimate")
         paths = estimate_files(log_names(logs), output)
         check_outputs({f"--output of {name}": path for name, path in paths.items()}, [leg, *logs])
         text, data = identify_grouped(
@@ -129,19 +126,10 @@ def identify(
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
-    if report is not None:
-        _report(estimate, all_at_once(recordings), held_out, report)
+    in_memory = (each for each in recordings if isinstance(each, exoid.Recording))
+    save_page(lambda: exoid.view.report.identification_report(estimate, [*in_memory], held_out), figures, report)
     data = estimate.to_json()
     del data["leg"]["urdf"]
     if predicted:
         data["tests"] = [each.to_json() for each in predicted]
     print_result("\n\n".join(map(str, [estimate, *predicted])), as_json=as_json, data=data)
-
-
-def _report(estimate: exoid.Estimate, recordings: list[Recording], held_out: list[Recording], path: str) -> None:
-    """Write the report."""
-    from exoid.view.report import identification_report  # noqa: PLC0415 - only a report needs matplotlib
-
-    with status("writing the report"):
-        identification_report(estimate, recordings, held_out).save(path)
-    note(f"wrote {path}")

@@ -13,9 +13,8 @@ from .inputs import read_drives, read_logs
 from .messages import note
 from .numbers import parse_numbers
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Number, Report, Text
-from .outputs import check_outputs, print_result
-from .progress import status
+from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, Figures, LogNames, LogOptions, Number, Report, Text
+from .outputs import check_outputs, print_result, save_page
 
 
 @expand_options()
@@ -26,6 +25,7 @@ def interaction(
         Text, Option("--output", "-o", metavar="CSV", help="Write torque and band over time, of one LOG.")
     ] = None,
     report: Report = None,
+    figures: Figures = None,
     strides: Annotated[
         Text, Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period.")
     ] = None,
@@ -44,7 +44,7 @@ def interaction(
     """
     from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
 
-    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.segments, actuators])
+    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.segments, actuators], figures)
     if output is not None and len(logs) > 1:
         raise BadArgumentError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
     loaded = exoid.Estimate.load(estimate)
@@ -55,10 +55,5 @@ def interaction(
     if output is not None:
         result.to_csv(output)
         note(f"wrote {output}")
-    if report is not None:
-        from exoid.view.report import interaction_report  # noqa: PLC0415 - only a report needs matplotlib
-
-        with status("writing the report"):
-            interaction_report(loaded, result, recordings).save(report)
-        note(f"wrote {report}")
+    save_page(lambda: exoid.view.report.interaction_report(loaded, result, recordings), figures, report)
     print_result(result, as_json=as_json)

@@ -32,10 +32,7 @@ def joint_values(text: str, option: str, joints: Sequence[str]) -> FloatArray:
     """Turn "22,55" into one number for each joint; one number stands for all."""
     import numpy as np  # noqa: PLC0415 - help needs no arrays
 
-    try:
-        values = np.array([float(part) for part in text.split(",")])
-    except ValueError:
-        values = np.array([])
+    values = np.array(parse_numbers(text, option))
     if len(values) not in (1, len(joints)) or not np.isfinite(values).all():
         each = f"give one number for each of {', '.join(joints)}: A,B,…, or one for all"
         raise BadArgumentError(f"{option} {text}", remedy=each)

@@ -22,7 +22,7 @@ DriveFile = Annotated[
     Option("--actuators", metavar="DRIVES.TOML", help="Drives, for logs with columns i_, f_, tm_ or qm_; or bleex."),
 ]
 Roles = Annotated[Texts, Option(metavar="JOINT=ROLE", help="Joint that is hip, knee or ankle of the gait. Repeatable.")]
-Figures = Annotated[Text, Option(metavar="DIR", help="Write figures into this folder.")]
+Figures = Annotated[Text, Option(metavar="DIR", help="Write figures for a paper: PDF and SVG.")]
 Report = Annotated[Text, Option(metavar="FILE.HTML", help="Write a report: one self-contained HTML page.")]
 AsJson = Annotated[bool, Option("--json", help="Print JSON instead of a table.")]
 

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from exoid.errors import BadArgumentError
-from exoid.tools.files import make_folder, refuse_input, refuse_unwritable
+from exoid.tools.files import make_folder, refuse_input, refuse_unwritable, write_bytes
 
 from .messages import note
+from .progress import status
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from exoid.lab.reproduce import ReplayReport
+    from exoid.view.report.page import Page
 
 
 def check_outputs(
@@ -26,9 +29,10 @@ def check_outputs(
     folder: str | None = None,
 ) -> None:
     """Check that files can be written, differ from each other and are no inputs; make the folder of the figures."""
-    if folder is not None:
-        make_folder(folder)
     read = [each for each in inputs if each is not None]
+    if folder is not None:
+        refuse_input(folder, read)
+        make_folder(folder)
     options: dict[str, str] = {}
     for option, path in outputs.items():
         if path is None:
@@ -46,22 +50,36 @@ def print_result(result: Any, *, as_json: bool, data: object = None) -> None:  #
     typer.echo(json.dumps(result.to_json() if data is None else data, indent=1) if as_json else str(result))
 
 
-def save_figures(folder: str | None, figures: Mapping[str, Figure], file_format: str = "png") -> None:
-    """Write figures into a folder."""
+def save_figures(folder: str | None, figures: Mapping[str, Figure]) -> None:
+    """Write figures of a paper into a folder."""
     from exoid.view.style import write_figures  # noqa: PLC0415 - matplotlib would slow down the help
 
     if folder is not None:
-        for path in write_figures(folder, figures, file_format):
+        for path in write_figures(folder, figures):
             note(f"wrote {path}")
 
 
-def show_report(
-    report: ReplayReport, figures: str | None, page: str | None, file_format: str = "png", *, as_json: bool
-) -> None:
+def save_figure(path: str, figure: Figure) -> None:
+    """Write one figure in the format that the ending of the file names."""
+    from exoid.view.style import render  # noqa: PLC0415 - see above
+
+    write_bytes(path, [render(figure, Path(path).suffix.lstrip(".") or "png")])
+    note(f"wrote {path}")
+
+
+def save_page(make: Callable[[], Page], figures: str | None, page: str | None) -> None:
+    """Write a page and its pictures as figures of a paper, if they were asked for."""
+    if figures is None and page is None:
+        return
+    with status("drawing"):
+        drawn = make()
+        if page is not None:
+            drawn.save(page)
+            note(f"wrote {page}")
+        save_figures(figures, {} if figures is None else drawn.figures())
+
+
+def show_report(report: ReplayReport, figures: str | None, page: str | None, *, as_json: bool) -> None:
     """Write figures and page of a report, if they were asked for, and print it."""
-    if figures is not None:
-        save_figures(figures, report.figures(), file_format)
-    if page is not None:
-        report.page().save(page)
-        note(f"wrote {page}")
+    save_page(report.page, figures, page)
     print_result(report, as_json=as_json, data=report.data)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,11 +32,13 @@ from .options import (
     TorqueNoise,
     given,
 )
-from .outputs import check_outputs, print_result
+from .outputs import check_outputs, print_result, save_figure
 from .progress import progress_bar
 from .refusals import refuse
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from exoid.experiments.excitation import Assessment, MotionLimits, Plan, StancePlan
     from exoid.experiments.excitation.limits import Clearance
     from exoid.leg.leg import Leg
@@ -173,7 +174,11 @@ def plan(
             else:
                 more |= {"tilts_deg": _tilts(torso), "poses": torso.poses} | search.arguments(starts=16)
                 result = excitation.plan_excitation(found, chosen, **more)
-    _write(result, output, figure)
+    if output is not None and not isinstance(result, excitation.Assessment):
+        for path in excitation.plan_files.write_plan(output, result):
+            note(f"wrote {path}")
+    if figure is not None:
+        save_figure(figure, _draw(result))
     print_result(result, as_json=as_json, data=_to_json(result))
 
 
@@ -213,25 +218,10 @@ def _range(text: str) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: str | None) -> None:
-    """Write the requested files."""
-    from exoid.experiments.excitation import Assessment  # noqa: PLC0415
-    from exoid.experiments.excitation.plan_files import write_plan  # noqa: PLC0415
-
-    written: Sequence[Path] = ()
-    if output is not None and not isinstance(result, Assessment):
-        written = write_plan(output, result)
-    if figure is not None:
-        _draw(result, figure)
-    for path in (*written, *([] if figure is None else [figure])):
-        note(f"wrote {path}")
-
-
-def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
+def _draw(result: Assessment | Plan | StancePlan) -> Figure:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     from exoid.experiments.excitation import Plan  # noqa: PLC0415
-    from exoid.tools.files import write_bytes  # noqa: PLC0415
     from exoid.view.plans import plot_planned_motion, plot_precision  # noqa: PLC0415
 
     with exoid.view.paper():
@@ -242,9 +232,7 @@ def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
             plot_precision(right.subplots(), result.precision)
         else:
             plot_precision(sheet.subplots(), result.precision)
-        content = io.BytesIO()
-        sheet.savefig(content, format=Path(path).suffix.lstrip(".") or "png")
-    write_bytes(path, [content.getvalue()])
+    return sheet
 
 
 def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:

@@ -54,10 +54,5 @@ def with_progress(logs: Sequence[Recording | Poses]) -> Iterator[Sequence[Record
         yield replace(logs, watch=count)
 
 
-def all_at_once(logs: Sequence[Recording | Poses]) -> list[Recording]:
-    """Read all logs into memory."""
-    return [log for log in logs if isinstance(log, Recording)]
-
-
 def _read(options: LogOptions, path: Path) -> Recording:
     return read_log(str(path), options)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
@@ -13,11 +12,13 @@ from exoid.errors import BadArgumentError
 from .messages import note
 from .numbers import joint_values
 from .options import AsJson, Number, Text
-from .outputs import check_outputs, print_result
+from .outputs import check_outputs, print_result, save_figure
 from .progress import progress_bar
 from .refusals import is_readable, refuse
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from exoid.control import Law
     from exoid.lab.stability.gain_margin import GainMargins
     from exoid.lab.stability.regulation import Regulations
@@ -63,8 +64,7 @@ def stability(
 
     margins = checks.gain_margins(plant, law, aim)
     if figure is not None:
-        _draw(figure, runs, margins)
-        note(f"wrote {figure}")
+        save_figure(figure, _draw(runs, margins))
     results: dict[str, Any] = {"properties": properties, "regulation": runs, "gain_margins": margins}
     data = {name: each.to_json() for name, each in results.items()}
     print_result("\n\n".join(map(str, results.values())), as_json=as_json, data=data)
@@ -94,11 +94,10 @@ def _plant(name: str, rotor: float | None) -> Plant:
     return exoid.control.ControlModel.of(estimate).plant(end_stops=False)
 
 
-def _draw(path: str, runs: Regulations, margins: GainMargins) -> None:
+def _draw(runs: Regulations, margins: GainMargins) -> Figure:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     from exoid.lab import stability as checks  # noqa: PLC0415
-    from exoid.tools.files import write_bytes  # noqa: PLC0415
 
     with exoid.view.paper():
         drawing = Figure(figsize=(7.0, 5.0))
@@ -106,6 +105,4 @@ def _draw(path: str, runs: Regulations, margins: GainMargins) -> None:
         checks.plot_regulation_errors(axes["error"], runs.runs, 0, runs.runs[0].run.joint_names[0])
         checks.plot_lyapunov(axes["energy"], [run.lyapunov for run in runs.runs], [run.name for run in runs.runs])
         checks.plot_gain_margins(axes["margins"], margins)
-        image = BytesIO()
-        drawing.savefig(image, format="png")
-    write_bytes(path, [image.getvalue()])
+    return drawing

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from typer import Argument, Option
 
@@ -77,7 +77,6 @@ def track(
     rig: RigOptions = RigOptions(),  # noqa: B008
     dry: DryRunOptions = DryRunOptions(),  # noqa: B008
     figures: Figures = None,
-    figure_format: Annotated[Literal["png", "pdf"], Option(help="Format of the figures.")] = "png",
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
@@ -95,7 +94,7 @@ def track(
     check_outputs({"--report": report, "--output": dry.output}, inputs, figures)
     if dry.dry_run is not None:
         refuse({**given(motion, rig, document), "--report": report}, "--dry-run has no rig")
-        _dry_run(what, dry, gains, reading, figures, figure_format, as_json=as_json)
+        _dry_run(what, dry, gains, reading, figures, as_json=as_json)
         return
     refuse(given(dry), "there is no --dry-run")
     with progress_bar(f"tracking {what}") as progress:
@@ -105,7 +104,7 @@ def track(
         else:
             refuse(given(document), "it is an option of cuhk")
             found = _of_leg(what, gains, motion, rig, reading, seed, progress)
-    show_report(found, figures, report, figure_format, as_json=as_json)
+    show_report(found, figures, report, as_json=as_json)
 
 
 def _dry_run(
@@ -114,12 +113,11 @@ def _dry_run(
     gains: GainOptions,
     reading: LogOptions,
     figures: str | None,
-    figure_format: str,
     *,
     as_json: bool,
 ) -> None:
     """Replay a controller on a log, write and print it."""
-    from exoid.lab.reproduce.tracking_report import law_replay_drawing  # noqa: PLC0415 - it needs matplotlib
+    from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
 
     from .dry_run import dry_run  # noqa: PLC0415 - help needs no controllers
 
@@ -128,7 +126,7 @@ def _dry_run(
         replay.to_csv(dry.output)
         note(f"wrote {dry.output}")
     if figures is not None:
-        save_figures(figures, {"dry_run": law_replay_drawing(replay).figure()}, figure_format)
+        save_figures(figures, {"dry_run": law_replay_figure(replay)})
     print_result(replay, as_json=as_json)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from typer import Exit, Option
@@ -10,8 +11,8 @@ import exoid
 
 from .inputs import read_drives, read_logs
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, LogNames, LogOptions, Number
-from .outputs import print_result
+from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, Figures, LogNames, LogOptions, Number, Report
+from .outputs import check_outputs, print_result, save_page
 
 
 @expand_options()
@@ -21,6 +22,8 @@ def validate(
     cutoff: Annotated[
         Number, Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared.")
     ] = None,
+    report: Report = None,
+    figures: Figures = None,
     strict: Annotated[bool, Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
@@ -34,10 +37,14 @@ def validate(
     """
     from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
 
+    check_outputs({"--report": report}, [estimate, *logs, reading.segments, actuators], figures)
     loaded = exoid.Estimate.load(estimate)
     reading = with_remembered(reading, loaded, estimate, logs)
     drives = read_drives(actuators, loaded.model.leg)
-    result = exoid.validate(loaded, read_logs(logs, reading), cutoff=cutoff, actuators=drives)
+    recordings = read_logs(logs, reading)
+    result = exoid.validate(loaded, recordings, cutoff=cutoff, actuators=drives)
+    loaded = loaded if drives is None else replace(loaded, actuators=drives)
+    save_page(lambda: exoid.view.report.identification_report(loaded, (), recordings, cutoff=cutoff), figures, report)
     print_result(result, as_json=as_json)
     if result.verdict in ("does not predict", *(["predicts poorly"] if strict else [])):
         raise Exit(1)  # exit status where the estimate does not predict the logs

@@ -6,7 +6,7 @@ MEASURED, PREDICTED = "#222222", "#9A4FE0"
 IDENTIFIED, CAD = "#0072B2", "#D55E00"
 """Colours of identified and of CAD parameters, and of each of two models that are compared."""
 
-WEARER = "#B04A9B"
+WEARER = "#780068"
 """Colour of the torque of the wearer."""
 
 WEIGHT = "#6B5B4B"

@@ -7,12 +7,11 @@ from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from exoid._typing import FloatArray
 from exoid.signals import Approaches, Poses
 
-from .colours import GUIDE, MEASURED, PREDICTED, SHADES, joint_colour
+from .colours import GUIDE, MEASURED, SHADES, joint_colour
 from .style import decorate, decorate_column
 
 
@@ -37,21 +36,6 @@ def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatAr
     return decorate(ax, f"{label} angle [deg]", f"{label} torque [N·m]")
 
 
-def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
-    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5)."""
-    ax.plot(time, measured, color=MEASURED, lw=2.0, label="measured less known terms")
-    ax.plot(time, fitted, color=PREDICTED, lw=0.9, label="fitted")
-    return decorate(ax, "time [s]", f"inertial {label} torque [N·m]")
-
-
-def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: float, label: str) -> Axes:
-    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign)."""
-    ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
-    fastest = float(np.abs(velocity).max())
-    ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=PREDICTED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
-    return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]")
-
-
 def plot_torques(
     axes: Sequence[Axes],
     time: FloatArray,
@@ -64,7 +48,6 @@ def plot_torques(
         ax.plot(time, measured[:, joint], color=MEASURED, lw=2.4, label="measured")
         for name, torque, colour in predictions:
             ax.plot(time, torque[:, joint], color=colour, lw=0.9, label=name)
-        ax.yaxis.set_label_coords(-0.14, 0.5)  # the same for all
     return decorate_column(axes, [f"{label} torque [N·m]" for label in labels])
 
 
@@ -72,5 +55,4 @@ def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[s
     """Plot reference angles over time (doc. 2, Fig. 6)."""
     for joint, label in enumerate(labels):
         ax.plot(time, np.rad2deg(q[:, joint]), color=joint_colour(joint), label=label)
-    ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     return decorate(ax, "time [s]", "flexion [deg]")

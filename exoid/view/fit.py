@@ -41,13 +41,6 @@ def plot_prediction(
     return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True, columns=2)
 
 
-def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray) -> Axes:
-    """Plot the residual torque of one joint over time on its own scale, within the prediction band."""
-    ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.3, lw=0)
-    ax.plot(time, residual, color=RESIDUAL, lw=0.6)
-    return decorate(ax, "time [s]", "residual [N·m]", zero=True)
-
-
 def plot_residual_trend(
     ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str, trend: Trend | None = None
 ) -> Axes:
@@ -69,40 +62,27 @@ def plot_residual_trend(
         The axes.
     """
     draw_samples(ax, x, residual, joint_colour(joint), size=1.2, alpha=0.4)
+    bins = [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]
     if trend is not None:
         edges = np.rad2deg(trend.edges) if trend.against == "angle" else trend.edges
-        centre, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-        ax.errorbar(
-            centre,
-            trend.mean,
-            yerr=2.0 * trend.std,
-            xerr=half,
-            fmt="o",
-            ms=2.5,
-            lw=1.0,
-            color=MEASURED,
-            label="mean ± 2 std of noise",
-        )
-    elif bins := [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]:
-        centres = [x[rows].mean() for rows in bins]
-        mean = np.array([residual[rows].mean() for rows in bins])
-        error = 2.0 * np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
-        ax.errorbar(centres, mean, yerr=error, fmt="o-", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
+        centre, half, mean, error = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges), trend.mean, trend.std
+    else:
+        centre, mean = (np.array([each[rows].mean() for rows in bins]) for each in (x, residual))
+        half = np.zeros(len(bins))
+        error = np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
+    if len(centre):
+        name = "mean ± 2 s.e." if trend is None else "mean ± 2 std of noise"
+        ax.errorbar(centre, mean, 2.0 * error, half, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label=name)
     return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
 
 
-def plot_friction_fit(
-    ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
-) -> Axes:
+def plot_friction_fit(ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
     """Plot measured and modelled friction torque of one joint over its velocity."""
     # Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
     # velocity.
-    draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
+    draw_samples(ax, velocity, measured, MEASURED, size=1.4, alpha=0.3, label="measured less other terms")
     draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
-    decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
-    for handle in ax.get_legend().legend_handles:  # type: ignore[union-attr]
-        handle.set(markersize=5, alpha=1.0)  # type: ignore[union-attr]
-    return ax
+    return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
 
 
 def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: str) -> Axes:
@@ -120,5 +100,5 @@ def plot_coverage(
     if limits is not None and np.isfinite(limits).all():
         (left, bottom), (right, top) = np.rad2deg(limits)
         ax.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=GUIDE, lw=1.0)
-        ax.annotate("limits", (right, top), ha="right", va="bottom", fontsize=6, color="#777777")
+        ax.annotate("limits", (right, top), ha="right", va="bottom", fontsize=7)
     return decorate(ax, f"{labels[0]} angle [deg]", f"{labels[1]} angle [deg]")

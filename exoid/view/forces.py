@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
 from exoid.control.wearer import GaitProfile
@@ -12,9 +13,7 @@ from .colours import MEASURED, PREDICTED, WEARER, joint_colour
 from .style import decorate, draw_band
 
 
-def plot_interaction(
-    ax: Axes, time: FloatArray, torque: FloatArray, band: FloatArray, label: str, truth: FloatArray | None = None
-) -> Axes:
+def plot_interaction(ax: Axes, time: FloatArray, torque: FloatArray, band: FloatArray, label: str) -> Axes:
     """Plot the torque of the wearer at one joint over time with its band.
 
     Args:
@@ -23,31 +22,28 @@ def plot_interaction(
         torque: Torque of the wearer on the leg [N·m], (N,).
         band: Half the width of its 95 % band [N·m], (N,).
         label: Name of the joint.
-        truth: True torque of a simulation, filtered alike [N·m], (N,).
 
     Returns:
         The axes.
     """
     draw_band(ax, time, torque, band, WEARER)
-    if truth is not None:
-        ax.plot(time, truth, color=MEASURED, lw=0.8, label="truth")
     ax.plot(time, torque, color=WEARER, lw=1.0, label="torque of the wearer")
     return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True)
 
 
-def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tuple[str, ...]) -> tuple[Axes, Axes]:
+def draw_gait_profile(figure: Figure, profile: GaitProfile, labels: tuple[str, ...]) -> None:
     """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait."""
-    above, below = axes
+    above, below = figure.subplots(2, 1, sharex=True)
     percent = 100.0 * profile.phase
     for joint, label in enumerate(labels):
         colour, mean, rms = joint_colour(joint), profile.mean[:, joint], profile.rms[:, joint]
         spread = np.sqrt(np.maximum(rms**2 - mean**2, 0.0))
         above.fill_between(percent, mean - spread, mean + spread, color=colour, alpha=0.2, lw=0)
-        above.plot(percent, mean, color=colour, label=label)
-        below.plot(percent, profile.power[:, joint], color=colour)
-    decorate(above, "", "torque of the wearer [N·m]", zero=True)
-    decorate(below, "phase [%]", "power on the leg [W]", zero=True)
-    return axes
+        style = ("-", "--", "-.", ":")[joint % 4]  # for grey print
+        above.plot(percent, mean, color=colour, ls=style, label=label)
+        below.plot(percent, profile.power[:, joint], color=colour, ls=style)
+    decorate(above, "", "torque of the\nwearer [N·m]", zero=True)
+    decorate(below, "phase [%]", "power on\nthe leg [W]", zero=True)
 
 
 def plot_ground_force(

@@ -39,7 +39,6 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
             for limit in (lower[joint], upper[joint]):
                 if bottom - margin <= limit <= top + margin:
                     ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
-        ax.yaxis.set_label_coords(-0.13, 0.5)
     return decorate_column(axes, [label for label, *_ in quantities])
 
 
@@ -56,8 +55,6 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
         ax.axvline(100.0 * limit, color=GUIDE, lw=1.0, zorder=0)
     ax.set_yticks(rows, precision.names)
     ax.set_xscale("log")
-    ax.set_axisbelow(True)
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
-    ax.grid(visible=True, axis="y")
     return decorate(ax, "predicted standard deviation [% of scale]", "")

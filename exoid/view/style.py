@@ -17,8 +17,8 @@ from exoid.tools.files import make_folder, write_bytes
 
 from .colours import GUIDE, PREDICTED
 
-COLUMN = 3.5
-"""Width of a column [inches]."""
+COLUMN, PAGE = 3.5, 7.2
+"""Widths of one column (89 mm) and of two (183 mm) [inches]."""
 
 SETTINGS: Any = {
     "font.size": 8,
@@ -37,6 +37,8 @@ SETTINGS: Any = {
     "legend.frameon": False,
     "figure.dpi": 200,
     "figure.constrained_layout.use": True,
+    "pdf.fonttype": 42,  # TrueType: publishers refuse type 3, matplotlib's default
+    "svg.hashsalt": "exoid",
 }
 
 
@@ -69,6 +71,7 @@ def decorate_column(axes: Sequence[Axes], ylabels: Sequence[str], columns: int =
     for ax, label in zip(axes, ylabels, strict=True):
         ax.set(ylabel=label)
     legend_above(axes[0], columns)
+    axes[0].figure.align_ylabels(list(axes))
     axes[-1].set(xlabel="time [s]")
     return axes
 
@@ -86,19 +89,40 @@ def decimation(count: int, most: int) -> slice:
 def draw_samples(
     ax: Axes, x: FloatArray, y: FloatArray, colour: str, *, size: float, alpha: float = 0.5, label: str | None = None
 ) -> None:
-    """Draw samples as dots, not more than a figure can show."""
+    """Draw samples as dots, not more than a figure can show; the dot of the legend is larger."""
     shown = decimation(len(x), 4000)
-    ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True, label=label)
+    ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True)
+    if label is not None:
+        ax.plot([], [], ".", ms=5.0, color=colour, label=label)
 
 
-def write_figures(folder: str | Path, figures: Mapping[str, Figure], file_format: str = "png") -> list[Path]:
-    """Write figures; all are rendered before the first is written."""
-    path, images = make_folder(folder), {}
-    for name, figure in figures.items():
-        image = io.BytesIO()
-        with paper():
-            figure.savefig(image, format=file_format)
-        images[path / f"{name}.{file_format}"] = image.getvalue()
+def render(figure: Figure, file_format: str, **options: Any) -> bytes:  # noqa: ANN401 - those of savefig
+    """Render a figure; the same figure gives the same bytes."""
+    file = io.BytesIO()
+    dated = {"pdf": "CreationDate", "svg": "Date"}.get(file_format)
+    with paper():
+        figure.savefig(file, format=file_format, metadata={dated: None} if dated else None, **options)
+    return file.getvalue()
+
+
+def write_figures(
+    folder: str | Path, figures: Mapping[str, Figure], formats: Sequence[str] = ("pdf", "svg")
+) -> list[Path]:
+    """Write figures, each in all formats; all are rendered before the first is written.
+
+    Args:
+        folder: Folder; made if there is none.
+        figures: Figures by name, such as those of a report.
+        formats: Endings of the files, such as pdf, svg and png.
+
+    Returns:
+        The files.
+
+    Raises:
+        ExoidError: The folder cannot be written.
+    """
+    path = make_folder(folder)
+    images = {path / f"{name}.{each}": render(figure, each) for name, figure in figures.items() for each in formats}
     for file, content in images.items():
         write_bytes(file, [content])
     return list(images)

@@ -56,7 +56,7 @@ def plot_law_torques(
     Returns:
         The axes.
     """
-    return _plot_runs(axes, runs, names, colours, lambda run: run.tau, "torque [N·m]", width=0.8)
+    return _plot_runs(axes, runs, names, colours, lambda run: run.tau, "torque [N·m]")
 
 
 def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Axes:
@@ -80,7 +80,6 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
     ax.set_yticks(rows, list(runs))
     ax.invert_yaxis()
     ax.margins(x=0.15)
-    ax.set_axisbelow(True)
     ax.grid(visible=False, axis="y")
     ax.set_xscale("log")
     return decorate(ax, "peak error [deg]", "")
@@ -93,14 +92,13 @@ def _plot_runs(
     colours: Sequence[str],
     values: Callable[[Tracking], FloatArray],
     quantity: str,
-    width: float | None = None,
 ) -> Sequence[Axes]:
     """Plot one quantity of each joint, (N, n), over the time since settling."""
     for joint, ax in enumerate(axes):
         for colour, (label, run) in zip(cycle(colours), runs.items(), strict=False):
             settled = run.time >= run.settle
             time, value = run.time[settled] - run.settle, values(run)[settled, joint]
-            ax.plot(time, value, color=colour, lw=width, label=label)
+            ax.plot(time, value, color=colour, lw=0.8, label=label)
     return decorate_column(axes, [f"{name} {quantity}" for name in names], columns=2)
 
 

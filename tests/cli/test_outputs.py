@@ -68,6 +68,9 @@ def run(inputs, tmp_path, monkeypatch, capsys):
         (("stability", "est.json", "--figure", "est.json"), "est.json"),
         (("track", "est.json", "--reference", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
         (("track", "est.json", "--report", "est.json"), "est.json"),
+        (("validate", "est.json", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
+        (("interaction", "est.json", "logs/log.csv", "--report", "est.json"), "est.json"),
+        (("compare", "est.json", "leg.exoid.json", "--figures", "est.json"), "est.json"),
     ],
 )
 def test_an_output_that_is_an_input_is_refused_before_anything_is_read(run, words, file):

@@ -1,5 +1,8 @@
 """Colours have one meaning each, and readers can tell them apart."""
 
+import shutil
+import subprocess
+from importlib.resources import files
 from itertools import combinations
 
 import numpy as np
@@ -13,6 +16,17 @@ DEUTERANOPIA = np.array(
     [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
 )
 """Linear RGB as readers without green cones see it (Machado, Oliveira and Fernandes 2009, severity 1)."""
+
+PROTANOPIA = np.array(
+    [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+)
+"""The same without red cones."""
+
+INVERT, TURN = 0.92, np.array([[-0.574, 1.430, 0.144], [0.426, 0.430, 0.144], [0.426, 1.430, -0.856]])
+"""CSS's filter of figures in the dark: invert(0.92), and hue-rotate(180deg) as the matrix of its specification."""
+
+DARK = "#16181b"
+"""Background of a report in the dark."""
 
 XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 """XYZ from linear sRGB (IEC 61966-2-1)."""
@@ -39,6 +53,39 @@ def distance(first, second, seen=None):
 def test_joints_have_none_of_the_colours_with_a_meaning(meaning):
     for colour in (*JOINT_COLOURS, WEIGHT):
         assert distance(colour, MEANINGS[meaning]) > 20.0, colour
+
+
+@pytest.mark.parametrize("seen", [None, DEUTERANOPIA, PROTANOPIA], ids=["full colour", "deuteranopia", "protanopia"])
+def test_the_wearer_differs_from_all_arrows_and_curves_that_it_overlaps(seen):
+    for colour in (MEASURED, PREDICTED, IDENTIFIED, CAD, *JOINT_COLOURS[:3]):
+        assert distance(WEARER, colour, seen) > 25.0, colour
+
+
+def luminance(colour):
+    """Relative luminance of "#rrggbb" (WCAG)."""
+    return float((XYZ @ linear(colour))[1])
+
+
+def test_figures_in_the_dark_have_colours_that_are_seen():
+    style = files("exoid.view.report").joinpath("page.html.jinja").read_text(encoding="utf-8")
+    assert f"invert({INVERT}) hue-rotate(180deg)" in style
+    assert f"--paper: {DARK}" in style
+    for colour in (*MEANINGS.values(), *JOINT_COLOURS[:3], "#000000"):
+        rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+        turned = np.clip(TURN @ (INVERT + (1.0 - 2.0 * INVERT) * rgb), 0.0, 1.0)
+        seen = "#" + "".join(f"{round(255 * part):02x}" for part in turned)
+        assert (luminance(seen) + 0.05) / (luminance(DARK) + 0.05) > 3.0, (colour, seen)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")
+def test_black_parts_are_lighter_by_night_and_light_ones_stay():
+    script = files("exoid.view.scenes").joinpath("page.js").read_text(encoding="utf-8")
+    functions = script[: script.index("(async function")]
+    call = 'console.log(["#000000", "#1c1d20", "#b3b8bf", "#c00000"].map(lightened).join(" "));'
+    shown = subprocess.run(["node", "-e", functions + call], capture_output=True, check=True, text=True).stdout.split()
+    assert shown[2:] == ["#b3b8bf", "#c00000"]
+    for colour in shown[:2]:
+        assert (luminance(colour) + 0.05) / (luminance("#292d30") + 0.05) > 2.0  # the lower end of the night
 
 
 @pytest.mark.parametrize("seen", [None, DEUTERANOPIA], ids=["full colour", "deuteranopia"])

@@ -1,5 +1,9 @@
 """Figures draw what they are given on the axes they are given, and show nothing by themselves."""
 
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -15,6 +19,7 @@ from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
+    plot_comparison,
     plot_correlation,
     plot_law_torques,
     plot_parameters,
@@ -23,17 +28,17 @@ from exoid.view import (
     plot_residual_trend,
     plot_tracking_errors,
 )
-from exoid.view.colours import MEASURED, joint_colour
+from exoid.view.colours import MEASURED, PREDICTED, joint_colour
 from exoid.view.experiments import (
     plot_approaches,
-    plot_friction,
-    plot_inertial_torque,
     plot_reference,
     plot_stiffness,
     plot_torques,
 )
-from exoid.view.fit import plot_coverage, plot_excitation
-from exoid.view.style import COLUMN
+from exoid.view.fit import plot_coverage, plot_excitation, plot_friction_fit
+from exoid.view.parameters import STRONG, strongest_pairs
+from exoid.view.report.page import Picture, paper_figure
+from exoid.view.style import COLUMN, PAGE
 from exoid.view.tracking import plot_law_replay
 
 NAMES = ("hip", "knee", "ankle")
@@ -62,13 +67,14 @@ def inside(figure, ax):
 FALLING = Lyapunov("a law", 10.0, TIME, np.exp(-TIME), -np.exp(-TIME), -np.exp(-TIME))
 RISING = Lyapunov("another", 10.0, TIME, 1.0 + 0.1 * np.sin(9.0 * TIME), np.zeros(50), np.zeros(50))
 
+FRICTION = 0.2646 * np.sign(TIME - 2.0)
+
 PLOTS = {
     "approaches": lambda ax: plot_approaches(ax, Approaches(POSES, POSES), 2, "ankle"),
     "stiffness": lambda ax: plot_stiffness(
         ax, POSES, np.repeat([0, 1, 2], 3), np.array([-40.0, -10.0, 20.0]), 2, "ankle"
     ),
-    "inertia": lambda ax: plot_inertial_torque(ax, TIME, np.sin(TIME), np.sin(TIME), "ankle"),
-    "friction": lambda ax: plot_friction(ax, np.cos(TIME), np.sign(np.cos(TIME)), 0.2646, "ankle"),
+    "friction": lambda ax: plot_friction_fit(ax, TIME - 2.0, 1.1 * FRICTION, FRICTION, "ankle"),
     "energy": lambda ax: plot_lyapunov(ax, [FALLING, RISING], ["exact", "too much"]),
     "reference": lambda ax: plot_reference(ax, TIME, np.column_stack([TIME, -TIME]), ("hip", "knee")),
 }
@@ -84,7 +90,9 @@ def test_axes_have_units_and_the_legend_hides_no_data(name):
 
 def test_the_friction_figure_draws_the_fitted_step():
     _, ax = drawn(PLOTS["friction"])
-    np.testing.assert_allclose(ax.lines[1].get_ydata(), [-0.2646, -0.2646, 0.2646, 0.2646])
+    drawn_ = {line.get_color(): line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2}
+    np.testing.assert_allclose(drawn_[PREDICTED], FRICTION)
+    np.testing.assert_allclose(drawn_[MEASURED], 1.1 * FRICTION)
 
 
 def test_the_reference_is_drawn_in_degrees():
@@ -145,11 +153,75 @@ def test_parameters_of_several_units_are_refused(estimate):
         plot_parameters(Figure().add_subplot(), estimate, ["Z1"])
 
 
-def test_the_correlation_is_drawn_from_minus_one_to_one(estimate):
+def test_the_correlation_is_drawn_of_the_pairs_that_are_hard_to_separate(estimate):
     _, ax = drawn(lambda ax: plot_correlation(ax, estimate))
-    image = ax.images[0]
-    np.testing.assert_array_equal(image.get_array(), estimate.correlation)
-    assert image.get_clim() == (-1.0, 1.0)
+    strong = estimate.correlation[np.triu_indices(len(estimate.names), 1)]
+    strong = sorted(strong[np.abs(strong) >= STRONG], key=abs, reverse=True)
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), strong)
+    first, second = ax.get_yticklabels()[0].get_text().split(" – ")
+    assert estimate.correlation[estimate.names.index(first), estimate.names.index(second)] == strong[0]
+
+
+def test_three_pairs_are_drawn_where_none_is_strong_and_no_more_than_sixteen(estimate):
+    def pairs_at(size):
+        correlation = np.full((8, 8), size) + (1.0 - size) * np.eye(8)
+        return strongest_pairs(SimpleNamespace(correlation=correlation))
+
+    assert (len(pairs_at(0.79)), len(pairs_at(0.81))) == (3, 16)
+
+
+@pytest.mark.parametrize(
+    ("heights", "most", "width", "height", "across"),
+    [
+        ([2.0], 3, COLUMN, 2.0, 1),
+        ([2.0, 2.0], 3, PAGE, 2.0, 2),
+        ([2.0, 2.0, 2.0], 3, PAGE, 2.0, 3),
+        ([2.0, 2.0, 2.0, 2.0], 3, PAGE, 4.0, 2),
+        ([2.0] * 7, 3, PAGE, 6.0, 3),
+        ([1.5, 3.0, 1.0, 2.0, 3.0], 2, PAGE, 6.0, 2),  # neighbours have like heights
+    ],
+)
+def test_panels_of_a_figure_of_a_paper_fill_one_column_or_two(heights, most, width, height, across):
+    def draw(part):
+        part.add_subplot().plot([0.0, 1.0], label="line")
+        part.axes[0].legend()
+
+    figure = paper_figure([Picture(draw, "", height=each, across=most) for each in heights])
+    figure.draw_without_rendering()
+    np.testing.assert_allclose(figure.get_size_inches(), (width, height))
+    assert len(figure.axes) == len(heights)
+    boxes = [ax.get_window_extent() for ax in figure.axes]
+    assert {int(across * box.x0 / figure.bbox.width) for box in boxes} == set(range(across))
+    assert len({round(box.y0) for box in boxes}) == -(-len(heights) // across)
+    assert [ax.get_legend() for ax in figure.axes].count(None) == (0 if len(heights) == 1 else len(heights))
+    assert len(figure.legends) == (0 if len(heights) == 1 else 1), "one legend for all"
+
+
+def test_panels_of_several_legends_keep_them():
+    def draw(part, label):
+        part.add_subplot().plot([0.0, 1.0], label=label)
+        part.axes[0].legend()
+
+    figure = paper_figure([Picture(partial(draw, label=label), "") for label in ("hip", "knee")])
+    assert all(ax.get_legend() for ax in figure.axes)
+    assert not figure.legends
+
+
+def test_a_comparison_draws_both_estimates_and_stars_what_differs(estimate):
+    names, unit = ["X1", "Y1", "X2", "Y2", "X3", "Y3"], "kg·m"
+    data = exoid.datasets.bleex_swing()
+    other = exoid.identify(data.leg, replace(data.test, tau=1.2 * data.test.tau))
+    comparison = exoid.compare(estimate, other)
+    figure, ax = drawn(lambda ax: plot_comparison(ax, estimate, other, comparison, unit))
+    for container, one in zip(ax.containers, (estimate, other), strict=True):
+        np.testing.assert_array_equal(container.lines[0].get_xdata(), [one.value(name) for name in names])
+    texts = [text.get_text() for text in ax.texts if " ± " in text.get_text()]
+    assert texts[-1] == "difference ± std"
+    rows = [comparison.names.index(name) for name in names]
+    assert [text.endswith("*") for text in texts[:-1]] == (comparison.adjusted[rows] < 0.05).tolist()
+    assert texts[0].startswith(f"{comparison.difference[0]:.1f}"[:3].replace("-", "−"))
+    assert any(text.endswith("*") for text in texts)
+    assert inside(figure, ax)
 
 
 def test_a_prediction_has_its_residual_and_band():

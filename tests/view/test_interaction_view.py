@@ -1,9 +1,11 @@
 """The torque of the wearer in figures, in the report and in the scene."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
+from drawings import meshes, objects
 from matplotlib.figure import Figure
 from worn import log, push, swing, unworn_estimate
 
@@ -11,7 +13,8 @@ import exoid
 from exoid import ExoidError
 from exoid.control.wearer.gait import profile
 from exoid.view import plot_interaction, scene
-from exoid.view.forces import plot_gait_profile
+from exoid.view.colours import WEARER
+from exoid.view.forces import draw_gait_profile
 from exoid.view.report import interaction_report
 
 
@@ -31,8 +34,8 @@ def found(estimate, recording):
     return exoid.interaction(estimate, recording)
 
 
-def arrows(drawn, name="wearer"):
-    return [path for layer in drawn.layers if name in layer.label for path in layer.paths]
+def arrows(drawn, name="torque of the wearer"):
+    return [path for layer in drawn.layers if layer.label == name for path in layer.paths]
 
 
 def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate, recording, found):
@@ -51,6 +54,25 @@ def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate,
         assert np.corrcoef(area, np.abs(size))[0, 1] > 0.99
         big = np.abs(size) > 0.1
         assert (np.sign(scales[known, 1])[big] == np.sign(size)[big]).all()
+
+
+def test_the_wearer_is_translucent_and_the_arrows_have_their_own_scale(estimate, recording, found):
+    drawn = scene(estimate, recording=recording, interaction=found)
+    scales = {layer.label: layer.scale for layer in drawn.layers}
+    length, torque = re.fullmatch(r"radius of ([0-9.]+) m = ([0-9.]+) N·m", scales["torque of the wearer"]).groups()
+    assert length == scales["measured torque"].split()[2]
+    assert float(torque) == pytest.approx(np.abs(found.torque).max(), rel=0.01)
+    assert scales["measured torque"] != scales["torque of the wearer"]
+    limbs = [objects(drawn)[path] for path in arrows(drawn, "wearer")]
+    assert len(limbs) == len(found.joint_names)
+    surfaces = [material for limb in limbs for _, material, _ in meshes(limb)]
+    assert {(each["opacity"], each["color"]) for each in surfaces} == {(0.25, int(WEARER[1:], 16))}
+    assert "wearer" not in [layer.label for layer in scene(estimate, recording=recording).layers]
+
+
+def test_the_prediction_beside_a_wearer_is_that_without_one(estimate, recording, found):
+    assert scene(estimate, recording=recording, interaction=found).to_json()["predicted"] == "predicted without wearer"
+    assert scene(estimate, recording=recording).to_json()["predicted"] == "predicted"
 
 
 def test_no_arrow_where_nothing_was_evaluated(estimate, recording, found):
@@ -85,12 +107,11 @@ def test_the_report_shows_every_joint_and_the_findings(estimate, recording, foun
 
 def test_the_figures_draw_what_they_are_given(found):
     ax = Figure().add_subplot()
-    plot_interaction(ax, found.time, found.torque[:, 0], found.band[:, 0], "hip", found.torque[:, 0])
-    assert {line.get_label() for line in ax.lines} >= {"torque of the wearer", "truth"}
-    phase = (found.time % 2.0) / 2.0
-    above, below = plot_gait_profile(
-        tuple(Figure().subplots(2, 1)), profile(found.torque, found.velocity, phase), found.joint_names
-    )
+    plot_interaction(ax, found.time, found.torque[:, 0], found.band[:, 0], "hip")
+    assert "torque of the wearer" in {line.get_label() for line in ax.lines}
+    phase, figure = (found.time % 2.0) / 2.0, Figure()
+    draw_gait_profile(figure, profile(found.torque, found.velocity, phase), found.joint_names)
+    above, below = figure.axes
     curves = [line for line in above.lines if len(line.get_xdata()) == 20]
-    assert len(curves) == len(found.joint_names)
-    assert below.get_ylabel() == "power on the leg [W]"
+    assert len(curves) == len({line.get_linestyle() for line in curves}) == len(found.joint_names)
+    assert below.get_ylabel() == "power on\nthe leg [W]"

@@ -15,7 +15,7 @@ from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
 from exoid.view.report import identification_report
 from exoid.view.report.fit import predict_recording, torque_pictures, trend_notes
-from exoid.view.report.page import EmbeddedPage, Page, Section, Text, draw_picture
+from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
 @pytest.fixture(scope="module")
@@ -198,7 +198,7 @@ def test_modelled_and_measured_friction_are_those_of_the_leg():
     start = len(time) // 2 - len(found.friction) // 2
     expected = estimate.preparation.filter(friction, 100.0)[start : start + len(found.friction)]
     np.testing.assert_allclose(found.friction, expected, atol=0.05)
-    np.testing.assert_allclose(found.measured_friction, expected, atol=0.08)
+    np.testing.assert_allclose(found.friction + found.validation.residual, expected, atol=0.08)
 
 
 @pytest.mark.slow
@@ -226,7 +226,7 @@ def test_names_from_files_cannot_break_the_page():
         Text([evil]),
         DataTable(evil, [evil, "b"], [[evil, "1"]]),
         EmbeddedPage(f"<!DOCTYPE html><title>{evil}</title>", evil),
-        draw_picture(lambda figure: figure.add_subplot(), evil, evil),
+        Picture(lambda figure: figure.add_subplot(), evil, evil),
     ]
     html = Page(evil, [evil], [Section(evil, parts)]).html()
     tree = check(html)

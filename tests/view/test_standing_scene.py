@@ -13,7 +13,10 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, ExoidError, Wrench
 from exoid.signals.link_wrenches import link_placements
+from exoid.torques.contacts import level_rotation
 from exoid.view import scene
+from exoid.view.scenes.leg_geometry import LegGeometry
+from exoid.view.scenes.standing import level_points
 
 FEET = ("left_foot", "right_foot")
 
@@ -93,6 +96,34 @@ def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
             assert start[2] == pytest.approx(floor, abs=1e-3)
 
 
+def test_each_foot_has_its_force_its_centre_of_pressure_and_its_sole(exo, log):
+    left = log.time < 2.5
+    drawn = scene(exo, recording=replace(log, contacts={"left_foot": left, "right_foot": log.time > 0.0}))
+    feet = {each["name"]: each for each in drawn.to_json()["joints"] if each["sole"]}
+    assert set(feet) == set(FEET)
+    for link, each in feet.items():
+        assert (each["unit"], each["torque_unit"], each["measured"], each["predicted"]) == ("mm CoP", "N", True, None)
+        (back, right), (front, left_edge) = each["sole"]["corners"]
+        assert back < 0.0 < front
+        assert right < left_edge
+        assert each["path"] in {command["path"] for command in drawn.commands if "path" in command}
+        wrench, height = log.wrenches[link], drawn_height(exo, link)
+        for frame in (15, 60):
+            k = round(250 * frame / 30)
+            force, moment = (level_rotation(exo, link) @ x[k] for x in (wrench.force, wrench.moment))
+            assert each["torque"][frame] == pytest.approx(force[2], rel=1e-3)
+            forward, sideways = height * force[0] - moment[1], moment[0] + height * force[1]
+            assert each["angle"][frame] == pytest.approx(1e3 * forward / force[2], abs=0.5)
+            assert each["sole"]["sideways"][frame] == pytest.approx(1e3 * sideways / force[2], abs=0.5)
+    assert set(feet["left_foot"]["torque"][80:]) == {0.0}, "a foot in the air carries nothing"
+    assert min(feet["right_foot"]["torque"][80:]) > 10.0
+
+
+def drawn_height(exo, link):
+    """Height of the sole above the origin of its link [m]."""
+    return float(level_points(LegGeometry.of(exo, (), None), link)[:, 2].min())
+
+
 def test_steps_continue_where_the_other_foot_rests(exo, log):
     left = log.time < 2.5
     stepping = replace(log, contacts={"left_foot": left, "right_foot": log.time > 1.5})
@@ -135,6 +166,11 @@ def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
         exact = rotation @ log.wrenches["left_foot"].force[round(250 * t)] * longest / largest
         np.testing.assert_allclose(arrow[:3, 2], exact, atol=0.01)
     assert not [path for path in places(drawn) if "predicted ground force right_foot" in path]
+    (left,) = [each for each in drawn.readings if each.sole is not None]
+    assert left.name == "left_foot"
+    assert np.isnan(left.torque).all()  # no plate
+    exact = log.wrenches["left_foot"].force[(250 * np.arange(30, 90) / 30).round().astype(int), 2]
+    np.testing.assert_allclose(left.predicted[30:90], exact, rtol=0.02)
 
 
 @pytest.mark.slow

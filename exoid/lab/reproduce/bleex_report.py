@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from exoid.signals import Approaches, FiniteDifference
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
-from exoid.view.colours import CAD, IDENTIFIED
-from exoid.view.experiments import plot_approaches, plot_friction, plot_inertial_torque, plot_stiffness, plot_torques
+from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
+from exoid.view.experiments import plot_approaches, plot_stiffness, plot_torques
+from exoid.view.fit import plot_friction_fit
 
 from .bleex import BleexReplay, SideReplay
 from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
@@ -144,7 +145,8 @@ def _draw_inertia(figure: Figure, side: SideReplay) -> None:
     time = recording.time[valid] - recording.time[valid][0]
     shown = time < 0.5 * SHOWN
     measured = np.asarray(recording.tau)[valid, ANKLE] - still
-    plot_inertial_torque(figure.add_subplot(), time[shown], measured[shown], inertial[shown], "ankle")
+    fitted = [("fitted", inertial[shown, np.newaxis], PREDICTED)]
+    plot_torques([figure.add_subplot()], time[shown], measured[shown, np.newaxis], fitted, ["inertial ankle"])
 
 
 def _draw_kinetic_friction(figure: Figure, side: SideReplay) -> None:
@@ -154,7 +156,7 @@ def _draw_kinetic_friction(figure: Figure, side: SideReplay) -> None:
     rows = rows_in_motion(document_model(side.leg), recordings, ANKLE, FiniteDifference())
     rows = rows.where(np.abs(rows.v) > MIN_SPEED)
     friction = rows.tau - rows.explained(values, without=("c0_ankle",))
-    plot_friction(figure.add_subplot(), rows.v, friction, values["c0_ankle"], "ankle")
+    plot_friction_fit(figure.add_subplot(), rows.v, friction, values["c0_ankle"] * np.sign(rows.v), "ankle")
 
 
 def _draw_validation(figure: Figure, side: SideReplay) -> None:

@@ -12,7 +12,6 @@ from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import DataTable, Report, with_error
-from exoid.view import paper
 from exoid.view.report.page import Block, Page, Picture, Text
 from exoid.view.style import COLUMN
 
@@ -26,14 +25,6 @@ class Drawing(NamedTuple):
     draw: Callable[[Figure], object]
     height: float = 0.7  # [columns of a paper]
     width: float = 1.0  # [columns of a paper]
-    full: bool = False  # whether it takes the full width of a page
-
-    def figure(self) -> Figure:
-        """Draw the figure in the style of a paper."""
-        with paper():
-            figure = Figure(figsize=(self.width * COLUMN, self.height * COLUMN))
-            self.draw(figure)
-            return figure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,7 +57,7 @@ class ReplayReport(Report):
         Returns:
             Figures by file name.
         """
-        return {name: drawing.figure() for name, drawing in self.drawings.items()}
+        return self.page().figures()
 
     def page(self) -> Page:
         """Make a page: findings, figures and tables.
@@ -76,8 +67,11 @@ class ReplayReport(Report):
         """
         findings = [Text(lines) for first, *others in self.findings for lines in ([first], others) if lines]
         pictures = [
-            Picture.of(drawing.figure(), drawing.caption, drawing.caption, full=drawing.full)
-            for drawing in self.drawings.values()
+            Picture(
+                *(each.draw, each.caption, each.caption, name, each.width * COLUMN, each.height * COLUMN),
+                full=each.width > 1.5,
+            )
+            for name, each in self.drawings.items()
         ]
         contents: dict[str, Sequence[Block]] = {"Findings": findings[1:], "Figures": pictures, "Tables": self.tables}
         return Page.of(self.title, [line for line in (self.about, self.findings[0][0]) if line], contents)

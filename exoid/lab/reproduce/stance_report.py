@@ -38,7 +38,7 @@ def stance_report(replay: StanceReplay) -> ReplayReport:
         The report.
     """
     caption = "Vertical ground force: force plate, and prediction from joint torques by the estimate without plates"
-    drawing = Drawing(caption, lambda figure: _draw_forces(figure, replay), height=1.4, width=2.0, full=True)
+    drawing = Drawing(caption, lambda figure: _draw_forces(figure, replay), height=1.4, width=2.0)
     return ReplayReport(
         title=f"BLEEX on the ground (seed {replay.seed})",
         about="A virtual BLEEX with known parameters swings, squats, stands on one foot and walks. It is identified in "

@@ -15,6 +15,7 @@ from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
 from exoid.view import plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.colours import LAW_COLOURS
+from exoid.view.style import COLUMN, paper
 from exoid.view.tracking import plot_law_replay
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
@@ -77,14 +78,13 @@ def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[fl
     return {"laws": laws, "gains": {"kp": json_value(kp), "kd": json_value(kd)}, "seed": seed}
 
 
-def law_replay_drawing(replay: LawReplay) -> Drawing:
+def law_replay_figure(replay: LawReplay) -> Figure:
     """Draw the torque that a law would have commanded during a log."""
     count = len(replay.joint_names)
-
-    def draw(figure: Figure) -> None:
+    with paper():
+        figure = Figure(figsize=(COLUMN, 0.55 * (count + 0.3) * COLUMN))
         plot_law_replay(list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]), replay)
-
-    return Drawing(f"Torque of {replay.law} during a log", draw, 0.55 * (count + 0.3), WIDTH)
+    return figure
 
 
 def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, Drawing]:

@@ -35,7 +35,7 @@ def wear_report(study: WearStudy) -> ReplayReport:
     """
     height = (0.4 + 1.3 * len(study.joint_names)) / COLUMN
     caption = "Torque of the wearer on the leg over one stride"
-    drawing = Drawing(caption, lambda figure: _draw_torque(figure, study), height, width=2.0, full=True)
+    drawing = Drawing(caption, lambda figure: _draw_torque(figure, study), height, width=2.0)
     return ReplayReport(
         title=f"What the wearer of {study.name} feels (seed {study.seed})",
         about="",

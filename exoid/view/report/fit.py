@@ -11,23 +11,25 @@ from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
+from exoid.estimate.validation import HEADERS
+from exoid.regression import Trend
 from exoid.regression.rows import for_leg
 from exoid.regression.trends import trend_warnings
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
+from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import (
     plot_coverage,
     plot_excitation,
     plot_friction_fit,
     plot_prediction,
-    plot_residual_band,
     plot_residual_trend,
 )
-from exoid.view.style import decimation
+from exoid.view.style import decimation, decorate
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, sentence, shown_part
-from .page import Block, Picture, Text, draw_picture, plot_picture
+from .page import PAGE_COLUMN, Block, Picture, Text, on_axes
 
 
 class RecordingPrediction(NamedTuple):
@@ -39,31 +41,28 @@ class RecordingPrediction(NamedTuple):
     validation: Validation  # measured and predicted torque
     friction: FloatArray  # friction terms of the predicted torque [N·m], (N, n)
 
-    @property
-    def measured_friction(self) -> FloatArray:
-        """Measured torque less all predicted torque except friction [N·m], (N, n)."""
-        return self.friction + self.validation.residual
 
-
-def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPrediction:
+def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | None = None) -> RecordingPrediction:
     """Predict the torque of a recording, its prediction band, and its friction."""
-    # Torque, friction and band pass the filter of the estimate's preparation.
+    # Torque, friction and band pass one filter: that of the estimate's preparation, or of the cut-off [Hz].
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
     recording = for_leg(estimate.model, recording).resampled()
-    validation = validate(estimate, recording)
-    q, v, a, _ = estimate.preparation.kinematics(recording)
+    validation = validate(estimate, recording, cutoff=cutoff)
+    preparation = validation.filter.preparation
+    q, v, a, _ = preparation.kinematics(recording)
     valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
-    base = base_during(recording, estimate.preparation)
+    base = base_during(recording, preparation)
     motion = estimate.model.motion(q, v, a, base, recording.payloads, temperature=recording.temperature)
     friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
-    filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
+    filtered = preparation.filter_columns(friction, recording.sample_rate)[valid]
     return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)
 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
     """Table of prediction errors, and measured and predicted torque of the first recording."""
-    yield error_table(estimate, predictions, held_out)
+    rows = [(p.validation.source, *row) for p in predictions for row in p.validation.rows()]
+    yield DataTable("Held-out recordings" if held_out else "Recordings of the fit", ("recording", *HEADERS), rows)
     yield Text(
         [
             "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
@@ -75,45 +74,16 @@ def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]
     yield from torque_pictures(estimate, predictions[0])
 
 
-def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
-    """Table of prediction errors, and of the coverage of the prediction band."""
-    rows = [
-        (
-            p.validation.source,
-            joint,
-            *(
-                "–" if np.isnan(value) else text
-                for value, text in (
-                    (rmse, f"{rmse:.4g}"),
-                    (nrmse, f"{nrmse:.4f}"),
-                    (r2, f"{r2:.4f}"),
-                    (coverage, f"{100 * coverage:.1f}"),
-                )
-            ),
-        )
-        for p in predictions
-        for joint, rmse, nrmse, r2, coverage in zip(
-            estimate.model.leg.joint_labels,
-            p.validation.rmse,
-            p.validation.nrmse,
-            p.validation.r2,
-            p.validation.coverage,
-            strict=True,
-        )
-    ]
-    caption = "Held-out recordings" if held_out else "Recordings of the fit"
-    return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band [%]"), rows)
-
-
 def torque_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
     """Draw the torque of each joint at the beginning of a recording, and the residual on its own scale."""
     part = shown_part(prediction.validation.time, prediction.validation.source)
     for joint, label in enumerate(estimate.model.leg.joint_labels):
-        yield draw_picture(
+        yield Picture(
             partial(_draw_prediction, prediction=prediction, joint=joint, label=label),
             f"Measured and predicted {label} torque over time with a 95 % band and the residual",
             f"{label}, {part}, and the residual enlarged",
-            aspect=1.0,
+            "torque",
+            height=PAGE_COLUMN,
         )
 
 
@@ -127,52 +97,60 @@ def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int
     band = np.column_stack([predicted - half, predicted + half])
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
     plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
-    plot_residual_band(below, time[shown], measured - predicted, half)
+    below.fill_between(time[shown], -half, half, color=PREDICTED, alpha=0.3, lw=0)
+    below.plot(time[shown], measured - predicted, color=RESIDUAL, lw=0.6)
+    decorate(below, "time [s]", "residual [N·m]", zero=True)
     figure.align_ylabels()
 
 
 def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
     """Draw friction over velocity, of joints that have friction terms."""
     model = estimate.model
-    v, measured, fitted = (
+    v, residual, fitted = (
         np.concatenate(parts)
-        for parts in zip(*((p.v, p.measured_friction, p.friction) for p in predictions), strict=True)
+        for parts in zip(*((p.v, p.validation.residual, p.friction) for p in predictions), strict=True)
     )
     joints = [j for j in range(len(model.leg.joint_labels)) if model.friction[model.acting[j]].any()]
     if joints:
         yield Text(
             [
-                "Dots in the joint's colour are measured torque less all modelled torque except friction. Violet dots "
+                "Black dots are measured torque less all modelled torque except friction. Violet dots "
                 "are the friction terms of the model at the same samples. Both passed the filter, which rounds the "
                 "step at a reversal."
             ]
         )
     for joint in joints:
         label = model.leg.joint_labels[joint]
-        yield plot_picture(
-            plot_friction_fit,
-            (v[:, joint], measured[:, joint], fitted[:, joint], joint, label),
+        yield Picture(
+            on_axes(plot_friction_fit, v[:, joint], (fitted + residual)[:, joint], fitted[:, joint], label),
             f"Friction torque of {label} over its velocity, measured and fitted",
+            figure="friction",
         )
 
 
 def residual_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
-    """Test whether residuals depend on velocity or angle, and draw them against both."""
+    """Test whether residuals of the fit depend on velocity or angle, and draw them against both."""
     if estimate.trends:
         yield trend_table(estimate)
     yield trend_notes(estimate)
+    yield from residual_pictures(estimate, predictions, estimate.trends)
+
+
+def residual_pictures(
+    estimate: Estimate, predictions: Sequence[RecordingPrediction], tested: Sequence[Trend] = ()
+) -> Iterator[Picture]:
+    """Draw residuals against velocity and angle, with tested means if there are any."""
     q, v, residual = (
         np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
     )
-    trends = {(trend.joint, trend.against): trend for trend in estimate.trends}
-    for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
-        velocity = (v, trends.get((name, "velocity")), "velocity [rad/s]")
-        angle = (np.rad2deg(q), trends.get((name, "angle")), "angle [deg]")
-        for x, trend, quantity in (velocity, angle):
-            yield plot_picture(
-                plot_residual_trend,
-                (x[:, joint], residual[:, joint], joint, f"{label} {quantity}", label, trend),
-                f"Residual {label} torque against {label} {quantity}",
+    trends = {(trend.joint, str(trend.against)): trend for trend in tested}
+    for x, against, unit in ((v, "velocity", "rad/s"), (np.rad2deg(q), "angle", "deg")):
+        for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
+            arguments = (x[:, joint], residual[:, joint], joint, f"{label} {against} [{unit}]", label)
+            yield Picture(
+                on_axes(plot_residual_trend, *arguments, trends.get((name, against))),
+                f"Residual {label} torque against {label} {against} [{unit}]",
+                figure=f"residuals_{against}",
             )
 
 
@@ -206,15 +184,15 @@ def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPredi
     q, v = (np.concatenate(parts) for parts in zip(*((p.q, p.v) for p in predictions), strict=True))
     labels, limits = estimate.model.leg.joint_labels, estimate.model.leg.limits
     for joint, label in enumerate(labels):
-        yield plot_picture(
-            plot_excitation,
-            (q[:, joint], v[:, joint], joint, label),
+        yield Picture(
+            on_axes(plot_excitation, q[:, joint], v[:, joint], joint, label),
             f"{label} velocity over {label} angle of all recordings",
+            figure="excitation",
         )
     for joint in range(len(labels) - 1):
         both = slice(joint, joint + 2)
-        yield plot_picture(
-            plot_coverage,
-            (q[:, both], labels[both], (limits.lower[both], limits.upper[both])),
+        yield Picture(
+            on_axes(plot_coverage, q[:, both], labels[both], (limits.lower[both], limits.upper[both])),
             f"Angles of {labels[joint]} and {labels[joint + 1]} against each other",
+            figure="coverage",
         )

@@ -14,6 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.ground_prediction import GroundForce, level_wrench
+from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.tools.tables import DataTable
@@ -23,7 +24,7 @@ from exoid.view.scenes.standing import level_points
 from exoid.view.style import decimation
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS
-from .page import Block, Text, draw_picture
+from .page import PAGE_COLUMN, Block, Picture, Text
 
 NOTE = (
     "Forces of the ground follow from joint torques and motion alone; force plates are drawn, but not used. The 95 % "
@@ -45,34 +46,28 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
     """Show the forces of the ground on resting feet: a table of all recordings, and pictures over time."""
     if not estimate.supports or not estimate.model.leg.base_rows:
         return
-    each = [(recording, list(_feet(estimate, recording))) for recording in recordings]
-    rows = [_row(_name(recording), foot) for recording, feet in each for foot in feet]
+    each = [(source_of(recording) or "array", list(_feet(estimate, recording))) for recording in recordings]
+    rows = [_row(name, foot) for name, feet in each for foot in feet]
     if not rows:
         return
     yield Text([NOTE])
-    yield DataTable(
-        "Vertical force of the ground on resting feet, from joint torques",
-        ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]"),
-        rows,
-    )
+    headers = ("recording", "foot", "time [s]", "vertical, mean [N]", "± 95 % [N]", "rms to plate [N]")
+    caption = "Vertical force of the ground on resting feet, from joint torques"
+    yield DataTable(caption, headers, rows)
     shown: set[frozenset[str]] = set()
-    for recording, feet in each:
+    for name, feet in each:
         links = frozenset(foot.link for foot in feet)
         if links in shown:
             continue
         shown.add(links)
         for foot in feet:
-            yield draw_picture(
+            yield Picture(
                 partial(_draw, foot=foot),
                 f"Vertical force of the ground on {foot.link} and its centre of pressure over time, with 95 % bands",
-                f"{foot.link} in {_name(recording)}, {SHOWN_SECONDS:.0f} s from its first rest",
-                aspect=0.9,
+                f"{foot.link} in {name}, {SHOWN_SECONDS:.0f} s from its first rest",
+                "ground_force",
+                height=0.9 * PAGE_COLUMN,
             )
-
-
-def _name(recording: Recording) -> str:
-    """Name of a recording, for readers."""
-    return recording.source.name if recording.source else "array"
 
 
 def _feet(estimate: Estimate, recording: Recording) -> Iterator[FootForce]:
@@ -109,10 +104,11 @@ def _draw(figure: Figure, foot: FootForce) -> None:
     above, below = figure.subplots(2, 1, sharex=True)
     plate = None if foot.measured is None else foot.measured.force[shown, 2]
     time = force.time[shown]
-    plot_ground_force(above, time, force.force[shown, 2], force.force_half[shown, 2], plate).set_xlabel("")
+    label = f"{foot.link}\nforce [N]"
+    plot_ground_force(above, time, force.force[shown, 2], force.force_half[shown, 2], plate, label).set_xlabel("")
     centre, half = 1e3 * force.center_of_pressure(foot.height)[shown, 0], 1e3 * _centre_half(force, foot.height)[shown]
     plate = None if foot.measured is None else 1e3 * foot.measured.center_of_pressure(foot.height)[shown, 0]
-    plot_ground_force(below, time, centre, half, plate, "centre of pressure [mm]")
+    plot_ground_force(below, time, centre, half, plate, "centre of\npressure [mm]")
     below.get_legend().remove()
 
 

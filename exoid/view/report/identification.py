@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from exoid.actuators.drive_data import describe_actuators
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
-from exoid.estimate.finding import verdict_line
+from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions, influences
+from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 
@@ -21,57 +22,65 @@ from .fit import (
     friction_blocks,
     predict_recording,
     residual_blocks,
+    residual_pictures,
     torque_blocks,
 )
 from .ground import ground_blocks
 from .page import Block, Page, Text
 from .parameters import IDENTIFIABILITY, advice, parameter_blocks
 
+SHORT = "The error bars assume independent samples, and are too short."
+
 
 def identification_report(
     estimate: Estimate,
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording] = (),
     held_out: Sequence[Recording] = (),
     other_values: Mapping[str, Mapping[str, float]] | None = None,
+    cutoff: float | None = None,
 ) -> Page:
     """Report an estimate: its parameters, their uncertainty, its fit, and advice on what to record next.
 
     Args:
         estimate: The estimate.
-        recordings: Recordings that it was fitted to.
+        recordings: Recordings that it was fitted to; none for a report of the prediction of others.
         held_out: Recordings that it was not fitted to, to test the prediction.
         other_values: Values by parameter name, by label, for comparison; None for those of the leg's URDF.
+        cutoff: Cut-off frequency of the torques of held-out recordings [Hz]; None for the estimate's own preparation.
 
     Returns:
-        A page: ``identification_report(...).save("report.html")``.
+        A page: ``identification_report(...).save("report.html")``. Its ``figures()`` are those of a paper, by name.
 
     Raises:
         ExoidError: There is no recording, or one lacks torque or a joint of the leg.
     """
-    if not recordings:
+    if not (recordings or held_out):
         raise BadArgumentError("a report without recordings", remedy="pass those that the estimate was made from")
     if other_values is None:
         leg = estimate.model.leg
         other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
     fitted = [predict_recording(estimate, recording) for recording in recordings]
-    tested = [predict_recording(estimate, recording) for recording in held_out]
-    contents: dict[str, Iterator[Block]] = {
+    tested = [predict_recording(estimate, recording, cutoff) for recording in held_out]
+    found = ordered([*estimate.findings, *(finding for each in tested for finding in each.validation.findings)])
+    contents: dict[str, Iterable[Block]] = {
         "Parameters": parameter_blocks(estimate, other_values),
-        "Findings": finding_blocks(estimate.findings),
+        "Findings": finding_blocks(found),
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
-        "Friction": friction_blocks(estimate, fitted),
-        "Residuals": residual_blocks(estimate, fitted),
+        "Friction": friction_blocks(estimate, fitted or tested),
+        "Residuals": residual_blocks(estimate, fitted)
+        if fitted
+        else [Text([SHORT]), *residual_pictures(estimate, tested)],
         "Replay": _replay(estimate, (tested or fitted)[0].recording),
-        "Excitation": excitation_pictures(estimate, fitted),
-        "What to record next": advice(estimate, [each.recording for each in fitted]),
+        "Excitation": excitation_pictures(estimate, fitted or tested),
+        "What to record next": advice(estimate, [each.recording for each in fitted]) if fitted else (),
         "Inputs and settings": _inputs_and_settings(estimate),
     }
     count = len(estimate.inputs)
-    recorded = f"{count} recording{'' if count == 1 else 's'}"
-    return Page.of(
-        f"{estimate.model.leg.description.name}: identified from {recorded}", summary(estimate, tested), contents
-    )
+    title = f"identified from {count} recording{'' if count == 1 else 's'}"
+    if not fitted:
+        title = f"prediction of {', '.join(each.validation.source for each in tested)}"
+    return Page.of(f"{estimate.model.leg.description.name}: {title}", summary(estimate, tested), contents)
 
 
 def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[str]:
@@ -107,7 +116,7 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
         ghost, note = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
     except ExoidError as error:
         ghost, note = None, f"no prediction of the motion: {error.what}"
-    part = shown_part(recording.time, recording.source.name if recording.source else "array")
+    part = shown_part(recording.time, source_of(recording) or "array")
     said = f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."
     return replay_blocks(estimate, shown, said, ghost=ghost, ghost_label="predicted")
 
@@ -141,13 +150,7 @@ def _influence(estimate: Estimate) -> Iterator[Block]:
         mean_share = "–" if len(estimate.nonlinear) else f"{100 * share[uncertain].mean():.0f}"
         by_noise = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
         rows.append((recording, mean_share, estimate.names[most], largest, by_noise))
-    headers = (
-        "left-out recording",
-        "share of information [%]",
-        "parameter that changes most",
-        "change [std]",
-        "expected from noise [std]",
-    )
+    headers = ("left-out recording", "share of information [%]", "changes most", "change [std]", "by noise [std]")
     yield DataTable("Influence of each recording", headers, rows)
     if lines := [f"{line}." for line in influences(estimate)]:
         yield Text(lines)
@@ -157,19 +160,15 @@ def _settings(estimate: Estimate) -> Text:
     """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     described = estimate.preparation.describe()
-    preparation = ", ".join([str(described.pop("name")), *(_setting(key, value) for key, value in described.items())])
+    name = str(described.pop("name"))
+    units = {key: " Hz" * (key.endswith("cutoff") and isinstance(described[key], float)) for key in described}
+    values = (f"{key.replace('_', ' ')} {value}{units[key]}" for key, value in described.items())
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
             f"Torque terms besides the rigid bodies: {terms}.",
-            f"Preparation: {preparation}.",
+            f"Preparation: {', '.join([name, *values])}.",
             *map(sentence, assumptions(estimate.prior_knowledge, estimate.bounded)),
             *(f"{regrouped}." for regrouped in estimate.regrouped),
         ]
     )
-
-
-def _setting(name: str, value: object) -> str:
-    """Write a setting of the preparation, frequencies with their unit."""
-    number = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{name.replace('_', ' ')} {number}{' Hz' if name.endswith('cutoff') and isinstance(value, float) else ''}"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from exoid.control.wearer import Interaction
 from exoid.control.wearer.interaction import HEADERS
@@ -14,11 +13,11 @@ from exoid.estimate import Estimate
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
-from exoid.view.forces import plot_gait_profile, plot_interaction
+from exoid.view.forces import draw_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
-from .page import Block, Page, Text, draw_picture
+from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
 
 def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
@@ -32,22 +31,20 @@ def interaction_report(estimate: Estimate, found: Interaction, recordings: Seque
     Returns:
         A page: ``interaction_report(...).save("report.html")``.
     """
-    parts = found.parts or (found,)
+    parts = {f"_{k}" if k > 1 else "": part for k, part in enumerate(found.parts or (found,), 1)}
     contents: dict[str, Iterator[Block]] = {
         "Torque of the wearer": _figures(found),
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, parts),
-        "Over the gait": _over_gait(estimate, parts),
-        "Replay": _replay(estimate, parts[0], recordings[0]),
+        "Over the gait": _over_gait(estimate.model.leg.joint_labels, parts),
+        "Replay": _replay(estimate, parts[""], recordings[0]),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
     return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
-    yield DataTable(found.source, HEADERS, found.rows())
-    for part in found.parts:
-        yield DataTable(part.source, HEADERS, part.rows())
+    yield from (DataTable(part.source, HEADERS, part.rows()) for part in (*found.parts, found))
     yield Text(
         [
             "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
@@ -57,26 +54,30 @@ def _figures(found: Interaction) -> Iterator[Block]:
     )
 
 
-def _over_time(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
-    for part in parts:
+def _over_time(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
+    for suffix, part in parts.items():
+        time = part.time - part.time[0]
+        shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
         for joint, label in enumerate(estimate.model.leg.joint_labels):
             if not np.isnan(part.torque[:, joint]).all():
-                yield draw_picture(
-                    partial(_draw_time, part=part, joint=joint, label=label),
+                yield Picture(
+                    on_axes(plot_interaction, time[shown], part.torque[shown, joint], part.band[shown, joint], label),
                     f"Torque of the wearer at the {label} over time with its 95 % band",
                     f"{label}, {shown_part(part.time, part.source)}",
+                    f"wearer_torque{suffix}",
                 )
 
 
-def _over_gait(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
-    for part in parts:
+def _over_gait(labels: tuple[str, ...], parts: Mapping[str, Interaction]) -> Iterator[Block]:
+    for suffix, part in parts.items():
         if part.period is not None:
-            yield draw_picture(
-                partial(_draw_gait, part=part, labels=estimate.model.leg.joint_labels),
+            yield Picture(
+                partial(draw_gait_profile, profile=part.by_phase(), labels=labels),
                 "Torque and power of the wearer over the phase of the gait",
                 f"{part.source}: mean ± standard deviation; a cycle of {part.period:.3g} s begins at the "
                 f"{part.phase_source}",
-                aspect=1.0,
+                f"wearer_gait{suffix}",
+                height=PAGE_COLUMN,
             )
 
 
@@ -86,16 +87,3 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
     said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."
     return replay_blocks(estimate, shown, said, interaction=part)
-
-
-def _draw_time(figure: Figure, part: Interaction, joint: int, label: str) -> None:
-    """Draw the torque of a joint at the beginning of a recording."""
-    time = part.time - part.time[0]
-    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
-    plot_interaction(figure.add_subplot(), time[shown], part.torque[shown, joint], part.band[shown, joint], label)
-
-
-def _draw_gait(figure: Figure, part: Interaction, labels: tuple[str, ...]) -> None:
-    """Draw torque and power over the phase."""
-    above, below = figure.subplots(2, 1, sharex=True)
-    plot_gait_profile((above, below), part.by_phase(), labels)

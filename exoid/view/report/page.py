@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import resources
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 import jinja2
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from exoid._version import __version__
 from exoid.tools.files import write_whole
 from exoid.tools.tables import DataTable
-from exoid.view.style import paper
+from exoid.view.style import COLUMN, PAGE, paper, render
 
 PAGE_COLUMN = 2.9
 """Width of a figure on a page [inches]: narrower than a column of a paper, so that its text is readable on a phone."""
@@ -29,21 +29,25 @@ PATH, DIGITS = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure on a page."""
+    """A figure on a page, and a panel of a figure of a paper."""
 
-    svg: bytes  # drawing as SVG
+    draw: Callable[[Any], object]  # draws on a figure, or on a part of one
     alt_text: str  # description for readers who do not see the drawing
     caption: str = ""  # text below the drawing
+    figure: str = ""  # name of the figure of a paper; "" for none
+    width: float = PAGE_COLUMN  # width on a page [inches]
+    height: float = 0.7 * PAGE_COLUMN  # height [inches]
+    across: int = 3  # largest number of panels side by side in a paper
     full: bool = False  # whether it takes the full width of the page, and scrolls on a phone
 
-    @classmethod
-    def of(cls, figure: Figure, alt_text: str, caption: str = "", *, full: bool = False) -> Picture:
-        """Render a figure."""
-        file = io.BytesIO()
-        with paper(), rc_context({"svg.hashsalt": "exoid"}):
-            # Resolution of scatter plots, which are bitmaps within the drawing.
-            figure.savefig(file, format="svg", dpi=130, metadata={"Date": None})
-        return cls(PATH.sub(_rounded, file.getvalue()), alt_text, caption, full)
+    @cached_property
+    def svg(self) -> bytes:
+        """Drawing as SVG."""
+        with paper():
+            figure = Figure(figsize=(self.width, self.height))
+            self.draw(figure)
+        # Resolution of scatter plots, which are bitmaps within the drawing. The page is the background.
+        return PATH.sub(_rounded, render(figure, "svg", dpi=130, transparent=True))
 
     @property
     def data_url(self) -> str:
@@ -109,28 +113,38 @@ class Page:
         """Write the page to a file, whole or not at all."""
         write_whole(path, [self.html()])
 
+    def figures(self) -> dict[str, Figure]:
+        """Draw the pictures as figures of a paper, by name: pictures of one name are its panels."""
+        panels: dict[str, list[Picture]] = {}
+        for block in (block for section in self.sections for block in section.blocks):
+            if isinstance(block, Picture) and block.figure:
+                panels.setdefault(block.figure, []).append(block)
+        return {name: paper_figure(each) for name, each in panels.items()}
 
-def draw_picture(
-    draw: Callable[[Figure], object],
-    alt_text: str,
-    caption: str = "",
-    *,
-    columns: float = 1.0,
-    aspect: float = 0.7,
-    full: bool = False,
-) -> Picture:
-    """Draw a figure for a page."""
+
+def on_axes(plot: Callable[..., object], *arguments: object) -> Callable[[Any], object]:
+    """Draw on single axes of a figure by ``plot(ax, *arguments)``."""
+    return lambda figure: plot(figure.add_subplot(), *arguments)
+
+
+def paper_figure(panels: Sequence[Picture]) -> Figure:
+    """Draw one panel in one column, or several in two, at most three side by side."""
+    across = min(len(panels), 2 if len(panels) == 4 else panels[0].across)
+    panels = sorted(panels, key=lambda panel: -panel.height)  # so that neighbours have one height
+    rows = [panels[k : k + across] for k in range(0, len(panels), across)]
+    heights = [max(panel.height for panel in row) for row in rows]
     with paper():
-        figure = Figure(figsize=(columns * PAGE_COLUMN, aspect * PAGE_COLUMN))
-        draw(figure)
-        return Picture.of(figure, alt_text, caption, full=full)
-
-
-def plot_picture(
-    plot: Callable[..., object], arguments: Sequence[object], alt_text: str, caption: str = "", *, aspect: float = 0.7
-) -> Picture:
-    """Draw a picture of single axes by ``plot(ax, *arguments)``."""
-    return draw_picture(lambda figure: plot(figure.add_subplot(), *arguments), alt_text, caption, aspect=aspect)
+        sheet = Figure(figsize=(PAGE if across > 1 or panels[0].full else COLUMN, sum(heights)))
+        cells = sheet.subfigures(len(rows), across, squeeze=False, height_ratios=heights).ravel()
+        for cell, panel in zip(cells, panels, strict=False):
+            panel.draw(cell)
+        legends = [legend for cell in cells for ax in cell.axes if (legend := ax.get_legend())]
+        if len(legends) > 1 and len({tuple(text.get_text() for text in each.get_texts()) for each in legends}) == 1:
+            handles, labels = legends[0].axes.get_legend_handles_labels()
+            for each in legends:
+                each.remove()
+            sheet.legend(handles, labels, loc="outside upper left", ncols=len(labels))
+    return sheet
 
 
 def _rounded(path: re.Match[bytes]) -> bytes:

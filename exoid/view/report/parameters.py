@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.estimate.comparison import Comparison
 from exoid.estimate.text import below_parameters, compared_table, parameter_rows
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
-from exoid.view.parameters import plot_correlation, plot_parameters
+from exoid.view.parameters import STRONG, plot_comparison, plot_correlation, plot_parameters, strongest_pairs
 
 from .blocks import sentence
-from .page import Block, Text, draw_picture, plot_picture
+from .page import Block, Picture, Text, on_axes, paper_figure
 
 IDENTIFIABILITY = {
     "well": "well identified",
@@ -34,21 +37,45 @@ def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str,
     yield Text([sentence(line) for line in below_parameters(estimate)])
     for unit in dict.fromkeys(estimate.units):
         names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
-        yield plot_picture(
-            plot_parameters,
-            (estimate, names, other_values),
+        yield Picture(
+            on_axes(plot_parameters, estimate, names, other_values),
             f"Parameters in {unit} with 95 % intervals: {', '.join(names)}",
             f"Parameters in {unit} with 95 % intervals",
-            aspect=max(0.5, 0.2 + 0.08 * len(names)),
+            "parameters",
+            height=max(1.4, 0.6 + 0.23 * len(names)),
+            across=2,
         )
-    yield draw_picture(
-        lambda figure: plot_correlation(figure.add_subplot(), estimate),
-        f"Correlation matrix of the errors of {len(estimate.names)} parameters",
-        "Correlation of the errors; strong colours mark pairs that are hard to separate",
-        columns=2.0,
-        aspect=1.75,
-        full=True,
-    )
+    if pairs := strongest_pairs(estimate):
+        yield Picture(
+            on_axes(plot_correlation, estimate),
+            "Correlation of the errors of pairs of parameters",
+            f"Pairs whose errors correlate most; from ±{STRONG} on they are hard to separate",
+            "correlation",
+            height=max(1.4, 0.6 + 0.2 * len(pairs)),
+        )
+
+
+def comparison_figures(first: Estimate, second: Estimate, comparison: Comparison) -> dict[str, Figure]:
+    """Draw the parameters of two estimates beside each other, with their differences.
+
+    Args:
+        first: An estimate.
+        second: Another one.
+        comparison: Their comparison (:func:`exoid.compare`).
+
+    Returns:
+        Figures of a paper by name, for :func:`exoid.view.write_figures`.
+    """
+    panels = [
+        Picture(
+            on_axes(plot_comparison, first, second, comparison, unit),
+            f"Parameters in {unit} of both estimates with 95 % intervals",
+            height=max(1.4, 0.6 + 0.3 * comparison.units.count(unit)),
+            across=2,
+        )
+        for unit in dict.fromkeys(comparison.units)
+    ]
+    return {"comparison": paper_figure(panels)}
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
@@ -104,9 +131,6 @@ def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Cont
     for each in assessment.advice:
         helped = [k for k, name in enumerate(each.parameters) if name in poor]
         if helped:
-            part = each._replace(
-                parameters=tuple(each.parameters[k] for k in helped),
-                before=tuple(each.before[k] for k in helped),
-                after=tuple(each.after[k] for k in helped),
-            )
-            yield sentence(str(part))
+            fields = ("parameters", "before", "after")
+            part: dict[str, Any] = {name: tuple(getattr(each, name)[k] for k in helped) for name in fields}
+            yield sentence(str(each._replace(**part)))

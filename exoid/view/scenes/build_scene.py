@@ -107,7 +107,9 @@ def scene(
             reading
             for leg, geometry, q in zip(legs, geometries, poses, strict=True)
             for reading in joint_readings(leg, geometry, q, replay)
-        ),
+        )
+        + tuple(reading for view in views for reading in view.feet),
+        "predicted" if interaction is None else "predicted without wearer",
     )
 
 

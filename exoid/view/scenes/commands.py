@@ -31,7 +31,6 @@ class Layer(NamedTuple):
     label: str  # name in the legend
     colours: tuple[str, ...]  # colours in the legend, one or several
     paths: tuple[str, ...]  # paths of the objects
-    visible: bool = True  # whether they are visible at first
     scale: str = ""  # what the length or radius of an arrow means; "" for objects that are no arrows
 
 

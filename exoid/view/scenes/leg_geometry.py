@@ -92,7 +92,7 @@ class LegGeometry:
         for path, visuals in zip(
             [root, *(f"{joint}/body" for joint in self.joint_paths(root))], self.visuals, strict=True
         ):
-            drawn = [visual if material is None else visual.with_material(material) for visual in visuals]
+            drawn = [visual if material is None else replace(visual, material=material) for visual in visuals]
             if drawn:
                 yield set_object(f"{path}/shape", drawn, shadows=material is None)
 

@@ -15,8 +15,9 @@ from exoid.view.colours import PREDICTED
 
 from .arrows import draw_torques, draw_wearer, draw_weights
 from .commands import Drawing, Layer, child_path, moving, set_transform
-from .ground_arrows import draw_ground_forces
+from .ground_arrows import draw_ground_forces, foot_readings, ground_loads
 from .leg_geometry import LegGeometry
+from .readings import Readings
 from .replay import LegTrajectory, Replay
 from .scene import PosableLeg
 from .standing import Standing
@@ -36,6 +37,7 @@ class LegView(NamedTuple):
     posable: PosableLeg  # the leg, for poses that are set later
     visible: FloatArray  # points whose convex hull contains the leg and its ellipsoids [m], (k, 3)
     floor: float | None  # height of the ground [m] where the base moves, else None
+    feet: tuple[Readings, ...]  # numbers of feet on the ground
 
 
 def view_leg(
@@ -68,14 +70,17 @@ def view_leg(
         drawing += each
     if len(trajectory.q) > 1:
         drawing += Drawing(tracks=_joint_tracks(geometry, geometry.root, trajectory.q))
+    feet: tuple[Readings, ...] = ()
     if replay is not None and base is not None:
-        drawing += draw_ground_forces(source, geometry, replay, base)
+        loads, notes = ground_loads(source, geometry.leg, replay, base)
+        drawing += draw_ground_forces(geometry, replay, base, loads) + Drawing(notes=notes)
+        feet = tuple(foot_readings(geometry, loads))
     if replay is not None and interaction is not None:
-        drawing += draw_wearer(geometry, trajectory, replay, interaction)
+        drawing += draw_wearer(geometry, replay, interaction)
     # The camera stays on the leg: arrows of forces, which may be long, do not count.
     seen = np.vstack([points, geometry.ellipsoid_points(trajectory.q)])
     points, seen = (_placed(each, torso, base) for each in (points, seen))
-    return LegView(drawing, points, posable, seen, None if base is None else base.floor)
+    return LegView(drawing, points, posable, seen, None if base is None else base.floor, feet)
 
 
 def _placed(points: FloatArray, torso: FloatArray, base: Standing | None) -> FloatArray:

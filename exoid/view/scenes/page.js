@@ -1,9 +1,10 @@
 const FRAME = 1 / 30;  // time between keyframes [s]
 const NIGHT = { top_color: [0.09, 0.1, 0.11], bottom_color: [0.16, 0.175, 0.19] };
-const COLOURS = {  // ground, its lines, measured data, weights: the same objects by day and by night
-  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@"],
-  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80"],
+const COLOURS = {  // ground, its lines, measured data, weights, wearer: the same objects by day and by night
+  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@", "@WEARER@"],
+  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80", "#e07ad0"],
 };
+const DARKEST = 104;  // of 255: darker parts of the leg vanish before the background of the night
 
 const element = id => document.getElementById(id);
 const round = (value, digits) => Number(value).toFixed(digits).replace(/^-(0(\.0+)?)$/, "$1").replace("-", "−");
@@ -55,7 +56,7 @@ function fillLegend(viewer, scene) {
     const label = make("label", layers);
     const box = make("input", label);
     box.type = "checkbox";
-    box.checked = layer.visible;
+    box.checked = true;
     const swatches = make("span", label, "", "swatches");
     for (const colour of layer.colours) make("i", swatches).dataset.colour = colour;
     const show = () => {
@@ -70,7 +71,14 @@ function fillLegend(viewer, scene) {
   for (const note of scene.notes) make("p", layers, note);
 }
 
-// Background, ground and dark arrows follow the colour scheme of the browser; paper is always light.
+// A colour that is seen before a dark background: black parts become grey.
+function lightened(colour) {
+  const parts = colour.match(/[0-9a-f]{2}/gi).map(part => parseInt(part, 16));
+  const more = Math.max(0, DARKEST - Math.max(...parts));
+  return "#" + parts.map(part => (part + more).toString(16).padStart(2, "0")).join("");
+}
+
+// Background, ground, dark arrows and black parts follow the colour scheme of the browser; paper is always light.
 function followScheme(viewer, scene) {
   const node = finder(viewer), day = {};
   for (const command of scene.commands)
@@ -87,7 +95,14 @@ function followScheme(viewer, scene) {
       if (own) own.set(recolour("#" + own.getHexString(), night));
     };
     node("/exoid/ground").object.traverse(paintPart);
-    node("/exoid").object.traverse(part => { if (part.material && part.material.type === "MeshBasicMaterial") paintPart(part); });
+    node("/exoid").object.traverse(part => {
+      const surface = part.material;
+      if (!surface || !surface.color) return;
+      if (surface.type === "MeshBasicMaterial") paintPart(part);
+      if (surface.type !== "MeshPhongMaterial") return;
+      surface.userData.day ??= "#" + surface.color.getHexString();
+      surface.color.set(night ? lightened(surface.userData.day) : surface.userData.day);
+    });
     for (const swatch of document.querySelectorAll("#layers i")) swatch.style.background = recolour(swatch.dataset.colour, night);
     viewer.set_dirty();
   }

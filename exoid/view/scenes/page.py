@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.errors import NotSupportedError
-from exoid.view.colours import MEASURED, PREDICTED, WEIGHT
+from exoid.view.colours import MEASURED, PREDICTED, WEARER, WEIGHT
 
 
 def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
@@ -43,8 +43,8 @@ def _packed(text: str) -> str:
 def _own_file(name: str) -> str:
     """Read a file of this package, with the colours of the figures in it."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    for word, colour in (("@MEASURED@", MEASURED), ("@PREDICTED@", PREDICTED), ("@WEIGHT@", WEIGHT)):
-        text = text.replace(word, colour.lower())
+    for word, colour in (("MEASURED", MEASURED), ("PREDICTED", PREDICTED), ("WEARER", WEARER), ("WEIGHT", WEIGHT)):
+        text = text.replace(f"@{word}@", colour.lower())
     return text
 
 

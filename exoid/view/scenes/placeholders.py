@@ -1,18 +1,17 @@
-"""Placeholders for bodies without visuals in the URDF: bars, joint housings, a foot, a belt."""
+"""Placeholders for bodies without visuals in the URDF: bars, joint housings, a foot."""
 
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import FloatArray
 
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
-from .visual import Material, Visual, box, cylinder, torus
+from .visual import Material, Visual, box, cylinder
 
 BAR, FRAME, RUBBER = Material("#b3b8bf"), Material("#4a4e55"), Material("#1c1d20")
-"""Materials of bars, of joint housings and belts, and of soles and straps."""
+"""Materials of bars, of joint housings, and of soles."""
 
 
 def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]:
@@ -24,51 +23,32 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         cylinder(0.115 * size, 0.13 * size, FRAME).placed(at_joint),
         cylinder(0.075 * size, 0.145 * size, Material(colour)).placed(at_joint),
     ]
-    ends = [
-        placement[:3, 3]
-        for parent, placement in zip(skeleton.parents, skeleton.placements, strict=True)
-        if parent == body and np.linalg.norm(placement[:3, 3]) > 0.05 * size
-    ]
     names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
     # Words in the name of a link or joint that identify the last body as a foot.
-    if not ends and any(word in names for word in ("foot", "ankle", "toe", "sole")):
+    if not next_joints(skeleton, body) and any(word in names for word in ("foot", "ankle", "toe", "sole")):
         return [*visuals, *_foot(skeleton, body, size)]
-    if not ends:
-        lever = np.asarray(leg.model.inertias[body].lever)
-        end = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * _down(skeleton, body)
-        cap = cylinder(0.07 * size, 0.1 * size, RUBBER).placed(homogeneous(end, align_z(axis)))
-        return [*visuals, _bar(end, axis, size), cap]
-    for end in ends:
-        visuals.append(_bar(end, axis, size))
-        if skeleton.leg.limbs:  # half a ring behind the bar, where a strap would hold the limb
-            axes = align_z(end, axis)
-            if axes[0, 0] < 0.0:
-                axes = np.column_stack([-axes[:, 1], axes[:, 0], axes[:, 2]])
-            visuals.append(torus(0.17 * size, 0.022 * size, np.pi, RUBBER).placed(homogeneous(0.45 * end, axes)))
-    return visuals
+    return [*visuals, *(_bar(end, axis, size) for end in segment_ends(skeleton, body))]
+
+
+def next_joints(skeleton: Skeleton, body: int) -> list[FloatArray]:
+    """Joints on a body that are not at its own joint, in its frame [m], (3,) each."""
+    far = 0.05 * _segment_length(skeleton)
+    pairs = zip(skeleton.parents, skeleton.placements, strict=True)
+    return [place[:3, 3] for parent, place in pairs if parent == body and np.linalg.norm(place[:3, 3]) > far]
+
+
+def segment_ends(skeleton: Skeleton, body: int) -> list[FloatArray]:
+    """Ends of a body in its frame [m]: the next joints, or a point beyond the centre of mass."""
+    lever, size = np.asarray(skeleton.leg.model.inertias[body].lever), _segment_length(skeleton)
+    far = np.linalg.norm(lever) > 0.02 * size
+    return next_joints(skeleton, body) or [2.0 * lever if far else 0.25 * size * _down(skeleton, body)]
 
 
 def torso_placeholder(skeleton: Skeleton) -> list[Visual]:
-    """Make a belt with a back plate for a planar leg that hangs down, and a socket for any other."""
-    hip, size = skeleton.placements[0][:3, 3], _segment_length(skeleton)
-    if not skeleton.leg.limbs or not _hangs_down(skeleton):
-        axis = skeleton.placements[0][:3, :3] @ skeleton.axes[0]
-        return [cylinder(0.16 * size, 0.1 * size, FRAME).placed(homogeneous(hip, align_z(axis)))]
-    forward, lateral, up = skeleton.leg.plane
-    offset = float(hip @ lateral)
-    width = max(abs(offset), 0.35 * size)
-    middle = hip - (offset if abs(offset) > 0.05 * size else width) * lateral  # beside a leg in the middle
-    axes = np.column_stack([forward, lateral, up])
-    belt = torus(0.9 * width, 0.045 * size, 2.0 * np.pi, FRAME).placed(homogeneous(middle + 0.1 * size * up, axes))
-    behind = middle - 0.9 * width * forward + 0.6 * size * up
-    return [belt, box((0.06 * size, 1.3 * width, 1.1 * size), BAR).placed(homogeneous(behind, axes))]
-
-
-def _hangs_down(skeleton: Skeleton) -> bool:
-    """Whether the centre of mass is below the first joint with all joints at zero."""
-    model = skeleton.leg.model
-    centre = pin.centerOfMass(model, model.createData(), pin.neutral(model))
-    return bool((centre - skeleton.placements[0][:3, 3]) @ model.gravity.linear > 0.0)
+    """Make a socket for the first joint."""
+    place, size = skeleton.placements[0], _segment_length(skeleton)
+    axes = align_z(place[:3, :3] @ skeleton.axes[0])
+    return [cylinder(0.16 * size, 0.1 * size, FRAME).placed(homogeneous(place[:3, 3], axes))]
 
 
 def _bar(end: FloatArray, axis: FloatArray, size: float) -> Visual:

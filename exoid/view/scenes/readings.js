@@ -56,12 +56,33 @@ function curve(svg, className, series, height) {
   svg.append(made);
 }
 
+// Sole of a foot from above, its toes to the right, with the centre of pressure while it rests.
+function showSole(figure, foot) {
+  const [[back, right], [front, left]] = foot.sole.corners, svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("class", "sole");
+  svg.setAttribute("viewBox", `${back - 5} ${-left - 5} ${front - back + 10} ${left - right + 10}`);
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", `Sole of ${foot.name} from above with the centre of pressure`);
+  const [sole, dot] = ["rect", "circle"].map(tag => svg.appendChild(document.createElementNS(SVG, tag)));
+  for (const [name, value] of Object.entries({ x: back, y: -left, width: front - back, height: left - right, rx: 8 })) sole.setAttribute(name, value);
+  dot.setAttribute("r", 6);
+  figure.append(svg);
+  const label = make("small", figure);
+  return time => {
+    const force = at(foot.torque, time) ?? at(foot.predicted, time), x = at(foot.angle, time), y = at(foot.sole.sideways, time);
+    dot.style.display = force > 0 ? "" : "none";
+    dot.setAttribute("cx", x);
+    dot.setAttribute("cy", -y);
+    label.textContent = force > 0 ? `centre of pressure ${round(x, 0)} mm forward, ${round(y, 0)} mm to the left` : "in the air";
+  };
+}
+
 // Measured and predicted torque over time, with a line at the time of the playback; a click goes to a time.
 function showPlot(scene, seek, frame) {
   const plot = element("plot"), joints = scene.joints.filter(joint => joint.measured);
   const key = make("p", plot);
   make("b", key, "measured").style.borderColor = "var(--measured)";
-  if (joints.some(joint => joint.predicted)) make("b", key, "predicted").style.borderColor = "var(--predicted)";
+  if (joints.some(joint => joint.predicted)) make("b", key, scene.predicted).style.borderColor = "var(--predicted)";
   const charts = joints.map(joint => {
     const figure = make("figure", plot), caption = make("figcaption", figure);
     make("span", caption, joint.name).style.borderColor = joint.colour;
@@ -86,19 +107,20 @@ function showPlot(scene, seek, frame) {
     const range = make("small", figure);
     make("span", range, `${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
     make("span", range, `${scene.duration.toFixed(1)} s`);
-    return { joint, number, now };
+    return { joint, number, now, dots: joint.sole ? showSole(figure, joint) : null };
   });
   let shown = false;
   const set = toggle("show-plot", on => { shown = on; plot.hidden = !on; frame(); });
   set(window.innerWidth >= 1000);
   return time => {
     if (!shown) return;
-    for (const { joint, number, now } of charts) {
+    for (const { joint, number, now, dots } of charts) {
       now.setAttribute("x1", time);
       now.setAttribute("x2", time);
       const predicted = at(joint.predicted, time), measured = at(joint.torque, time);
       const both = [measured, predicted].filter(value => value !== null).map(value => round(value, 1));
       number.textContent = `${both.join(" / ")} ${joint.torque_unit}`;
+      if (dots) dots(time);
     }
   };
 }

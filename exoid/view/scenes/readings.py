@@ -1,4 +1,4 @@
-"""Numbers of the joints in a scene: angle, torque and predicted torque at each frame."""
+"""Numbers of joints and feet in a scene at each frame: angle and torque, centre of pressure and force."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .leg_geometry import LegGeometry
 from .replay import LegTrajectory, Replay, at_frames
 
 
-class JointReadings(NamedTuple):
-    """Numbers of one joint, frame by frame; one frame for a leg that stands still."""
+class Readings(NamedTuple):
+    """Numbers of one joint or foot, frame by frame; one frame for a leg that stands still."""
 
-    name: str  # name of the joint
-    path: str  # path of the joint's frame in the scene
+    name: str  # name of the joint or link
+    path: str  # path of its frame in the scene
     colour: str  # colour of the joint
-    angle: FloatArray  # angle [deg], or displacement [mm] of a prismatic joint, (F,)
-    torque: FloatArray  # recorded torque, or the one that holds the leg against gravity [N·m, or N], (F,)
-    # torque that an estimate predicts [N·m, or N], (F,), not a number where none is known; or None
-    predicted: FloatArray | None
-    measured: bool  # whether the torque was recorded
-    revolute: bool  # whether the joint is revolute; otherwise it is prismatic
+    angle: FloatArray  # angle [deg] or displacement [mm] of a joint, centre of pressure forward of a foot [mm], (F,)
+    torque: FloatArray  # recorded torque or vertical force, or torque that holds the leg against gravity, (F,)
+    predicted: FloatArray | None  # the same as an estimate predicts it, (F,), not a number where not known; or None
+    measured: bool  # whether it is plotted over time
+    units: tuple[str, str]  # units of angle and torque
+    sole: tuple[FloatArray, FloatArray] | None = None  # corners of a foot's sole [mm], (2, 2); centre sidewards, (F,)
 
     def to_json(self) -> dict[str, Any]:
         """Describe the numbers as data for the page."""
@@ -36,18 +36,19 @@ class JointReadings(NamedTuple):
             "name": self.name,
             "path": self.path,
             "colour": self.colour,
-            "unit": "°" if self.revolute else "mm",
-            "torque_unit": "N·m" if self.revolute else "N",
+            "unit": self.units[0],
+            "torque_unit": self.units[1],
             "angle": _numbers(self.angle),
             "torque": _numbers(self.torque),
             "predicted": None if self.predicted is None else _numbers(self.predicted),
             "measured": self.measured,
+            "sole": self.sole and {"corners": self.sole[0].round(1).tolist(), "sideways": _numbers(self.sole[1])},
         }
 
 
 def joint_readings(
     source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, replay: Replay | None
-) -> Iterator[JointReadings]:
+) -> Iterator[Readings]:
     """Read angle and torque of each joint of a leg."""
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
     predicted = None
@@ -55,7 +56,7 @@ def joint_readings(
         predicted = _predicted_torque(source, geometry.leg, replay)
     paths, revolute = geometry.joint_paths(geometry.root), geometry.skeleton.revolute
     for joint, name in enumerate(geometry.leg.joint_names):
-        yield JointReadings(
+        yield Readings(
             name,
             paths[joint],
             geometry.joint_colours[joint],
@@ -63,7 +64,7 @@ def joint_readings(
             trajectory.tau[:, joint],
             None if predicted is None else predicted[:, joint],
             trajectory.measured,
-            revolute[joint],
+            ("°", "N·m") if revolute[joint] else ("mm", "N"),
         )
 
 

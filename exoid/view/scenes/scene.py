@@ -13,7 +13,7 @@ from exoid.tools.files import write_whole
 
 from .commands import Command, Layer, set_transform
 from .page import write_page
-from .readings import JointReadings
+from .readings import Readings
 from .server import SceneServer
 from .skeleton import Skeleton, pose_angles
 
@@ -56,7 +56,8 @@ class Scene:
         duration: Duration of the replay [s]; 0 for legs that stand still.
         legs: Legs in the scene.
         notes: One sentence for each visual that could not be drawn.
-        readings: Angle and torque of each joint at each frame.
+        readings: Angle and torque of each joint at each frame, centre of pressure and force of each foot.
+        predicted_label: Name of predicted torques and forces.
     """
 
     title: str
@@ -66,7 +67,8 @@ class Scene:
     duration: float = 0.0
     legs: tuple[PosableLeg, ...] = ()
     notes: tuple[str, ...] = ()
-    readings: tuple[JointReadings, ...] = ()
+    readings: tuple[Readings, ...] = ()
+    predicted_label: str = "predicted"
 
     def html(self) -> str:
         """Render the scene as a self-contained HTML page.
@@ -146,7 +148,8 @@ class Scene:
             "camera": self.camera._asdict(),
             "duration": self.duration,
             "notes": self.notes,
-            "joints": [joint.to_json() for joint in self.readings],
+            "joints": [each.to_json() for each in self.readings],
+            "predicted": self.predicted_label,
         }
 
     def _repr_html_(self) -> str:

@@ -13,9 +13,9 @@ import queue
 import sys
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from types import TracebackType
 from typing import Any
 
 from exoid.errors import BadArgumentError
@@ -28,7 +28,7 @@ MOST_CONNECTIONS = 64
 """Largest number of connections at once; an open page needs one, and a second one while it loads."""
 
 
-class SceneServer:
+class SceneServer(AbstractContextManager["SceneServer"]):
     """Serves a scene on 127.0.0.1 until it is closed; made by :meth:`.Scene.serve`."""
 
     # url: Address for a browser.
@@ -96,12 +96,7 @@ class SceneServer:
         with self._lock:
             self._listeners.discard(listener)
 
-    def __enter__(self) -> SceneServer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

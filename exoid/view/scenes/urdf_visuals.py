@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from lxml import etree
@@ -40,22 +40,18 @@ REQUIRED = ("box", "color", "cylinder", "sphere")
 """Tags of elements that must have all of these attributes."""
 
 
-class LinkVisuals(NamedTuple):
-    """Visuals of links."""
+def read_visuals(
+    description: Description, links: Sequence[str], folder: Path | None
+) -> tuple[dict[str, list[Visual]], tuple[str, ...]]:
+    """Read the visuals of links in their frames, by name; and a sentence for each that cannot be drawn."""
+    import yourdfpy  # noqa: PLC0415 - takes a second, with trimesh
 
-    by_link: dict[str, list[Visual]]  # visuals in the link's frame, by the name of each link that has any
-    notes: tuple[str, ...]  # one sentence for each visual that cannot be drawn
-
-
-def read_visuals(description: Description, links: Sequence[str], folder: Path | None) -> LinkVisuals:
-    """Read the ``<visual>`` elements of links."""
     by_link: dict[str, list[Visual]] = {}
-    notes: list[str] = []
     root, unknown = _drawn_elements(description.parse(), links)
-    shapes = f"{', '.join(SHAPES[:-1])} or {SHAPES[-1]}"
-    notes += [f"{description.name}, link {name!r}: a <visual> that is no {shapes}, left out" for name in unknown]
+    what = "a <visual> that is no box, cylinder, sphere or mesh, left out"
+    notes = [f"{description.name}, link {name!r}: {what}" for name in unknown]
     check_numbers(root, NUMBERS, REQUIRED, description.name)
-    robot = _read(root)
+    robot = yourdfpy.URDF.load(BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
     named = {material.name: material for material in robot.materials}
     for link in robot.links:
         for visual in link.visuals:
@@ -66,7 +62,7 @@ def read_visuals(description: Description, links: Sequence[str], folder: Path | 
                 continue
             origin = np.eye(4) if visual.origin is None else visual.origin
             by_link.setdefault(link.name, []).extend(shape.placed(origin) for shape in drawn)
-    return LinkVisuals(by_link, tuple(notes))
+    return by_link, tuple(notes)
 
 
 def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._Element, list[str]]:
@@ -84,13 +80,6 @@ def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._
             geometry[:] = [shape]  # the first child is the one that yourdfpy reads
             copy.append(visual)
     return robot, unknown
-
-
-def _read(root: etree._Element) -> yourdfpy.Robot:
-    """Read the elements of a URDF by yourdfpy, without the files to which they refer."""
-    import yourdfpy  # noqa: PLC0415 - takes a second, with trimesh
-
-    return yourdfpy.URDF.load(BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
 
 
 def _shapes(visual: yourdfpy.Visual, named: dict[str, yourdfpy.Material], folder: Path | None) -> Iterable[Visual]:

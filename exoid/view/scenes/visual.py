@@ -57,10 +57,6 @@ class Visual:
         """Return the visual in another frame, given the transform to that frame, (4, 4)."""
         return replace(self, transform=transform @ self.transform)
 
-    def with_material(self, material: Material) -> Visual:
-        """Return the visual with another material."""
-        return replace(self, material=material)
-
     @property
     def bounding_points(self) -> FloatArray:
         """Points of the frame in which it is drawn whose convex hull contains it [m], (k, 3)."""

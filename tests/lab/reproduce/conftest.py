@@ -19,7 +19,7 @@ def bleex(tmp_path_factory):
         "json": report.data,
         "text": str(report),
         "page": report.page().html(),
-        "figures": write_figures(tmp_path_factory.mktemp("bleex"), report.figures()),
+        "figures": write_figures(tmp_path_factory.mktemp("bleex"), report.figures(), ["png"]),
         "band": {side: getattr(replay, side).data.upright.band.mean(axis=0) for side in ("left", "right")},
     }
 
@@ -33,7 +33,7 @@ def cuhk(tmp_path_factory):
         "json": report.data,
         "text": str(report),
         "page": report.page().html(),
-        "figures": write_figures(tmp_path_factory.mktemp("cuhk"), report.figures()),
+        "figures": write_figures(tmp_path_factory.mktemp("cuhk"), report.figures(), ["png"]),
         "range": np.ptp(replay.measured, axis=0),
     }
 

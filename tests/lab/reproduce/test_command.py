@@ -24,8 +24,9 @@ def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     code, out, err = command("bleex", "--json", "--seed", 3, "--figures", "new/folder")
     assert code == 0
     assert json.loads(out)["seed"] == 3
-    assert err.count("wrote") == 5
-    assert len(list((tmp_path / "new/folder").iterdir())) == 5
+    assert err.count("wrote") == 10
+    assert len(list((tmp_path / "new/folder").glob("*.pdf"))) == 5
+    assert len(list((tmp_path / "new/folder").glob("*.svg"))) == 5
     again = reproduce.bleex_report(reproduce.reproduce_bleex(3)[0]).data
     assert json.dumps(again, indent=1) + "\n" == out
 

@@ -72,7 +72,7 @@ def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
     assert "limited_by" in found
     assert list(felt) == ["off", "cad", "identified", "truth"]
     assert felt["identified"] <= 1.3 * felt["truth"]
-    assert (tmp_path / "figures" / "felt_torque.png").stat().st_size > 1e4
+    assert (tmp_path / "figures" / "felt_torque.pdf").stat().st_size > 1e4
 
 
 def test_the_floor_is_the_torque_that_pinocchio_says():

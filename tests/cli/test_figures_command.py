@@ -1,0 +1,167 @@
+"""``--figures`` of identify, validate, interaction and compare: figures of a paper as PDF and SVG."""
+
+import dataclasses
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+
+ONE, TWO = 3.5 * 72.0, 7.2 * 72.0
+"""Widths of one column and of two [points]."""
+
+VERBS = {
+    "identify": (
+        "identify bleex log.csv --test worn.csv",
+        {
+            "parameters": TWO,
+            "correlation": ONE,
+            "torque": TWO,
+            "friction": TWO,
+            "residuals_velocity": TWO,
+            "residuals_angle": TWO,
+            "excitation": TWO,
+            "coverage": TWO,
+        },
+    ),
+    "validate": (
+        "validate est.json log.csv --cutoff 6",
+        {
+            "parameters": TWO,
+            "correlation": ONE,
+            "torque": TWO,
+            "friction": TWO,
+            "residuals_velocity": TWO,
+            "residuals_angle": TWO,
+            "excitation": TWO,
+            "coverage": TWO,
+        },
+    ),
+    "interaction": ("interaction est.json worn.csv --strides 2,4,6,8", {"wearer_torque": TWO, "wearer_gait": ONE}),
+    "compare": ("compare est.json other.json", {"comparison": TWO}),
+}
+"""A command of each verb, and its figures with their widths."""
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A log, one with a wearer, and two estimates."""
+    path = tmp_path_factory.mktemp("figures")
+    data = exoid.datasets.bleex_swing()
+    part = data.train.slice(0, 1500)
+    part.to_csv(path / "log.csv")
+    push = 3.0 * np.sin(np.pi * data.test.time)[:, None]
+    dataclasses.replace(data.test, tau=data.test.tau - push).to_csv(path / "worn.csv")
+    exoid.identify(data.leg, part).save(path / "est.json")
+    exoid.identify(data.leg, data.test).save(path / "other.json")
+    return path
+
+
+@pytest.fixture
+def run(inputs, monkeypatch, capsys):
+    """Run the words of a command beside the inputs."""
+    monkeypatch.chdir(inputs)
+
+    def _run(words, *more):
+        monkeypatch.setattr(sys, "argv", ["exoid", *words.split(), *map(str, more)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code or 0, *capsys.readouterr()
+
+    return _run
+
+
+def width_of_pdf(content):
+    """Width of the page of a PDF [points]; its fonts are TrueType, as publishers ask for."""
+    assert content.startswith(b"%PDF-")
+    assert content.rstrip().endswith(b"%%EOF")
+    assert b"/FontFile2" in content
+    assert b"/Type3" not in content
+    (box,) = re.findall(rb"/MediaBox \[([^]]*)\]", content)
+    return float(box.split()[2])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", VERBS)
+def test_each_verb_writes_its_figures_in_the_width_of_a_column_or_two(verb, run, tmp_path):
+    words, widths = VERBS[verb]
+    code, _, err = run(words, "--figures", tmp_path / "new" / "figures")
+    assert code in (0, 1), err
+    files = {path.name: path.read_bytes() for path in (tmp_path / "new" / "figures").iterdir()}
+    assert sorted(files) == sorted(f"{name}.{form}" for name in widths for form in ("pdf", "svg"))
+    assert err.count("wrote") == len(files)
+    for name, width in widths.items():
+        assert width_of_pdf(files[f"{name}.pdf"]) == pytest.approx(width, abs=0.1), name
+        svg = files[f"{name}.svg"].decode()
+        assert float(re.search(r'<svg [^>]*width="([0-9.]+)pt"', svg)[1]) == pytest.approx(width, abs=0.1), name
+        labels = [text for text in re.findall(r"<!-- (.*?) -->", svg) if text.endswith("]")]
+        assert len(labels) >= (2 if name not in ("parameters", "correlation", "comparison") else 1), name
+
+
+@pytest.mark.slow
+def test_the_same_command_writes_the_same_bytes(run, tmp_path):
+    for folder in ("a", "b"):
+        run("compare est.json other.json", "--figures", tmp_path / folder)
+    for form in ("pdf", "svg"):
+        first, second = ((tmp_path / folder / f"comparison.{form}").read_bytes() for folder in ("a", "b"))
+        assert first == second
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_file_as_the_folder_is_refused_before_the_work_and_stays(verb, run, tmp_path, monkeypatch):
+    monkeypatch.setattr("exoid.Recording.from_file", lambda *_, **__: pytest.fail("the work began"))
+    monkeypatch.setattr("exoid.Estimate.load", lambda *_, **__: pytest.fail("the work began"))
+    (tmp_path / "mine").write_text("mine")
+    code, out, err = run(VERBS[verb][0], "--figures", tmp_path / "mine")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "cannot write files into this folder" in err
+    assert "name a new folder" in err
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
+def test_a_folder_that_is_read_is_no_folder_for_figures(run, inputs):
+    (inputs / "logs").mkdir()
+    (inputs / "log.csv").rename(inputs / "logs" / "log.csv")
+    code, _, err = run("identify bleex logs --figures logs")
+    (inputs / "logs" / "log.csv").rename(inputs / "log.csv")
+    assert code == 2
+    assert "logs: is an input" in err
+    assert not list((inputs / "logs").iterdir())
+    (inputs / "logs").rmdir()
+
+
+def test_with_own_there_are_no_figures_and_no_folder(run, tmp_path):
+    code, _, err = run("identify bleex log.csv worn.csv --own offset", "--figures", tmp_path / "new")
+    assert code == 2
+    assert "--figures has no effect: with --own each log has an estimate" in err
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.slow
+def test_validate_writes_a_report_of_what_it_prints(run, tmp_path):
+    code, out, _ = run("validate est.json log.csv", "--report", tmp_path / "report.html")
+    assert code == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h1>bleex.urdf: prediction of log.csv</h1>" in page
+    printed = re.findall(r"^ (left_\w+) +([0-9.]+) +([0-9.]+)", out, re.M)
+    assert len(printed) == 3
+    for joint, rmse, nrmse in printed:
+        cells = "".join(f"<td>{cell}</td>" for cell in (joint, rmse, nrmse))
+        assert f'<th scope="row">log.csv</th>{cells}' in page
+    assert "What to record next" not in page  # the recordings of the fit are not known
+    assert "error bars assume independent samples" in page
+    assert "<b>NRMSE</b>: RMSE over the standard deviation" in page
+
+
+@pytest.mark.slow
+def test_the_cutoff_of_a_validation_is_that_of_its_report(run, tmp_path):
+    pages = {}
+    for cutoff in ("6", "3"):
+        out = run(f"validate est.json log.csv --cutoff {cutoff}", "--report", tmp_path / "report.html")[1]
+        rmse = re.search(r"^ left_hip +([0-9.]+)", out, re.M)[1]
+        pages[rmse] = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert len(pages) == 2
+    assert all(f"<td>left_hip</td><td>{rmse}</td>" in page for rmse, page in pages.items())
