@@ -2,6 +2,7 @@
 
 A file appears under its name only when it is complete. A symbolic link stays, and the file that it names is written. A
 file that is replaced keeps its mode and, where the system allows it, its owner. Devices, pipes and sockets are refused.
+A writer that was killed leaves a hidden file, which the next writer of the same file removes.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ import errno
 import hashlib
 import json
 import os
+import platform
+import re
 import secrets
 import shutil
 import stat
@@ -205,12 +208,31 @@ def _is_standard_output(target: Path) -> bool:
 
 
 def _beside(target: Path, ending: str) -> Path:
-    """Make a new hidden name in the same folder."""
-    return target.with_name(f".{target.name[:NAME_KEPT]}.{secrets.token_hex(8)}.{ending}")
+    """Make a new hidden name in the same folder, with the machine and the process that writes."""
+    return target.with_name(f"{_hidden(target)}{os.getpid()}-{secrets.token_hex(8)}.{ending}")
+
+
+def _hidden(target: Path) -> str:
+    """Begin the name of a temporary file of a target, on this machine."""
+    return f".{target.name[:NAME_KEPT]}.{platform.node()[:NAME_KEPT]}-"
+
+
+def _remove_left_behind(target: Path) -> None:
+    """Remove temporary files of a target whose processes on this machine were killed; others may be in use."""
+    name = re.compile(re.escape(_hidden(target)) + r"(\d+)-[0-9a-f]{16}\.part")
+    for path in target.parent.iterdir() if os.name == "posix" else ():  # elsewhere a signal of 0 ends a process
+        if found := name.fullmatch(path.name):
+            try:
+                os.kill(int(found[1]), 0)
+            except ProcessLookupError:
+                path.unlink(missing_ok=True)
+            except (OSError, OverflowError):  # it runs, and is another user's; or no process has such a number
+                pass
 
 
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
     """Write a temporary file with the mode and the owner of the file that it will replace."""
+    _remove_left_behind(target)
     with part.open("xb") as file:
         file.writelines(pieces)
         file.flush()
