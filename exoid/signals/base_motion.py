@@ -12,14 +12,14 @@ from exoid.errors import BadArgumentError
 
 from . import checks, timebase
 from .base_pose import STANDARD_CUTOFF, BasePose, motion_of_pose, turn_upright
-from .timebase import Sampled, means
+from .timebase import means
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BaseMotion(Sampled):
+class BaseMotion:
     """Angular velocity and specific force of the base at the samples of a recording.
 
     The base is the root link of the URDF, and all vectors are in its axes, whose z axis points up when it stands

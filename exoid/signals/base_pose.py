@@ -13,14 +13,14 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks, timebase
-from .timebase import Sampled, means
+from .timebase import means
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 """Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BasePose(Sampled):
+class BasePose:
     """Position and orientation of the root link in the laboratory, at the samples of a recording.
 
     The z axis of the laboratory points up. Quaternions are normalised when the pose is made, and their signs are

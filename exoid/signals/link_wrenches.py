@@ -22,15 +22,7 @@ def links_of(leg: Leg) -> tuple[str, ...]:
 
 
 def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
-    """Refuse wrenches and contacts of links that the leg does not have.
-
-    Args:
-        leg: The leg.
-        recording: The recording.
-
-    Raises:
-        ExoidError: A link is not in the URDF; names the closest ones.
-    """
+    """Refuse wrenches and contacts of links that are not in the URDF, and name the closest ones."""
     links = links_of(leg)
     for kind, named in (("wrench", recording.wrenches), ("contact", recording.contacts)):
         for link in named:

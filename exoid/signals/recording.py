@@ -100,12 +100,11 @@ class Recording(RecordingData):
         passive = f"; passive: {', '.join(self.passive)}" if self.passive else ""
         payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
         joints = ", ".join(self.joint_names)
-        rest = f"{unmeasured}{passive}{payloads}{'' if self.base is None else '; moving base'}{self._ground()}"
+        base = "" if self.base is None else "; moving base"
+        ground = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
+        ground += f"; contacts: {', '.join(self.contacts)}" if self.contacts else ""
+        rest = f"{unmeasured}{passive}{payloads}{base}{ground}"
         return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
-
-    def _ground(self) -> str:
-        wrenches = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
-        return f"{wrenches}; contacts: {', '.join(self.contacts)}" if self.contacts else wrenches
 
     def _repr_html_(self) -> str:
         """Table for notebooks: smallest and largest value of each quantity, joint by joint."""

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy  # its parts load when they are first used
 
@@ -12,10 +9,6 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError
 
 from .source import ARRAY, SourceLocation
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
-
 
 EVENNESS = 1e-3
 """Largest relative deviation of an interval from the median of a uniform log.
@@ -108,22 +101,6 @@ def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smoot
 def interpolate_mask(time: FloatArray, mask: BoolArray, grid: FloatArray) -> BoolArray:
     """Carry a mask over to other time stamps: a sample counts if both of its neighbours do."""
     return np.asarray(np.interp(grid, time, mask.astype(np.float64)) > 1.0 - EVENNESS)
-
-
-class Sampled(ABC):
-    """Measurements at the samples of a recording, which select and resample themselves."""
-
-    @abstractmethod
-    def rows(self, rows: slice | BoolArray) -> Self:
-        """Select samples."""
-
-    @abstractmethod
-    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Self:
-        """Interpolate at other time stamps."""
-
-    @abstractmethod
-    def averaged(self, size: int) -> Self:
-        """Average neighbouring samples."""
 
 
 def means(columns: FloatArray, size: int) -> FloatArray:

@@ -11,7 +11,7 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 from . import checks, timebase
-from .timebase import Sampled, means
+from .timebase import means
 
 WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Components of a wrench: force [N] and moment [N·m]."""
@@ -21,7 +21,7 @@ AXES = ("link", "world")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Wrench(Sampled):
+class Wrench:
     """Force and moment that the surroundings (ground, hand rail, harness) exert on a link, at each sample.
 
     Both act on the leg: a standing wearer has an upward ground force. The moment is about ``point``; about another
@@ -110,16 +110,16 @@ class Wrench(Sampled):
         """Interpolate at other time stamps by a monotone cubic (PCHIP), as impacts make wrenches jump."""
         # A point that moves jumps where the foot leaves the ground. The moment is therefore taken about one point
         # before.
-        columns = timebase.interpolate(time, self._about_one_point.columns[rows], grid, smooth=False)
-        return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
+        columns = timebase.interpolate(time, self.about_one_point.columns[rows], grid, smooth=False)
+        return replace(self.about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 
     def averaged(self, size: int) -> Wrench:
         """Average neighbouring samples, about one point."""
-        columns = means(self._about_one_point.columns, size)
-        return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
+        columns = means(self.about_one_point.columns, size)
+        return replace(self.about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 
     @property
-    def _about_one_point(self) -> Wrench:
+    def about_one_point(self) -> Wrench:
         """The same wrench about the mean of a point that moves, weighted by the force."""
         if not self.moving_point:
             return self

@@ -111,10 +111,10 @@ def test_eight_channels_of_a_plate_with_four_feet_are_its_wrench(tmp_path):
     ("change", "words"),
     [
         ({"first": 119}, "begins at frame 120"),
-        ({"types": [4]}, "plate 1 is of type 4"),
-        ({"units": ("mm", "N", "Nm")}, "channels in N, N, N, Nm, Nm, Nm, beside positions in mm"),
-        ({"units": ("mm", "V", "V")}, "channels in V"),
-        ({"units": ("in", "N", "Nin")}, "positions in 'in'"),
+        ({"types": [4]}, "plate 1 of type 4"),
+        ({"units": ("mm", "N", "Nm")}, "has channels in ['N', 'N', 'N', 'Nm', 'Nm', 'Nm'], positions in mm"),
+        ({"units": ("mm", "V", "V")}, "channels in ['V'"),
+        ({"units": ("in", "N", "Nin")}, "positions are in 'in'"),
         ({"corners": np.zeros((3, 4, 1))}, "corners of plate 1 are missing"),
         ({"corners": Z_UP.T[:, :, None]}, "corners of plate 1 are missing or in another"),
         ({"corners": np.zeros((3, 4, 0))}, "CORNER"),
@@ -135,7 +135,7 @@ def test_the_force_on_the_plate_the_vertical_and_a_silent_axis_are_refused(tmp_p
     write_c3d(tmp_path / "walk.c3d", [plate])
     write_c3d(tmp_path / "action.c3d", [(*plate[:2], -plate[2])])
     for name, words in (
-        ("action.c3d:+x", "the force on the plate"),
+        ("action.c3d:+x", "pulls by 700 N: it has the force on it"),
         ("walk.c3d:+z", "the vertical"),
         ("walk.c3d", "nobody says which axis"),
     ):

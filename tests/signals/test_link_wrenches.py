@@ -12,8 +12,8 @@ from walking import Walk
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Leg, Recording, TorsoMotion, Wrench
 from exoid.leg.description import describe
-from exoid.signals import link_placement, refuse_unknown_links, wrenches_on_links
-from exoid.signals.link_wrenches import links_of, wrench_on_link
+from exoid.signals import link_placement, wrenches_on_links
+from exoid.signals.link_wrenches import links_of, refuse_unknown_links, wrench_on_link
 
 N = 60
 
