@@ -108,10 +108,7 @@ def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray)
     overlap = np.clip(np.sum(quaternion[1:] * quaternion[:-1], axis=1), -1.0, 1.0)
     turning = 2.0 * np.arccos(overlap) / interval
     moving = np.linalg.norm(np.diff(position, axis=0), axis=1) / interval
-    for speeds, limit, unit, what in (
-        (turning, 35.0, "rad/s", "orientation"),
-        (moving, 20.0, "m/s", "position"),
-    ):
+    for speeds, limit, unit, what in ((turning, 35.0, "rad/s", "orientation"), (moving, 20.0, "m/s", "position")):
         if speeds.max() > limit:
             raise BadArgumentError(
                 f"the {what} of the base jumps before row {int(np.argmax(speeds)) + 1}: {speeds.max():.3g} {unit}",

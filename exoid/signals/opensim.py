@@ -100,10 +100,10 @@ def read_opensim(
     if pelvis is not False and kind_of(Path(path)) in ("mot", "sto"):
         with in_file(os.fsdecode(path)):
             table = open_table(path)
-            if pelvis or any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
-                at = options.pop("base_position", None) if at is None else at
-            else:
+            if not pelvis and not any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
                 table = None
+            elif at is None:
+                at = options.pop("base_position", None)
     recording = Recording.from_file(path, joint_names, columns, **options)
     if table is not None and recording.base is None:
         with in_file(os.fsdecode(path)):

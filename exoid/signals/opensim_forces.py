@@ -66,11 +66,12 @@ class GroundForces:
                 raise UnreadableInputError(
                     f"a link has two wrenches: {', '.join(links.values())}", remedy="name one link for each plate"
                 )
-            time, begin, end = recording.time, self.time[0], self.time[-1]
+            time, (begin, end) = recording.time, self.time[[0, -1]].tolist()
             half = 0.5 / min(timebase.sampling_rate(time), timebase.sampling_rate(self.time))
             if time[0] < begin - half or time[-1] > end + half:
+                span = f"from {time[0]:g} s to {time[-1]:g} s"
                 raise UnreadableInputError(
-                    f"forces from {begin:g} s to {end:g} s do not cover the recording, from {time[0]:g} s to {time[-1]:g} s",
+                    f"forces from {begin:g} s to {end:g} s do not cover the recording, {span}",
                     remedy="give both files of one trial, or cut the recording: recording.between(start, stop)",
                 )
             own, grid = {}, np.clip(time, begin, end)
@@ -124,11 +125,9 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
         in_order(np.column_stack([by_name[name] for name in names]), names, table)
         turn, wrenches = turn_upright(np.array(UP)), {}
         for plate, columns in plates.items():
-            vectors = {
-                part: np.column_stack([by_name[name] for name in of_part]) @ turn.T for part, of_part in columns.items()
-            }
-            force = vectors["force"]
-            wrenches[plate] = Wrench(force, vectors.get("moment", 0.0 * force), vectors["point"], axes="world")
+            vectors = {part: turn @ [by_name[name] for name in of_part] for part, of_part in columns.items()}
+            moment = vectors.get("moment", 0.0 * vectors["force"])
+            wrenches[plate] = Wrench(vectors["force"].T, moment.T, vectors["point"].T, axes="world")
         return GroundForces(by_name["time"], wrenches, table.file)
 
 
