@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -13,14 +14,14 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks, timebase
-from .timebase import means
+from .timebase import Sampled
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 """Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BasePose:
+class BasePose(Sampled):
     """Position and orientation of the root link in the laboratory, at the samples of a recording.
 
     The z axis of the laboratory points up. Quaternions are normalised when the pose is made, and their signs are
@@ -67,14 +68,8 @@ class BasePose:
         """Select samples."""
         return BasePose(self.position[rows], self.quaternion[rows])
 
-    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BasePose:
-        """Interpolate at other time stamps by cubic splines."""
-        columns = timebase.interpolate(time, self.columns[rows], grid, smooth=True)
-        return BasePose(columns[:, :3], _unit(columns[:, 3:]))
-
-    def averaged(self, size: int) -> BasePose:
-        """Average neighbouring samples."""
-        columns = means(self.columns, size)
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> BasePose:
+        columns = change(self.columns, True)
         return BasePose(columns[:, :3], _unit(columns[:, 3:]))
 
     def __len__(self) -> int:

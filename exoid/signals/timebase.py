@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy  # its parts load when they are first used
 
@@ -9,6 +13,9 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import UnreadableInputError
 
 from .source import ARRAY, SourceLocation
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 EVENNESS = 1e-3
 """Largest relative deviation of an interval from the median of a uniform log.
@@ -103,8 +110,21 @@ def interpolate_mask(time: FloatArray, mask: BoolArray, grid: FloatArray) -> Boo
     return np.asarray(np.interp(grid, time, mask.astype(np.float64)) > 1.0 - EVENNESS)
 
 
-def means(columns: FloatArray, size: int) -> FloatArray:
-    """Means of groups of samples; samples that do not fill a group are left out."""
-    count = len(columns) // size * size
-    averages: FloatArray = columns[:count].reshape(-1, size, columns.shape[1]).mean(axis=1)
-    return averages
+class Sampled(ABC):
+    """Measurements at the samples of a recording, which select and resample themselves."""
+
+    @abstractmethod
+    def rows(self, rows: slice | BoolArray) -> Self:
+        """Select samples."""
+
+    @abstractmethod
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> Self:
+        """Change columns at all samples, by a linear function that also takes whether they are smooth."""
+
+    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Self:
+        """Interpolate at other time stamps: smooth columns by cubic splines, others by monotone cubics (PCHIP)."""
+        return self._changed(lambda x, smooth: interpolate(time, x[rows], grid, smooth=smooth))
+
+    def averaged(self, size: int) -> Self:
+        """Average neighbouring samples; those that do not fill a group are left out."""
+        return self._changed(lambda x, _: x[: len(x) // size * size].reshape(-1, size, x.shape[1]).mean(axis=1))
