@@ -17,7 +17,14 @@ FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 @pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="measures memory in /proc")
 @pytest.mark.parametrize(
-    "kinds", ["csv,npz,mat,struct.mat,parquet", "mcap,db3,bag", "urdf,estimate,sidecar,stl,ply", "mot,forces.sto"]
+    "kinds",
+    [
+        "csv,npz,mat,struct.mat,parquet",
+        "mcap,db3,bag",
+        "urdf,estimate,sidecar,stl,ply",
+        "mot,forces.sto,c3d",
+        "columns.toml,drives.toml,state",
+    ],
 )
 def test_no_mutated_file_crashes_the_caller_or_fills_its_memory(kinds, tmp_path):
     command = [sys.executable, str(SCRIPT), "--files", str(FILES), "--kinds", kinds, "--seed", "7"]
