@@ -19,6 +19,7 @@ NOTE = """> Pages, notebooks and tests that are named here, such as `docs/logs.m
 INSTALL = (
     (re.compile(r",? pip,? and a copy of this repository"), " and pip"),
     (re.compile(r"pip install \.(?=\s)"), "pip install exoid"),
+    (re.compile(r"pip install '\.(?=\[view\])"), "pip install 'exoid"),
 )
 """What a reader of the index does instead of what a reader of the repository does."""
 

@@ -4,7 +4,7 @@
 
 A finding is a child that dies, uses more than 1 GB, or takes more than 20 s on one file, or an error that is no
 ExoidError of one line. The file of each finding is kept in ``mutated/``; the exit status is their number. Each line
-also has the largest memory of the processes and the longest time of a file.
+also has how many files were accepted and refused, the largest memory of the processes, and the longest time of a file.
 """
 
 from __future__ import annotations
@@ -48,6 +48,10 @@ KINDS = (
     "obj",
     "dae",
     "glb",
+    "c3d",
+    "columns.toml",
+    "drives.toml",
+    "state",
 )
 MESHES = ("stl", "ply", "obj", "dae", "glb")
 """Kinds that are meshes."""
@@ -78,10 +82,12 @@ def seeds(folder: Path) -> dict[str, bytes]:
     import exoid  # noqa: PLC0415
 
     leg = one_joint.write_urdf(folder / "urdf")
+    same_leg = one_joint.write_urdf(folder / "one.urdf")
     log = one_joint.swing(leg, seconds=4.0)
     estimate = exoid.identify(leg, log)
     short = log.slice(0, 40)
-    short.to_csv(folder / "csv")
+    for name in ("csv", "read_by_columns.csv"):
+        short.to_csv(folder / name)
     for kind, name in (
         ("npz", "log.npz"),
         ("mat", "log.mat"),
@@ -111,13 +117,26 @@ def seeds(folder: Path) -> dict[str, bytes]:
     for kind in ("obj", "glb"):
         box.export(folder / kind, file_type=kind)
     (folder / "dae").write_bytes(trimesh.exchange.dae.export_collada(box))
+    corners, load = np.array([[4.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [4.0, 5.0, 0.0]]), np.zeros((6, 40))
+    load[2] = -700.0
+    log_writers.write_c3d(folder / "walk.c3d", [(100.0 * corners, (0.0, 0.0, 40.0), load)])
+    (folder / "walk.c3d").rename(folder / "c3d")
+    columns = 'gaps = "split"\n[columns]\nq_hip = "q_hip:1.0:0.0:rad"\ntau_hip = "tau_hip:N·m"\n'
+    (folder / "columns.toml").write_text(columns, encoding="utf-8")
+    (folder / "drives.toml").write_text(
+        '[hip]\ntype = "motor"\ntorque_constant = 0.1\nratio = 50.0\nrotor_inertia = 2e-5\nefficiency = 0.9\n'
+    )
+    running = exoid.online.RecursiveEstimator(same_leg)
+    for q, v, a, tau in zip(log.q, log.q, log.q, log.tau, strict=True):
+        running.update(q, v, a, tau)
+    running.save(folder / "state")
     return {kind: (folder / kind).read_bytes() for kind in KINDS}
 
 
 def mutated(content: bytes, rng: np.random.Generator) -> bytes:
-    """Change bytes, numbers, stretches and words at up to eight places."""
+    """Change bytes, numbers, stretches and words, every other time at one place, else at up to eight."""
     data = bytearray(content)
-    for _ in range(int(rng.integers(1, 9))):
+    for _ in range(int(rng.integers(1, 9)) if rng.integers(0, 2) else 1):
         place = int(rng.integers(0, len(data) + 1))
         way = int(rng.integers(0, 8))
         if way == 0 and place < len(data):
@@ -142,23 +161,34 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
     return bytes(data)
 
 
-def reader_of(kind: str) -> Callable[[Path], Any]:
+def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
     """Find the function that reads a file of a kind."""
     import exoid  # noqa: PLC0415
     from exoid.leg.exported import read_exported  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
-    if kind == "urdf":
-        return exoid.Leg.from_urdf
-    if kind == "estimate":
-        return lambda path: str(exoid.Estimate.load(path))
-    if kind == "sidecar":
-        return lambda path: read_exported(path.with_name("leg.urdf"))
-    if kind == "forces.sto":
-        return exoid.signals.read_opensim_forces
-    if kind in MESHES:
-        return lambda path: load_mesh(path, np.ones(3))
-    return exoid.Recording.from_file
+    leg = exoid.Leg.from_urdf(folder / "one.urdf")
+    readers: dict[str, Callable[[Path], Any]] = {
+        "urdf": exoid.Leg.from_urdf,
+        "estimate": lambda path: str(exoid.Estimate.load(path)),
+        "sidecar": lambda path: read_exported(path.with_name("leg.urdf")),
+        "forces.sto": exoid.signals.read_opensim_forces,
+        "c3d": lambda path: exoid.signals.read_opensim_forces(f"{path}:+x"),
+        "columns.toml": _read_by_columns,
+        "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
+        "state": lambda path: exoid.online.RecursiveEstimator.resume(path, leg),
+        **dict.fromkeys(MESHES, lambda path: load_mesh(path, np.ones(3))),
+    }
+    return readers.get(kind, exoid.Recording.from_file)
+
+
+def _read_by_columns(path: Path) -> object:
+    """Read a log by the columns of a file."""
+    from exoid.cli.column_map import with_map  # noqa: PLC0415
+    from exoid.cli.inputs import read_log  # noqa: PLC0415
+    from exoid.cli.options import LogOptions  # noqa: PLC0415
+
+    return read_log(str(path.with_name("read_by_columns.csv")), with_map(LogOptions(), str(path)))
 
 
 def name_of(kind: str) -> str:
@@ -171,20 +201,21 @@ def serve(kind: str, folder: Path) -> None:
     """Read the file that each line of standard input announces; print an error that should not be, and the memory."""
     import exoid  # noqa: PLC0415
 
-    read, path = reader_of(kind), folder / name_of(kind)
+    read, path = reader_of(kind, folder), folder / name_of(kind)
     print("ready", flush=True)  # the time of imports does not count
     for _ in sys.stdin:
-        what = ""
+        what, refused = "", False
         try:
             read(path)
         except exoid.ExoidError as error:
+            refused = True
             if "\n" in str(error) or not error.what.strip():
                 what = f"not one line: {error}"
         except ValueError as error:
-            what = "" if kind in MESHES else repr(error)
+            what, refused = ("", True) if kind in MESHES else (repr(error), False)
         except Exception as error:
             what = repr(error)
-        print(json.dumps({"what": what[:500], "memory": peak()}), flush=True)
+        print(json.dumps({"what": what[:500], "refused": refused, "memory": peak()}), flush=True)
 
 
 def peak() -> int:
@@ -207,8 +238,9 @@ def _high_water(pid: int) -> int:
 
 @dataclass
 class Largest:
-    """Largest memory [bytes] and longest time [s] so far, of files that were read to their end."""
+    """Largest memory [bytes] and longest time [s] so far, of files that were read to their end, and refused ones."""
 
+    refused: int = 0
     memory: int = 0
     seconds: float = 0.0
 
@@ -228,6 +260,7 @@ def findings(
         late.cancel()
         seconds = time.monotonic() - began
         if reply is not None:
+            largest.refused += reply["refused"] and not reply["what"]
             largest.memory = max(largest.memory, reply["memory"])
             largest.seconds = max(largest.seconds, seconds)
         if reply is None:
@@ -294,6 +327,7 @@ def main() -> int:
                 count += 1
             print(
                 f"{kind}: {words.files} files in {time.monotonic() - began:.0f} s, {count} findings; "
+                f"{words.files - largest.refused - count} accepted, {largest.refused} refused; "
                 f"at most {largest.memory / 1e6:.0f} MB, {largest.seconds:.2f} s a file",
                 flush=True,
             )

@@ -185,3 +185,43 @@ WRITERS = {
 """Every kind, by the name of a file of it; bags have no accelerations, and their time starts at zero."""
 
 BAGS = ("mcap_bag", "sqlite_bag", "ros1.bag")
+
+
+def write_c3d(path, plates, *, types=None, corners=None, rate=1000, units=("mm", "N", "Nmm"), first=0):
+    """Write a trial with force plates as C3D, and one marker at a tenth of their rate.
+
+    Args:
+        path: The file, ``.c3d``.
+        plates: For each plate its corners in the laboratory [mm], (4, 3); the position of its transducer from the
+            middle of its top in the plate's axes [mm], (3,); its channels by row, (6 or 8, N).
+        types: Types of the plates; 2 if left out.
+        corners: What stands as corners in the file in place of the true ones.
+        rate: Sampling rate of the channels [Hz].
+        units: Units of positions, forces and moments in the file.
+        first: First frame, from 0.
+    """
+    import ezc3d  # noqa: PLC0415 - an extra
+
+    trial, channels = ezc3d.c3d(), np.vstack([plate[2] for plate in plates])
+    given, sizes = trial["parameters"], [len(plate[2]) for plate in plates]
+    given["POINT"]["RATE"]["value"], given["POINT"]["LABELS"]["value"] = [rate / 10.0], ["marker"]
+    given["POINT"]["UNITS"]["value"] = [units[0]]
+    given["ANALOG"]["RATE"]["value"] = [float(rate)]
+    given["ANALOG"]["LABELS"]["value"] = [f"channel {k}" for k in range(len(channels))]
+    given["ANALOG"]["UNITS"]["value"] = [
+        units[2] if size == 6 and k > 2 else units[1] for size in sizes for k in range(size)
+    ]
+    trial["data"]["points"] = np.zeros((4, 1, channels.shape[1] // 10))
+    trial["data"]["analogs"] = channels[None]
+    trial["header"]["points"]["first_frame"] = first
+    group = given["FORCE_PLATFORM"]
+    group["USED"]["value"], group["TYPE"]["value"] = [len(plates)], np.array(types or [2] * len(plates))
+    group["CORNERS"]["value"] = (
+        np.stack([plate[0] for plate in plates]).transpose(2, 1, 0) if corners is None else corners
+    )
+    group["ORIGIN"]["value"] = -np.column_stack([plate[1] for plate in plates])  # from the transducer to the top
+    numbers = np.zeros((max(sizes), len(plates)), dtype=int)
+    for k, size in enumerate(sizes):
+        numbers[:size, k] = 1 + sum(sizes[:k]) + np.arange(size)
+    group["CHANNEL"]["value"] = numbers
+    trial.write(str(path))

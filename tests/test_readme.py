@@ -60,7 +60,7 @@ def test_all_output_that_is_shown_is_tested():
 
 
 def test_the_first_block_installs_and_draws_the_readers_leg():
-    assert shell_commands(SHOWN[0]) == ["pip install .", "exoid view my_leg.urdf"]
+    assert shell_commands(SHOWN[0]) == ["pip install '.[view]'", "exoid view my_leg.urdf"]
 
 
 def test_one_line_replays_the_documents_and_one_runs_the_tests():

@@ -21,6 +21,7 @@ IN_CI = ".ci/run"
 
 RUN_BY = {
     "pip install .": IN_CI,
+    "pip install '.[view]'": IN_CI,
     "pip install '.[test]'": IN_CI,
     "pytest": IN_CI,
     "ruff check .": IN_CI,

@@ -49,17 +49,17 @@ def _parameters(inertial: etree._Element) -> FloatArray:
     origin, mass, inertia = (inertial.find(tag) for tag in ("origin", "mass", "inertia"))
     assert mass is not None
     assert inertia is not None
-    centre = _numbers(origin, "xyz")
-    rotation = pin.rpy.rpyToMatrix(_numbers(origin, "rpy"))
+    rotation = pin.rpy.rpyToMatrix(numbers_of(origin, "rpy"))
     tensor = np.empty((3, 3))
     for name, (row, column) in INERTIA.items():
         tensor[row, column] = tensor[column, row] = float(inertia.get(name, "0"))
-    body = pin.Inertia(float(mass.get("value", "0")), centre, rotation @ tensor @ rotation.T)
+    body = pin.Inertia(float(mass.get("value", "0")), numbers_of(origin, "xyz"), rotation @ tensor @ rotation.T)
     return np.asarray(body.toDynamicParameters())
 
 
-def _numbers(origin: etree._Element | None, attribute: str) -> FloatArray:
-    text = "0 0 0" if origin is None else origin.get(attribute, "0 0 0")
+def numbers_of(element: etree._Element | None, attribute: str, default: str = "0 0 0") -> FloatArray:
+    """Numbers of an attribute, which were checked before."""
+    text = default if element is None else element.get(attribute, default)
     return np.array([float(word) for word in text.split()])
 
 

@@ -7,10 +7,9 @@ from .column import Column
 from .contacts import contacts_from_switch, contacts_from_wrench, settled
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, motion_edge
-from .external import refuse_contradictions
 from .filters.low_pass import zero_phase
 from .filters.parallel import ParallelFilter
-from .link_wrenches import link_placement, refuse_unknown_links, wrenches_on_links
+from .link_wrenches import link_placement, wrenches_on_links
 from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
 from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
@@ -53,8 +52,6 @@ __all__ = [
     "read_opensim",
     "read_opensim_forces",
     "read_opensim_pelvis",
-    "refuse_contradictions",
-    "refuse_unknown_links",
     "register_format",
     "register_preparation",
     "settled",

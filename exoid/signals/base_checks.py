@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, UnreadableInputError
+from exoid.errors import UnreadableInputError
 from exoid.leg.torso import TorsoMotion
 
 from . import checks
@@ -60,7 +60,14 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:
     # alike, gives 1/57 for a gyroscope in deg/s, and −1 if the axes of one sensor have the opposite sign.
     size = float(np.median(np.linalg.norm(base.specific_force, axis=1)))
     if not 0.6 <= size / STANDARD_GRAVITY <= 1.6:
-        raise _force_error(size)
+        remedy = command = "give it in m/s²"
+        if 0.6 < size < 1.6:
+            remedy = "it is in g: multiply by 9.80665, or give its unit: exoid.signals.Column(..., unit='g')"
+            command = "it is in g, give its unit: --column base_acc_x=HEADER:g, and so for y and z"
+        elif size < 0.6 * STANDARD_GRAVITY:
+            remedy = command = "give the specific force, which contains gravity: what the accelerometer reads, in m/s²"
+        what = f"the accelerometer of the base reads {size:.3g} m/s² (median), and gravity alone is 9.81"
+        raise UnreadableInputError(what, remedy=remedy, command=command)
     mean = base.specific_force.mean(axis=0)
     if mean[2] < -0.5 * np.linalg.norm(mean):  # cosine of the mean lean
         raise UnreadableInputError(
@@ -128,16 +135,3 @@ def _fit(x: FloatArray, y: FloatArray) -> AxisAgreement:
         return AxisAgreement(1.0, 0.0)
     product = float(np.sum(x * y))
     return AxisAgreement(product / power, product**2 / (power * of_y))
-
-
-def _force_error(size: float) -> ExoidError:
-    """Say what is wrong with the median specific force [m/s²]."""
-    remedy = "give it in m/s²"
-    command = remedy
-    if 0.6 < size < 1.6:
-        remedy = "it is in g: multiply by 9.80665, or give its unit: exoid.signals.Column(..., unit='g')"
-        command = "it is in g, give its unit: --column base_acc_x=HEADER:g, and so for y and z"
-    elif size < 0.6 * STANDARD_GRAVITY:
-        remedy = command = "give the specific force, which contains gravity: what the accelerometer reads, in m/s²"
-    what = f"the accelerometer of the base reads {size:.3g} m/s² (median), and gravity alone is 9.81"
-    return UnreadableInputError(what, remedy=remedy, command=command)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +11,9 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
-from . import checks, timebase
+from . import checks
 from .base_pose import STANDARD_CUTOFF, BasePose, motion_of_pose, turn_upright
-from .timebase import Sampled, means
+from .timebase import Sampled
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
@@ -160,21 +161,10 @@ class BaseMotion(Sampled):
         pose = None if self.pose is None else self.pose.rows(rows)
         return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position, pose, self.calibrated)
 
-    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BaseMotion:
-        """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump."""
-        return BaseMotion(
-            timebase.interpolate(time, self.angular_velocity[rows], grid, smooth=True),
-            timebase.interpolate(time, self.specific_force[rows], grid, smooth=False),
-            self.position,
-            None if self.pose is None else self.pose.interpolated(time, grid, rows),
-            self.calibrated,
-        )
-
-    def averaged(self, size: int) -> BaseMotion:
-        """Average neighbouring samples."""
-        columns = means(self.columns, size)
-        pose = None if self.pose is None else self.pose.averaged(size)
-        return BaseMotion(columns[:, :3], columns[:, 3:], self.position, pose, self.calibrated)
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> BaseMotion:
+        turning, force = change(self.angular_velocity, True), change(self.specific_force, False)  # impacts make it jump
+        pose = None if self.pose is None else self.pose._changed(change)
+        return replace(self, angular_velocity=turning, specific_force=force, pose=pose)
 
     def __len__(self) -> int:
         return len(self.angular_velocity)

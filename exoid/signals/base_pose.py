@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks, timebase
-from .timebase import Sampled, means
+from .timebase import Sampled
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
 """Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
@@ -67,14 +68,8 @@ class BasePose(Sampled):
         """Select samples."""
         return BasePose(self.position[rows], self.quaternion[rows])
 
-    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BasePose:
-        """Interpolate at other time stamps by cubic splines."""
-        columns = timebase.interpolate(time, self.columns[rows], grid, smooth=True)
-        return BasePose(columns[:, :3], _unit(columns[:, 3:]))
-
-    def averaged(self, size: int) -> BasePose:
-        """Average neighbouring samples."""
-        columns = means(self.columns, size)
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> BasePose:
+        columns = change(self.columns, True)
         return BasePose(columns[:, :3], _unit(columns[:, 3:]))
 
     def __len__(self) -> int:
@@ -108,10 +103,7 @@ def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray)
     overlap = np.clip(np.sum(quaternion[1:] * quaternion[:-1], axis=1), -1.0, 1.0)
     turning = 2.0 * np.arccos(overlap) / interval
     moving = np.linalg.norm(np.diff(position, axis=0), axis=1) / interval
-    for speeds, limit, unit, what in (
-        (turning, 35.0, "rad/s", "orientation"),
-        (moving, 20.0, "m/s", "position"),
-    ):
+    for speeds, limit, unit, what in ((turning, 35.0, "rad/s", "orientation"), (moving, 20.0, "m/s", "position")):
         if speeds.max() > limit:
             raise BadArgumentError(
                 f"the {what} of the base jumps before row {int(np.argmax(speeds)) + 1}: {speeds.max():.3g} {unit}",

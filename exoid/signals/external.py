@@ -96,44 +96,30 @@ def _refuse_length(length: int | tuple[int, ...], samples: int, what: str) -> No
 
 
 def refuse_contradictions(time: FloatArray, wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> None:
-    """Refuse contacts that contradict the wrench on the same link.
-
-    It is meant for whole logs, and readers of files call it: in a short slice around one mislabelled step the contact
-    may really be wrong.
-
-    Args:
-        time: Time stamps [s], (N,).
-        wrenches: Wrenches by link.
-        contacts: Contacts by link, (N,) each.
-
-    Raises:
-        ExoidError: A contact is inverted or never there while the link is loaded, or the force is in kN.
-    """
-    for link in (link for link in contacts if link in wrenches):
-        _refuse_contradiction(link, contacts[link], np.linalg.norm(wrenches[link].force, axis=1), time)
-
-
-def _refuse_contradiction(link: str, contact: BoolArray, force: FloatArray, time: FloatArray) -> None:
+    """Refuse contacts that contradict the wrench on the same link: inverted, never there under load, force in kN."""
+    # Only for whole logs: in a short slice around one mislabelled step the contact may really be wrong.
     # A link is certainly loaded beyond 50 N, and nobody stands on it below a median of 5 N. A load of less than 1 s
     # without any contact may be touch-down and lift-off.
-    with_contact = float(np.median(force[contact])) if contact.any() else np.nan
-    without = float(np.median(force[~contact])) if not contact.all() else np.nan
-    missed = np.count_nonzero(force > 50.0) * float(np.median(np.diff(time)))
-    if not contact.any() and missed > 1.0:
-        raise UnreadableInputError(
-            f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
-            remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
-        )
-    if without > 50.0 and with_contact < 0.2 * without:
-        raise UnreadableInputError(
-            f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
-            f"{without:.3g} N where it is 0",
-            remedy="invert it: contacts={...: ~contact}",
-            command=f"invert it: --column contact_{link}=HEADER:-1:1",
-        )
-    if with_contact < 5.0:
-        raise UnreadableInputError(
-            f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: its force looks like kN",
-            remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",
-            command=f"give its unit: --column wrench_{link}_fx=HEADER:kN, and so for the others",
-        )
+    for link in (link for link in contacts if link in wrenches):
+        contact, force = contacts[link], np.linalg.norm(wrenches[link].force, axis=1)
+        with_contact = float(np.median(force[contact])) if contact.any() else np.nan
+        without = float(np.median(force[~contact])) if not contact.all() else np.nan
+        missed = np.count_nonzero(force > 50.0) * float(np.median(np.diff(time)))
+        if not contact.any() and missed > 1.0:
+            raise UnreadableInputError(
+                f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
+                remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
+            )
+        if without > 50.0 and with_contact < 0.2 * without:
+            raise UnreadableInputError(
+                f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
+                f"{without:.3g} N where it is 0",
+                remedy="invert it: contacts={...: ~contact}",
+                command=f"invert it: --column contact_{link}=HEADER:-1:1",
+            )
+        if with_contact < 5.0:
+            raise UnreadableInputError(
+                f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: it looks like kN",
+                remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",
+                command=f"give its unit: --column wrench_{link}_fx=HEADER:kN, and so for the others",
+            )

@@ -79,19 +79,33 @@ class JoinedTable:
                 names = [columns[k] for k in here]
                 values = table.numbers(names)
                 checks.refuse_not_finite(values, names, SourceLocation(table.lines, {}, table.row_name))
-                out[:, here] = _at(time, values, self.time)
+                out[:, here] = values_at(time, values, self.time, smooth=True)
         return out
 
 
-def _at(time: FloatArray, values: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Values at other time stamps."""
+def values_at(time: FloatArray, values: FloatArray, wanted: FloatArray, *, smooth: bool) -> FloatArray:
+    """Values at other time stamps, behind a low-pass at 0.4 of their rate if that is lower."""
     if np.array_equal(time, wanted):
         return values
     rate, slower = timebase.sampling_rate(time), timebase.sampling_rate(wanted)
     if slower < 0.9 * rate:  # what is faster than half the lower rate would alias
         even = timebase.even_grid(time, rate)
-        values, time = zero_phase(timebase.interpolate(time, values, even, smooth=True), rate, 0.4 * slower), even
-    return timebase.interpolate(time, values, np.clip(wanted, time[0], time[-1]), smooth=True)
+        values, time = zero_phase(timebase.interpolate(time, values, even, smooth=smooth), rate, 0.4 * slower), even
+    return timebase.interpolate(time, values, np.clip(wanted, time[0], time[-1]), smooth=smooth)
+
+
+def in_order(numbers: FloatArray, names: Sequence[str], table: Table, *, split: bool = False) -> FloatArray:
+    """Refuse missing numbers, and disordered time stamps in the first column; rows fill gaps of a log that is split."""
+    where = SourceLocation(table.lines, {}, table.row_name)
+    checks.refuse_too_few(len(numbers), where)
+    checks.refuse_not_finite(numbers, names, where)
+    if split:
+        numbers, where = numbers[np.append(True, np.diff(numbers[:, 0]) != 0.0)], SourceLocation()
+    checks.refuse_time_disorder(numbers[:, 0], where)
+    if split:
+        return timebase.split_at_gaps(numbers)[0]
+    timebase.refuse_gaps(numbers[:, 0], where)
+    return numbers
 
 
 def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) -> JoinedTable:
@@ -124,9 +138,4 @@ def _time_of(table: Table, stamps: Column) -> FloatArray:
             remedy="name it as in the first file",
             column="time",
         )
-    time, where = stamps.read("time", table.numbers([name])[:, 0]), SourceLocation(table.lines, {}, table.row_name)
-    checks.refuse_too_few(len(time), where)
-    checks.refuse_not_finite(time[:, None], (name,), where)
-    checks.refuse_time_disorder(time, where)
-    timebase.refuse_gaps(time, where)
-    return time
+    return in_order(stamps.read("time", table.numbers([name])), (name,), table)[:, 0]

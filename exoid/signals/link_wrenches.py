@@ -16,22 +16,9 @@ from .recording import Recording
 from .wrench import Wrench
 
 
-def links_of(leg: Leg) -> tuple[str, ...]:
-    """List the links of a leg's URDF."""
-    return tuple(link.get("name", "") for link in leg.description.parse().findall("link"))
-
-
 def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
-    """Refuse wrenches and contacts of links that the leg does not have.
-
-    Args:
-        leg: The leg.
-        recording: The recording.
-
-    Raises:
-        ExoidError: A link is not in the URDF; names the closest ones.
-    """
-    links = links_of(leg)
+    """Refuse wrenches and contacts of links that are not in the URDF, and name the closest ones."""
+    links = tuple(link.get("name", "") for link in leg.description.parse().findall("link"))
     for kind, named in (("wrench", recording.wrenches), ("contact", recording.contacts)):
         for link in named:
             if link not in links:

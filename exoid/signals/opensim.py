@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -14,15 +14,15 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError, in_file
 
-from . import checks, timebase
+from . import timebase
 from .base_motion import BaseMotion
 from .base_pose import STANDARD_CUTOFF, turn_upright
 from .column import Column
+from .joined import in_order
 from .opensim_forces import UP, read_opensim_forces
 from .readers import ReadOptions, Table
 from .readers.formats import kind_of, open_table
 from .recording import Recording
-from .source import SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -32,9 +32,6 @@ PELVIS_TURNS = ("pelvis_tilt", "pelvis_list", "pelvis_rotation")
 
 PELVIS_PLACES = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
 """Position of the pelvis in the laboratory [m]."""
-
-OUT_OF_PLANE = ("pelvis_list", "pelvis_rotation", "pelvis_tz")
-"""Coordinates that models in the sagittal plane do not have."""
 
 
 class PelvisPose(NamedTuple):
@@ -103,14 +100,14 @@ def read_opensim(
     if pelvis is not False and kind_of(Path(path)) in ("mot", "sto"):
         with in_file(os.fsdecode(path)):
             table = open_table(path)
-            if pelvis or any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
-                at = options.pop("base_position", None) if at is None else at
-            else:
+            if not pelvis and not any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
                 table = None
+            elif at is None:
+                at = options.pop("base_position", None)
     recording = Recording.from_file(path, joint_names, columns, **options)
     if table is not None and recording.base is None:
         with in_file(os.fsdecode(path)):
-            pose = _pelvis_of(table)
+            pose = _pelvis_of(table, split=options.get("gaps") == "split")
             place = (0.0, 0.0, 0.0) if at is None else at
             base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=place, cutoff=cutoff)
             if not np.array_equal(pose.time, recording.time):
@@ -121,7 +118,7 @@ def read_opensim(
     return recording
 
 
-def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
+def read_opensim_pelvis(path: str | os.PathLike[str], gaps: Literal["refuse", "split"] = "refuse") -> PelvisPose:
     """Read the pose of the pelvis from the coordinates of OpenSim's joint between ground and pelvis.
 
     With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right):
@@ -131,22 +128,23 @@ def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
     Args:
         path: Kinematics, a ``.mot`` or ``.sto`` file with the columns pelvis_tilt, pelvis_list, pelvis_rotation,
             pelvis_tx, pelvis_ty and pelvis_tz; of a planar model pelvis_tilt, pelvis_tx and pelvis_ty.
+        gaps: "refuse" gaps and repeated stamps, or "split" there: gaps are filled, repeated stamps dropped.
 
     Returns:
         The pose in axes whose z points up, evenly spaced in time.
 
     Raises:
-        ExoidError: A column is missing, or does not hold numbers.
+        ExoidError: A column is missing, or does not hold numbers, or time stamps are not in order.
     """
     with in_file(os.fsdecode(path)):
-        return _pelvis_of(open_table(path))
+        return _pelvis_of(open_table(path), split=gaps == "split")
 
 
-def _pelvis_of(table: Table) -> PelvisPose:
+def _pelvis_of(table: Table, *, split: bool) -> PelvisPose:
     """Pose of the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
     names = PELVIS_TURNS + PELVIS_PLACES
     absent = [name for name in ("time", *names) if name not in table.header]
-    if absent and sorted(absent) != sorted(OUT_OF_PLANE):
+    if absent and sorted(absent) != ["pelvis_list", "pelvis_rotation", "pelvis_tz"]:  # those of a planar model
         raise UnreadableInputError(
             f"no column {', '.join(map(repr, absent))}, but others of the pelvis",
             remedy="export all six (of a planar model pelvis_tilt, pelvis_tx and pelvis_ty), or pass pelvis=False",
@@ -155,9 +153,7 @@ def _pelvis_of(table: Table) -> PelvisPose:
     there = [name for name in ("time", *names) if name in table.header]
     numbers = np.zeros((len(table), 7))
     numbers[:, [("time", *names).index(name) for name in there]] = table.numbers(there)
-    where = SourceLocation(table.lines, {}, table.row_name)
-    checks.refuse_not_finite(numbers, ("time", *names), where)
-    checks.refuse_time_disorder(numbers[:, 0], where)
+    numbers = in_order(numbers, ("time", *names), table, split=split)
     degrees = getattr(table, "in_degrees", False)
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)

@@ -1,23 +1,24 @@
-"""Ground reaction forces in files of OpenSim: wrenches on the feet in the laboratory, z up."""
+"""Ground reaction forces in files of OpenSim and C3D: wrenches on the feet in the laboratory, z up."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import UnreadableInputError, in_file
+from exoid.errors import BadArgumentError, UnreadableInputError, in_file
 
-from . import checks, timebase
+from . import timebase
 from .base_pose import turn_upright
-from .filters.low_pass import zero_phase
+from .joined import in_order, values_at
 from .readers import Table
+from .readers.c3d import read_c3d_plates
 from .readers.formats import open_table
 from .recording import Recording
-from .source import SourceLocation
 from .wrench import Wrench
 
 UP = (0.0, 1.0, 0.0)
@@ -65,38 +66,27 @@ class GroundForces:
                 raise UnreadableInputError(
                     f"a link has two wrenches: {', '.join(links.values())}", remedy="name one link for each plate"
                 )
-            grid = self._within(recording.time)
-            own = {link: self._resampled(self.wrenches[plate], grid) for plate, link in links.items()}
+            time, (begin, end) = recording.time, self.time[[0, -1]].tolist()
+            half = 0.5 / min(timebase.sampling_rate(time), timebase.sampling_rate(self.time))
+            if time[0] < begin - half or time[-1] > end + half:
+                span = f"from {time[0]:g} s to {time[-1]:g} s"
+                raise UnreadableInputError(
+                    f"forces from {begin:g} s to {end:g} s do not cover the recording, {span}",
+                    remedy="give both files of one trial, or cut the recording: recording.between(start, stop)",
+                )
+            own, grid = {}, np.clip(time, begin, end)
+            for plate, link in links.items():
+                wrench = self.wrenches[plate].about_one_point
+                columns = values_at(self.time, wrench.columns, grid, smooth=False)
+                own[link] = Wrench(columns[:, :3], columns[:, 3:], wrench.point, axes="world")
             return replace(recording, wrenches={**recording.wrenches, **own})
-
-    def _within(self, time: FloatArray) -> FloatArray:
-        """Time stamps of a recording, of which those at its ends may be half a sample beyond the forces."""
-        half = 0.5 / min(timebase.sampling_rate(time), timebase.sampling_rate(self.time))
-        if time[0] < self.time[0] - half or time[-1] > self.time[-1] + half:
-            raise UnreadableInputError(
-                f"forces from {self.time[0]:g} s to {self.time[-1]:g} s do not cover the recording, from "
-                f"{time[0]:g} s to {time[-1]:g} s",
-                remedy="give both files of one trial, or cut the recording: recording.between(start, stop)",
-            )
-        return np.clip(time, self.time[0], self.time[-1])
-
-    def _resampled(self, wrench: Wrench, grid: FloatArray) -> Wrench:
-        """Low-pass where the rate falls, and interpolate."""
-        rate, wanted = timebase.sampling_rate(self.time), timebase.sampling_rate(grid)
-        if wanted > 0.9 * rate:
-            return wrench.interpolated(self.time, grid)
-        even = timebase.even_grid(self.time, rate)
-        fine = wrench.interpolated(self.time, even)
-        columns = zero_phase(fine.columns, rate, 0.4 * wanted)
-        smooth = Wrench(columns[:, :3], columns[:, 3:], fine.point, axes="world")
-        return smooth.interpolated(even, np.clip(grid, even[0], even[-1]))
 
     def __repr__(self) -> str:
         return f"GroundForces({len(self.time)} samples; plates: {', '.join(self.wrenches)})"
 
 
 def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
-    """Read the ground reaction forces of a ``.mot`` or ``.sto`` file.
+    """Read the ground reaction forces of a ``.mot`` or ``.sto`` file, or of the force plates of a ``.c3d`` trial.
 
     Columns of a plate are ``ground_force_1_vx…z`` [N], the force on the foot, ``ground_force_1_px…z`` [m], the centre
     of pressure, and ``ground_torque_1_x…z`` [N·m], the free moment about it (``ground_moment_1_mx…z`` too; zero if
@@ -105,7 +95,8 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
     does, x stays forward, and y points to the left.
 
     Args:
-        path: The file.
+        path: The file. Behind a ``.c3d`` follows the axis of its laboratory that became OpenSim's x, forward, when
+            the markers were exported: ``"walk.c3d:+y"``. Its plates are "1", "2", …
 
     Returns:
         A wrench for each plate. Its point is the centre of pressure; one without a force may have none (NaN).
@@ -114,21 +105,29 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
         ExoidError: There are no such columns, some of a plate are missing, or numbers are.
     """
     with in_file(os.fsdecode(path)):
+        if trial := re.fullmatch(r"(?i)(.+\.c3d)(?::([+-][xyz]))?", os.fsdecode(path)):
+            if trial[2] is None:
+                raise BadArgumentError(
+                    "nobody says which axis of the laboratory became OpenSim's x (forward)",
+                    remedy=f"write {trial[1]}:+x, or :-x, :+y, :-y, as the markers were turned for OpenSim",
+                )
+            return GroundForces(*read_c3d_plates(trial[1], trial[2].lower()), trial[1])
         table = open_table(path)
         if "time" not in table.header:
             raise UnreadableInputError("no column 'time'", remedy="name the column of the time stamps 'time'")
         plates = plates_in(table)
         names = ["time", *(name for columns in plates.values() for of_part in columns.values() for name in of_part)]
         by_name = dict(zip(names, table.numbers(names).T, strict=True))
-        checks.refuse_too_few(len(by_name["time"]))
         for columns in plates.values():
             unloaded = np.all([by_name[name] == 0.0 for name in columns["force"]], axis=0)
             for name in columns["point"]:  # a plate without a force has no centre of pressure
                 by_name[name] = np.where(unloaded & np.isnan(by_name[name]), 0.0, by_name[name])
-        where = SourceLocation(table.lines, {}, table.row_name)
-        checks.refuse_not_finite(np.column_stack([by_name[name] for name in names]), names, where)
-        checks.refuse_time_disorder(by_name["time"], where)
-        wrenches = {plate: _wrench(by_name, columns) for plate, columns in plates.items()}
+        in_order(np.column_stack([by_name[name] for name in names]), names, table)
+        turn, wrenches = turn_upright(np.array(UP)), {}
+        for plate, columns in plates.items():
+            vectors = {part: turn @ [by_name[name] for name in of_part] for part, of_part in columns.items()}
+            moment = vectors.get("moment", 0.0 * vectors["force"])
+            wrenches[plate] = Wrench(vectors["force"].T, moment.T, vectors["point"].T, axes="world")
         return GroundForces(by_name["time"], wrenches, table.file)
 
 
@@ -165,24 +164,9 @@ def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
 
 def _meaning(name: str) -> tuple[str, str, str] | None:
     """Plate, part and axis of a column; None if it is none of a plate."""
-    words = name.split("_")
-    last, plain = words[-1].lower(), [word.lower() for word in words]
-    if not set(plain) & {"force", "torque", "moment"}:
+    words, kinds = name.split("_"), {"force", "torque", "moment"}
+    said, last = kinds & set(name.lower().split("_")), re.fullmatch("([vpm]?)([xyz])", words[-1].lower())
+    if last is None or not said or (not last[1] and said == {"force"}):
         return None
-    parts = {"v": "force", "p": "point", "m": "moment"}
-    if len(last) == 2 and last[0] in parts and last[1] in "xyz":
-        part, axis = parts[last[0]], last[1]
-    elif last in ("x", "y", "z") and set(plain) & {"torque", "moment"}:
-        part, axis = "moment", last
-    else:
-        return None
-    plate = "_".join(word for word in words[:-1] if word.lower() not in ("ground", "force", "torque", "moment"))
-    return plate or "ground", part, axis
-
-
-def _wrench(numbers: Mapping[str, FloatArray], columns: Mapping[str, Sequence[str]]) -> Wrench:
-    """Turn the columns of a plate such that z points up."""
-    turn = turn_upright(np.array(UP))
-    vectors = {part: np.column_stack([numbers[name] for name in names]) @ turn.T for part, names in columns.items()}
-    force = vectors["force"]
-    return Wrench(force, vectors.get("moment", np.zeros_like(force)), vectors["point"], axes="world")
+    plate = "_".join(word for word in words[:-1] if word.lower() not in {"ground", *kinds})
+    return plate or "ground", {"v": "force", "p": "point"}.get(last[1], "moment"), last[2]

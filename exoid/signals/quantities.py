@@ -114,8 +114,7 @@ def refuse_other_unit(unit: str, name: str) -> float:
     if factor is not None:
         return factor
     meaning, units = FACTORS[quantity]
-    remedy = f"units of {meaning} are {', '.join(units)}"
-    command = remedy
+    remedy = command = f"units of {meaning} are {', '.join(units)}"
     if quantity in ("tau", "f", "tm") and factor_of(unit, "i") is not None:
         joint, scale = name.partition("_")[2], "0.118"
         aim = "N" if quantity == "f" else "N·m"

@@ -81,9 +81,6 @@ class Recording(RecordingData):
         Recording(100 samples at 50 Hz, 1.98 s; joints: knee; q)
     """
 
-    def _with(self, **changes: Any) -> Recording:  # noqa: ANN401 - fields of several types
-        return replace(self, **changes)
-
     def _size(self) -> str:
         uneven = "" if self.is_uniform else " (uneven)"
         part = "" if self.mask is None else f", {np.count_nonzero(self.mask)} in {len(self.segment_times)} segments"
@@ -100,12 +97,11 @@ class Recording(RecordingData):
         passive = f"; passive: {', '.join(self.passive)}" if self.passive else ""
         payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
         joints = ", ".join(self.joint_names)
-        rest = f"{unmeasured}{passive}{payloads}{'' if self.base is None else '; moving base'}{self._ground()}"
+        base = "" if self.base is None else "; moving base"
+        ground = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
+        ground += f"; contacts: {', '.join(self.contacts)}" if self.contacts else ""
+        rest = f"{unmeasured}{passive}{payloads}{base}{ground}"
         return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
-
-    def _ground(self) -> str:
-        wrenches = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
-        return f"{wrenches}; contacts: {', '.join(self.contacts)}" if self.contacts else wrenches
 
     def _repr_html_(self) -> str:
         """Table for notebooks: smallest and largest value of each quantity, joint by joint."""
@@ -187,7 +183,7 @@ class Recording(RecordingData):
         arrays = {quantity: values[:, chosen] for quantity, values in self._arrays().items()}
         passive = tuple(name for name in self.passive if name in names)
         computed = tuple(name for name in self.computed if name in names)
-        return self._with(joint_names=names, passive=passive, computed=computed, **arrays)
+        return replace(self, joint_names=names, passive=passive, computed=computed, **arrays)
 
     def slice(self, start: int | None = None, stop: int | None = None) -> Recording:
         """Select consecutive samples, as ``x[start:stop]`` does.
@@ -207,7 +203,7 @@ class Recording(RecordingData):
         base = None if self.base is None else self.base.rows(slice(start, stop))
         rows = slice(start, stop)
         external = each_link(self._external, lambda wrench: wrench.rows(rows), lambda contact: contact[rows])
-        return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
+        return replace(self, time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
         """Let only samples in some segments count, such as the swing phases of a walk.
@@ -234,7 +230,7 @@ class Recording(RecordingData):
                     remedy=f"the recording lasts from {self.time[0]:.6g} s to {self.time[-1]:.6g} s",
                 )
             inside[first:last] = True
-        return self._with(mask=inside if self.mask is None else inside & self.mask)
+        return replace(self, mask=inside if self.mask is None else inside & self.mask)
 
     @property
     def segment_times(self) -> tuple[tuple[float, float], ...]:
@@ -308,7 +304,7 @@ class Recording(RecordingData):
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
-        arrays = {
+        arrays: dict[str, Any] = {
             field: timebase.interpolate(time, values[rows], grid, smooth=smooth[field])
             for field, values in self._arrays().items()
         }
@@ -316,7 +312,7 @@ class Recording(RecordingData):
         mask = None if self.mask is None else carried_over(self.mask)
         base = None if self.base is None else self.base.interpolated(time, grid, rows)
         external = each_link(self._external, lambda wrench: wrench.interpolated(time, grid, rows), carried_over)
-        return self._with(time=grid, mask=mask, base=base, **arrays, **external)
+        return replace(self, time=grid, mask=mask, base=base, **arrays, **external)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.

@@ -116,7 +116,7 @@ class RecordingData:
     def _external(self) -> External:
         return {"wrenches": self.wrenches, "contacts": self.contacts}
 
-    def _arrays(self) -> dict[str, FloatArray]:
+    def _arrays(self) -> dict[str, Any]:
         arrays = {each.field: getattr(self, each.field) for each in QUANTITIES}
         return {name: values for name, values in arrays.items() if values is not None}
 

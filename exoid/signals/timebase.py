@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,6 @@ from .source import ARRAY, SourceLocation
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
 
 EVENNESS = 1e-3
 """Largest relative deviation of an interval from the median of a uniform log.
@@ -118,16 +118,13 @@ class Sampled(ABC):
         """Select samples."""
 
     @abstractmethod
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> Self:
+        """Change columns at all samples, by a linear function that also takes whether they are smooth."""
+
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Self:
-        """Interpolate at other time stamps."""
+        """Interpolate at other time stamps: smooth columns by cubic splines, others by monotone cubics (PCHIP)."""
+        return self._changed(lambda x, smooth: interpolate(time, x[rows], grid, smooth=smooth))
 
-    @abstractmethod
     def averaged(self, size: int) -> Self:
-        """Average neighbouring samples."""
-
-
-def means(columns: FloatArray, size: int) -> FloatArray:
-    """Means of groups of samples; samples that do not fill a group are left out."""
-    count = len(columns) // size * size
-    averages: FloatArray = columns[:count].reshape(-1, size, columns.shape[1]).mean(axis=1)
-    return averages
+        """Average neighbouring samples; those that do not fill a group are left out."""
+        return self._changed(lambda x, _: x[: len(x) // size * size].reshape(-1, size, x.shape[1]).mean(axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -10,8 +11,8 @@ import numpy as np
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
-from . import checks, timebase
-from .timebase import Sampled, means
+from . import checks
+from .timebase import Sampled
 
 WRENCH_PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Components of a wrench: force [N] and moment [N·m]."""
@@ -106,20 +107,13 @@ class Wrench(Sampled):
         point = self.point[rows] if self.moving_point else self.point
         return replace(self, force=self.force[rows], moment=self.moment[rows], point=point)
 
-    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> Wrench:
-        """Interpolate at other time stamps by a monotone cubic (PCHIP), as impacts make wrenches jump."""
-        # A point that moves jumps where the foot leaves the ground. The moment is therefore taken about one point
-        # before.
-        columns = timebase.interpolate(time, self._about_one_point.columns[rows], grid, smooth=False)
-        return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
-
-    def averaged(self, size: int) -> Wrench:
-        """Average neighbouring samples, about one point."""
-        columns = means(self._about_one_point.columns, size)
-        return replace(self._about_one_point, force=columns[:, :3], moment=columns[:, 3:])
+    def _changed(self, change: Callable[[FloatArray, bool], FloatArray]) -> Wrench:
+        # Impacts make it jump, and so does a point where the foot leaves the ground: the moment is about one point
+        columns = change(self.about_one_point.columns, False)
+        return replace(self.about_one_point, force=columns[:, :3], moment=columns[:, 3:])
 
     @property
-    def _about_one_point(self) -> Wrench:
+    def about_one_point(self) -> Wrench:
         """The same wrench about the mean of a point that moves, weighted by the force."""
         if not self.moving_point:
             return self

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from log_writers import write_opensim
+from log_writers import write_c3d, write_opensim
 from swings import harmonics
 
 import exoid
@@ -32,13 +35,14 @@ def force_on_foot(time):
     return np.column_stack([20.0 * np.sin(2.0 * time), 0.0 * time, 300.0 + 100.0 * np.cos(3.0 * time)])
 
 
-def torques(time):
+def torques(time, seed=1, load=1.0):
     """Joint torques by Pinocchio: the pelvis goes forward and up and pitches, a force acts on the foot, (N, 3)."""
     model = pin.buildModelFromUrdf(str(urdf_folder() / "bleex.urdf"), pin.JointModelFreeFlyer())
     data, foot = model.createData(), model.frames[model.getFrameId("left_foot")].parentJoint
     places = [model.joints[model.getJointId(name)] for name in JOINTS]
     out = np.empty((len(time), 3))
-    rows = zip(*coordinates(time, 1, 0.2), *coordinates(time, 2, 0.05), force_on_foot(time), strict=True)
+    motion = coordinates(time, seed, 0.2), coordinates(time, seed + 1, 0.05)
+    rows = zip(*motion[0], *motion[1], load * force_on_foot(time), strict=True)
     for k, (*joints, x, xd, xdd, force) in enumerate(rows):
         q, v, a = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
         turn, spin = pin.utils.rotate("y", x[2]), np.array([0.0, xd[2], 0.0])
@@ -59,25 +63,46 @@ def to_opensim(names, vectors):
     return dict(zip(names, (vectors[:, 0], vectors[:, 2], -vectors[:, 1]), strict=True))
 
 
-@pytest.fixture
-def trial(tmp_path):
-    """Write files at 100, 120 and 1000 Hz which begin at different times; the leg has no friction."""
-    time, other, fast = np.arange(1200) / 100.0, 0.5 + np.arange(1300) / 120.0, np.arange(12_500) / 1000.0 - 0.2
-    q, x, still = coordinates(time, 1, 0.2)[0], coordinates(time, 2, 0.05)[0], 0.0 * time
+MOMENTS = tuple(f"{name}_moment" for name in COLUMNS)
+
+
+def write_kinematics(path, time, seed=1):
+    """Write angles and the motion of the pelvis as OpenSim's inverse kinematics does."""
+    q, x, still = coordinates(time, seed, 0.2)[0], coordinates(time, seed + 1, 0.05)[0], 0.0 * time
     # OpenSim's tilt turns about z, which is -y here
     pelvis = {"pelvis_tilt": -np.rad2deg(x[:, 2]), "pelvis_list": still, "pelvis_rotation": still}
     pelvis |= {"pelvis_tx": x[:, 0], "pelvis_ty": 0.9 + x[:, 1], "pelvis_tz": still}
     angles = dict(zip(COLUMNS, np.rad2deg(q).T, strict=True))
-    write_opensim(tmp_path / "ik.mot", time, pelvis | angles, degrees=True)
-    moments = [f"{name}_moment" for name in COLUMNS]
-    write_opensim(tmp_path / "id.sto", other, dict(zip(moments, torques(other).T, strict=True)))
+    write_opensim(path, time, pelvis | angles, degrees=True)
+
+
+def write_plate(path, time):
+    """Write the force on the foot as C3D: z up, y forward; the plate's x axis is that of the laboratory, z down."""
+    forward, left, up = force_on_foot(time).T
+    force = np.column_stack([-left, -forward, -up])
+    corners = np.array([[100.0, -100.0, 0.0], [-400.0, -100.0, 0.0], [-400.0, 300.0, 0.0], [100.0, 300.0, 0.0]])
+    middle = corners.mean(axis=0)
+    arm = np.array([-1e3 * POINT[1] - middle[0], middle[1] - 1e3 * POINT[0], -40.0])  # from the transducer
+    write_c3d(path, [(corners, (0.0, 0.0, 40.0), np.vstack([force.T, np.cross(arm, force).T]))])
+
+
+def write_lab(path):
+    """Write columns and plates of the laboratory."""
+    columns = zip(JOINTS, COLUMNS, MOMENTS, strict=True)
+    lines = [f'q_{joint} = "{angle}"\ntau_{joint} = "{moment}"' for joint, angle, moment in columns]
+    path.write_text("\n".join(["[columns]", *lines, "[plates]", '1 = "left_foot"\n']), encoding="utf-8")
+
+
+@pytest.fixture
+def trial(tmp_path):
+    """Write files at 100, 120 and 1000 Hz which begin at different times; the leg has no friction."""
+    time, other, fast = np.arange(1200) / 100.0, 0.5 + np.arange(1300) / 120.0, np.arange(12_500) / 1000.0 - 0.2
+    write_kinematics(tmp_path / "ik.mot", time)
+    write_opensim(tmp_path / "id.sto", other, dict(zip(MOMENTS, torques(other).T, strict=True)))
     plate = to_opensim([f"ground_force_1_v{axis}" for axis in "xyz"], force_on_foot(fast))
     plate |= to_opensim([f"ground_force_1_p{axis}" for axis in "xyz"], np.tile(POINT, (len(fast), 1)))
     write_opensim(tmp_path / "grf.mot", fast, plate)
-    columns = zip(JOINTS, COLUMNS, moments, strict=True)
-    lines = [f'q_{joint} = "{angle}"\ntau_{joint} = "{moment}"' for joint, angle, moment in columns]
-    lab = "\n".join(["[columns]", *lines, "[plates]", '1 = "left_foot"\n'])
-    (tmp_path / "lab.toml").write_text(lab, encoding="utf-8")
+    write_lab(tmp_path / "lab.toml")
     return exoid.load_leg("bleex", side="left")
 
 
@@ -124,3 +149,36 @@ def test_what_does_not_belong_together_is_refused(exoid_, trial, tmp_path, optio
     run = exoid_("identify", "bleex", *options)
     assert run.code == 2
     assert all(word in run.err for word in words), run.err
+
+
+PERSON = np.array([8.0, 5.0, 0.0])
+"""Amplitudes of the torques that the person exerts [N·m]."""
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_page_lead_from_three_trials_to_what_the_person_exerts(exoid_, tmp_path):
+    """12 s each of swinging, of stepping on a plate, and of being worn, with torques of the person at hip and knee."""
+    pytest.importorskip("ezc3d")
+    page = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
+    commands = [shlex.split(line) for line in re.findall(r"^    exoid (.*)$", page, re.MULTILINE)]
+    assert [command[0] for command in commands] == ["check", "identify", "validate", "interaction"]
+    (tmp_path / "leg.urdf").write_text((urdf_folder() / "bleex.urdf").read_text(encoding="utf-8"), encoding="utf-8")
+    write_lab(tmp_path / "lab.toml")
+    time, fast, rng = np.arange(1200) / 100.0, np.arange(12_000) / 1000.0, np.random.default_rng(4)
+    for name, seed, load in (("swing", 1, 0.0), ("step", 5, 1.0), ("walk", 7, 1.0)):
+        write_kinematics(tmp_path / f"{name}_ik.mot", time, seed)
+        tau = torques(time, seed, load) + 0.05 * rng.standard_normal((1200, 3))
+        if name == "walk":
+            tau -= PERSON * np.sin(2.0 * np.pi * 0.4 * time)[:, None]
+        table, header = np.column_stack([time, tau]), ",".join(["time", *MOMENTS])
+        np.savetxt(tmp_path / f"{name}_machine.csv", table, delimiter=",", header=header, comments="")
+        write_plate(tmp_path / f"{name}.c3d", fast)
+    found = {}
+    for command in commands:
+        run = exoid_(*command, "--json")
+        assert run.code == 0, f"{command}: {run.out}{run.err}"
+        found[command[0]] = json.loads(run.out)
+    assert max(found["validate"]["nrmse"]) < 0.05
+    joints = [found["interaction"]["joints"][joint] for joint in JOINTS]
+    np.testing.assert_allclose([joint["rms"] for joint in joints], PERSON / np.sqrt(2.0), rtol=0.02, atol=0.05)
+    assert [joint["acts"] for joint in joints] == [True, True, False]

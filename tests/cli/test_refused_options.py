@@ -32,7 +32,7 @@ REFUSED = {
         ("bleex --payload -1", "invalid payload"),
         ("bleex --friction -1", "times the friction"),
         ("bleex --rate 0", "0 Hz"),
-        ("est.json --figures est.json", "cannot write files"),
+        ("est.json --figures est.json", "is an input"),
         ("cuhk.json --dry-run log.csv --law nonsense", "no controller 'nonsense'"),
         ("cuhk.json --dry-run log.csv --kp 10,10", "gravity_support has no gains"),
         ("cuhk.json --dry-run log.csv --payload 1", "--payload has no effect"),

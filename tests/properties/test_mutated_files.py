@@ -2,22 +2,66 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import exoid
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
 
 FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 
+READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "sidecar", "state", "columns.toml", "drives.toml")
+"""Kinds whose readers are Python, or are tested not to crash the process."""
+
+
+@pytest.fixture(scope="module")
+def script(tmp_path_factory):
+    """The script, a folder, and a valid file of each kind."""
+    found = importlib.util.spec_from_file_location("mutate_files", SCRIPT)
+    module = importlib.util.module_from_spec(found)
+    sys.modules["mutate_files"] = module  # its dataclasses look it up
+    found.loader.exec_module(module)
+    folder = tmp_path_factory.mktemp("mutated")
+    return module, folder, module.seeds(folder)
+
+
+@pytest.mark.parametrize("kind", READ_HERE)
+def test_a_few_mutated_files_are_read_or_refused_in_one_line(script, kind):
+    module, folder, contents = script
+    rng, path = np.random.default_rng([28, READ_HERE.index(kind)]), folder / module.name_of(kind)
+    read = module.reader_of(kind, folder)
+    path.write_bytes(contents[kind])
+    read(path)
+    refused = []
+    for _ in range(40):
+        path.write_bytes(module.mutated(contents[kind], rng))
+        try:
+            read(path)
+        except exoid.ExoidError as error:
+            refused.append((error.what.strip(), str(error)))
+    assert refused
+    assert all(what and "\n" not in text for what, text in refused)
+
+
 @pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="measures memory in /proc")
 @pytest.mark.parametrize(
-    "kinds", ["csv,npz,mat,struct.mat,parquet", "mcap,db3,bag", "urdf,estimate,sidecar,stl,ply", "mot,forces.sto"]
+    "kinds",
+    [
+        "csv,npz,mat,struct.mat,parquet",
+        "mcap,db3,bag",
+        "urdf,estimate,sidecar,stl,ply",
+        "mot,forces.sto,c3d",
+        "columns.toml,drives.toml,state",
+    ],
 )
 def test_no_mutated_file_crashes_the_caller_or_fills_its_memory(kinds, tmp_path):
     command = [sys.executable, str(SCRIPT), "--files", str(FILES), "--kinds", kinds, "--seed", "7"]

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid import ExoidError, Recording, Wrench
-from exoid.signals import contacts_from_switch, contacts_from_wrench, refuse_contradictions, settled
+from exoid.signals import contacts_from_switch, contacts_from_wrench, settled
+from exoid.signals.external import refuse_contradictions
 
 TIME = np.arange(14700) / 1000.0
 STEPS = np.maximum(0.0, np.sin(2.0 * np.pi * 0.9 * TIME))

@@ -12,8 +12,8 @@ from walking import Walk
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Leg, Recording, TorsoMotion, Wrench
 from exoid.leg.description import describe
-from exoid.signals import link_placement, refuse_unknown_links, wrenches_on_links
-from exoid.signals.link_wrenches import links_of, wrench_on_link
+from exoid.signals import link_placement, wrenches_on_links
+from exoid.signals.link_wrenches import refuse_unknown_links, wrench_on_link
 
 N = 60
 
@@ -28,6 +28,11 @@ TWINS = """<robot name="twins"><link name="base"/>
 """A link that is named like the joint that carries it, and one on a fixed joint."""
 
 TIME = np.arange(N) / 50.0
+
+
+def links_of(leg):
+    """Names of the links of a leg's URDF."""
+    return tuple(link.get("name") for link in leg.description.parse().findall("link"))
 
 
 def posed(leg, seed=0, torso=None, moving=True):

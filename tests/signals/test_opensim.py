@@ -287,3 +287,32 @@ def test_a_trial_says_what_is_missing(tmp_path):
     write_opensim(tmp_path / "mm.mot", TIME, columns, degrees=True)
     with pytest.raises(ExoidError, match=r"mm.mot.*position of the base jumps"):
         read_opensim(tmp_path / "mm.mot", {"q_knee": "knee"})
+
+
+def test_a_repeated_stamp_and_a_gap_are_refused_with_their_line_or_split(tmp_path):
+    """One stamp twice and 0.3 s missing: the pelvis is as without, but for the gap."""
+    columns = {"knee": ANGLE, **pelvis_columns(tilt=10.0 * np.sin(3.0 * TIME))}
+    rows = np.r_[0:50, 49, 50:120, 150:200]
+    whole = read_opensim_pelvis_of(tmp_path / "whole.mot", TIME, columns)
+    for name, kept, words in (
+        ("twice.mot", np.r_[0:50, 49, 50:200], r"twice.mot, line \d+: time is repeated: 0.49 s"),
+        ("gap.mot", np.r_[0:120, 150:200], r"gap.mot, line \d+: a gap of 0.31 s"),
+        ("both.mot", rows, r"both.mot, line \d+: time is repeated"),
+    ):
+        write_opensim(tmp_path / name, TIME[kept], {key: x[kept] for key, x in columns.items()}, degrees=True)
+        for read in (read_opensim_pelvis, lambda path: read_opensim(path, {"q_knee": "knee"})):
+            with pytest.raises(ExoidError, match=words):
+                read(tmp_path / name)
+        pose = read_opensim_pelvis(tmp_path / name, gaps="split")
+        np.testing.assert_allclose(pose.time, TIME, atol=1e-9)
+        far = np.abs(TIME - 1.345) > 0.2
+        np.testing.assert_allclose(pose.quaternion[far], whole.quaternion[far], atol=1e-6)
+        recording = read_opensim(tmp_path / name, {"q_knee": "knee"}, gaps="split")
+        assert recording.mask is None or not recording.mask[100:170].any()
+        assert len(recording.base) == len(recording) == 200
+
+
+def read_opensim_pelvis_of(path, time, columns):
+    """Pelvis of a file of these columns."""
+    write_opensim(path, time, columns, degrees=True)
+    return read_opensim_pelvis(path)

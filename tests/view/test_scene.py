@@ -15,10 +15,13 @@ from planar_chains import random_chain
 
 import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
+from exoid.errors import NotSupportedError
 from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
+from exoid.view.report.blocks import replay_blocks
 from exoid.view.scenes.leg_geometry import STEEL
+from exoid.view.scenes.page import _viewer_file as viewer_file
 
 RNG = np.random.default_rng(6)
 TIME = np.arange(90) / 60.0
@@ -367,3 +370,13 @@ def test_the_same_leg_is_drawn_twice_if_given_twice():
     leg = exoid.load_leg("cuhk")
     first, second = scene(leg, leg).legs
     assert first.root != second.root
+
+
+def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path):
+    monkeypatch.setattr("exoid.view.scenes.page.find_spec", lambda name: None)
+    viewer_file.cache_clear()
+    data = exoid.datasets.bleex_swing()
+    with pytest.raises(NotSupportedError, match=r"pip install 'exoid\[view\]'"):
+        scene(data.leg).html()
+    (left_out,) = replay_blocks(exoid.identify(data.leg, data.train), data.test, "")
+    assert "exoid[view]" in left_out.lines[0]

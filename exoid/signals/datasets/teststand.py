@@ -55,18 +55,13 @@ class PublishedFile(NamedTuple):
 
 
 URDF = PublishedFile(URDF_URL, "c8582d9527868914984f8b33f833fc1443ed62c010c8556bc0c1064eeabc5779", "teststand.urdf")
-LOGS = (
-    PublishedFile(
-        LOG_URL,
-        "3f0bb177ada0aeaa0e95fa958e47b5966c8274d5a916c8426bcc91489df9e8a2",
-        f"{LOG_NAME}-joint_positions.dat",
-    ),
-    PublishedFile(
-        LOG_URL, "9a9cb2395b1bb4d7cbafb20f3527b2d9d13b68ea07e1596697adfb12982fdbd1", f"{LOG_NAME}-joint_torques.dat"
-    ),
-    PublishedFile(
-        LOG_URL, "03a980b0e017c4d0bf1954081676b0c736fff80c9fb98de46abbc7386e4fefae", f"{LOG_NAME}-ati_force.dat"
-    ),
+LOGS = tuple(
+    PublishedFile(LOG_URL, sha256, f"{LOG_NAME}-{what}.dat")
+    for what, sha256 in (
+        ("joint_positions", "3f0bb177ada0aeaa0e95fa958e47b5966c8274d5a916c8426bcc91489df9e8a2"),
+        ("joint_torques", "9a9cb2395b1bb4d7cbafb20f3527b2d9d13b68ea07e1596697adfb12982fdbd1"),
+        ("ati_force", "03a980b0e017c4d0bf1954081676b0c736fff80c9fb98de46abbc7386e4fefae"),
+    )
 )
 """Angles [rad], torques [N·m] and force [N]; the first column of each counts samples."""
 

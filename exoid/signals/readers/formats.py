@@ -51,7 +51,10 @@ MARKS = {
 }
 """Ending of the kind of file that begins with these bytes."""
 
+NO_ANGLES = ("markers, not joint angles", "let OpenSim's inverse kinematics make a .mot of them; plates: --forces")
+
 REFUSED = {
+    **dict.fromkeys(("c3d", "trc"), NO_ANGLES),
     "npy": ("a single array", "write a log with np.savez(path, time=..., q=..., tau=..., joint_names=[...])"),
     "hdf5": ("an HDF5 file, such as MATLAB writes as version 7.3", "save it with '-v7', or as CSV or Parquet"),
 }

@@ -36,9 +36,6 @@ START = (
 WATCHED = os.name == "posix" and sys.platform != "linux"
 """Whether the caller looks at the memory of the child; Linux bounds it."""
 
-THREADS = "4"
-"""Number of threads of polars, each of which needs memory; the variable of the same name in the environment rules."""
-
 
 class Content(NamedTuple):
     """Content of a file, as a reader in the child returns it."""
@@ -76,7 +73,7 @@ class Child:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                env={"POLARS_MAX_THREADS": THREADS, **os.environ},
+                env={"POLARS_MAX_THREADS": "4", **os.environ},  # each needs memory
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except (OSError, ValueError) as error:

@@ -24,9 +24,6 @@ if sys.platform == "linux":
 STATM = Path("/proc/self/statm")
 """File in which Linux tells the sizes of this process [pages]."""
 
-DATA = 5
-"""Place of the size of the data among the numbers of /proc/self/statm."""
-
 MOST_KEPT = 2**28
 """Memory beyond which the process does not serve another request [bytes]."""
 
@@ -37,7 +34,7 @@ def limited_memory(room: int) -> Iterator[None]:
     if sys.platform != "linux":
         yield
         return
-    present, before = _pages(DATA) * resource.getpagesize(), resource.getrlimit(resource.RLIMIT_DATA)
+    present, before = _pages(5) * resource.getpagesize(), resource.getrlimit(resource.RLIMIT_DATA)
     limit = present + room
     if before[1] != resource.RLIM_INFINITY:
         limit = min(limit, before[1])
@@ -53,7 +50,6 @@ def keeps_little() -> bool:
     """Tell whether this process has not kept much memory; the peak would be that of the caller, which started it."""
     if sys.platform != "linux":
         return True  # its caller looks at its size
-    # Place of the resident size among the numbers of /proc/self/statm
     return _pages(1) * resource.getpagesize() < MOST_KEPT
 
 
@@ -69,7 +65,7 @@ def size_of_process(pid: int) -> int:
 
 
 def _pages(place: int) -> int:
-    """Read a size of this process; 0 where /proc is not mounted, as in some containers."""
+    """Read a size of this process: 1 is resident, 5 its data. 0 where /proc is not mounted, as in some containers."""
     try:
         return int(STATM.read_text(encoding="ascii").split()[place])
     except (OSError, ValueError, IndexError):
@@ -83,10 +79,8 @@ PERIOD = 0.2
 class Watch:
     """Context in which a process is watched."""
 
-    # killed: Reason for which the process was killed; None if it was not.
-
     def __init__(self, process: subprocess.Popen[bytes], seconds: float, memory: int | None = None) -> None:
-        self.killed: Literal["time", "memory"] | None = None
+        self.killed: Literal["time", "memory"] | None = None  # why the process was killed, if it was
         self._process = process
         self._seconds = seconds
         self._memory = memory
@@ -94,21 +88,13 @@ class Watch:
         self._thread = threading.Thread(target=self._watch, name="exoid reader", daemon=True)
 
     def _watch(self) -> None:
-        until = time.monotonic() + self._seconds
-        while not self._over.wait(min(self._left(until), PERIOD) if self._memory is not None else self._left(until)):
-            if not self._left(until):
-                self._kill("time")
+        left, until = self._seconds, time.monotonic() + self._seconds
+        while not self._over.wait(left if self._memory is None else min(left, PERIOD)):
+            left = max(until - time.monotonic(), 0.0)
+            if not left or (self._memory is not None and size_of_process(self._process.pid) > self._memory):
+                self.killed = "memory" if left else "time"
+                self._process.kill()
                 return
-            if self._memory is not None and size_of_process(self._process.pid) > self._memory:
-                self._kill("memory")
-                return
-
-    def _left(self, until: float) -> float:
-        return max(until - time.monotonic(), 0.0)
-
-    def _kill(self, reason: Literal["time", "memory"]) -> None:
-        self.killed = reason
-        self._process.kill()
 
     def __enter__(self) -> Watch:
         self._thread.start()

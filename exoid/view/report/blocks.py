@@ -39,11 +39,11 @@ def replay_blocks(estimate: Estimate, shown: Recording, sentences: str, **more: 
     """Replay a recording in three dimensions; more arguments are those of the scene."""
     try:
         replay = scene(estimate, recording=shown, **more)
+        page = EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
     except ExoidError as error:
         yield Text([f"The leg cannot be drawn: {error.what}."])
         return
-    yield Text([sentences])
-    yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
+    yield from (Text([sentences]), page)
 
 
 def sentence(clause: str) -> str:

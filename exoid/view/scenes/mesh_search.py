@@ -1,7 +1,7 @@
 """Finding the files of meshes that a URDF refers to.
 
-It takes the place of yourdfpy's search, which opens any file of the machine that a URDF names, and ignores the names of
-packages and the path of ROS.
+Unlike yourdfpy's search it does not open any file of the machine that a URDF names, and heeds the names of packages and
+the path of ROS.
 """
 
 from __future__ import annotations

@@ -56,4 +56,4 @@ def _viewer_file(name: str) -> str:
         path = Path(folder) / "viewer" / name
         if path.is_file():
             return path.read_text(encoding="utf-8")
-    raise NotSupportedError("meshcat's viewer is missing", where=name, remedy="pip install --force-reinstall meshcat")
+    raise NotSupportedError("the viewer (meshcat, exoid[view]) is not installed", remedy="pip install 'exoid[view]'")

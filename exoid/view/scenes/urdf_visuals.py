@@ -1,23 +1,21 @@
-"""The ``<visual>`` elements of a URDF, which yourdfpy reads."""
+"""The ``<visual>`` elements of a URDF."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from lxml import etree
 
+from exoid._typing import FloatArray
 from exoid.leg.description import Description, check_numbers
+from exoid.leg.rewriting import numbers_of
 
 from .mesh_search import find_mesh
 from .meshes import load_mesh
 from .visual import Material, Visual, box, cylinder, ellipsoid, hex_colour, triangle_mesh
-
-if TYPE_CHECKING:
-    import yourdfpy
 
 PLAIN = "#b8bcc2"
 """Colour of a link to which neither the URDF nor the file of its mesh gives one."""
@@ -34,7 +32,7 @@ NUMBERS = {
     "link/visual/geometry/sphere": {"radius": 1},
     "link/visual/geometry/mesh": {"scale": 3},
 }
-"""Number of values in each attribute. yourdfpy takes other numbers of them, and values that are not finite."""
+"""Number of values in each attribute."""
 
 REQUIRED = ("box", "color", "cylinder", "sphere")
 """Tags of elements that must have all of these attributes."""
@@ -44,24 +42,21 @@ def read_visuals(
     description: Description, links: Sequence[str], folder: Path | None
 ) -> tuple[dict[str, list[Visual]], tuple[str, ...]]:
     """Read the visuals of links in their frames, by name; and a sentence for each that cannot be drawn."""
-    import yourdfpy  # noqa: PLC0415 - takes a second, with trimesh
-
     by_link: dict[str, list[Visual]] = {}
     root, unknown = _drawn_elements(description.parse(), links)
     what = "a <visual> that is no box, cylinder, sphere or mesh, left out"
     notes = [f"{description.name}, link {name!r}: {what}" for name in unknown]
     check_numbers(root, NUMBERS, REQUIRED, description.name)
-    robot = yourdfpy.URDF.load(BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
-    named = {material.name: material for material in robot.materials}
-    for link in robot.links:
-        for visual in link.visuals:
-            try:
-                drawn = _shapes(visual, named, folder)
-            except FileNotFoundError as missing:
-                notes.append(f"{description.name}, link {link.name!r}: {missing}, left out")
-                continue
-            origin = np.eye(4) if visual.origin is None else visual.origin
-            by_link.setdefault(link.name, []).extend(shape.placed(origin) for shape in drawn)
+    coloured = ((element.get("name", ""), _material(element)) for element in root.findall("material"))
+    named = {name: material for name, material in coloured if material is not None}
+    for visual in root.iterfind("link/visual"):
+        link = visual.getparent().get("name", "")  # type: ignore[union-attr]
+        try:
+            drawn = _shapes(visual, named, folder)
+        except FileNotFoundError as missing:
+            notes.append(f"{description.name}, link {link!r}: {missing}, left out")
+            continue
+        by_link.setdefault(link, []).extend(shape.placed(_placement(visual)) for shape in drawn)
     return by_link, tuple(notes)
 
 
@@ -77,43 +72,52 @@ def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._
             if geometry is None or shape is None:
                 unknown.append(link.get("name", ""))
                 continue
-            geometry[:] = [shape]  # the first child is the one that yourdfpy reads
+            geometry[:] = [shape]
             copy.append(visual)
     return robot, unknown
 
 
-def _shapes(visual: yourdfpy.Visual, named: dict[str, yourdfpy.Material], folder: Path | None) -> Iterable[Visual]:
+def _placement(visual: etree._Element) -> FloatArray:
+    """Transform from a visual to its link, (4, 4)."""
+    origin = visual.find("origin")
+    rotation = pin.rpy.rpyToMatrix(numbers_of(origin, "rpy"))
+    return np.asarray(pin.SE3(rotation, numbers_of(origin, "xyz")).homogeneous)
+
+
+def _shapes(visual: etree._Element, named: dict[str, Material], folder: Path | None) -> Iterable[Visual]:
     """Shapes of a visual, in its own frame."""
-    material, geometry = _material(visual.material, named), visual.geometry
-    if geometry.mesh is not None:
-        return _mesh(geometry.mesh, material, folder)
+    element = visual.find("material")
+    material = None if element is None else _material(element) or named.get(element.get("name", ""))
+    (shape,) = visual.iterfind("geometry/*")
+    if shape.tag == "mesh":
+        return _mesh(shape, material, folder)
     material = material or Material(PLAIN)
-    if geometry.box is not None:
-        return [box(geometry.box.size, material)]
-    if geometry.cylinder is not None:
-        return [cylinder(geometry.cylinder.radius, geometry.cylinder.length, material)]
-    return [ellipsoid(geometry.sphere.radius, material)]
+    if shape.tag == "box":
+        return [box(numbers_of(shape, "size"), material)]
+    radius = float(shape.get("radius", ""))
+    if shape.tag == "cylinder":
+        return [cylinder(radius, float(shape.get("length", "")), material)]
+    return [ellipsoid(radius, material)]
 
 
-def _mesh(mesh: yourdfpy.Mesh, material: Material | None, folder: Path | None) -> list[Visual]:
+def _mesh(mesh: etree._Element, material: Material | None, folder: Path | None) -> list[Visual]:
     """Read a mesh, in the material of the URDF or in its own colours; raise FileNotFoundError if there is none."""
-    path = find_mesh(mesh.filename or "", folder)
+    name = mesh.get("filename", "")
+    path = find_mesh(name, folder)
     try:
-        parts = load_mesh(path, np.ones(3) if mesh.scale is None else mesh.scale)
+        parts = load_mesh(path, numbers_of(mesh, "scale", "1 1 1"))
     except Exception as error:  # the reader of meshes raises errors of several kinds
-        raise FileNotFoundError(f"mesh {mesh.filename!r} cannot be read ({error})") from error
+        raise FileNotFoundError(f"mesh {name!r} cannot be read ({error})") from error
     return [
         triangle_mesh(part.points, part.normals, part.triangles, material or Material(part.colour or PLAIN))
         for part in parts
     ]
 
 
-def _material(material: yourdfpy.Material | None, named: dict[str, yourdfpy.Material]) -> Material | None:
-    """Material of a visual, or that of its name among the robot's materials; None if neither has a colour."""
-    if material is None:
+def _material(element: etree._Element) -> Material | None:
+    """Material with a colour; None if it has none."""
+    colour = element.find("color")
+    if colour is None:
         return None
-    given = [each for each in (material, named.get(material.name)) if each is not None and each.color is not None]
-    if not given:
-        return None
-    rgba = np.clip(given[0].color.rgba, 0.0, 1.0)
-    return Material(hex_colour(*(round(255.0 * float(value)) for value in rgba[:3])), float(rgba[3]))
+    rgba = np.clip(numbers_of(colour, "rgba"), 0.0, 1.0).tolist()
+    return Material(hex_colour(*(round(255.0 * value) for value in rgba[:3])), rgba[3])
