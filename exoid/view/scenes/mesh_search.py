@@ -1,8 +1,4 @@
-"""Finding the files of meshes that a URDF refers to.
-
-Unlike yourdfpy's search it does not open any file of the machine that a URDF names, and heeds the names of packages and
-the path of ROS.
-"""
+"""Files of meshes that a URDF names by a package, by the path of ROS or beside itself; no other is opened."""
 
 from __future__ import annotations
 
