@@ -174,13 +174,13 @@ def test_the_validation_motion_of_document_2_cannot_see_j2():
 def test_a_motion_that_turns_the_shank_sees_j2():
     leg = exoid.load_leg("cuhk")
     motion = cuhk.multisine(leg, np.random.default_rng(0), 5)
-    W = leg.regressor(*cuhk._period(motion))[..., leg.parameter_names.index("J2")]
+    W = leg.regressor(*motion.over(cuhk.PERIOD))[..., leg.parameter_names.index("J2")]
     assert np.abs(W).max() > 1.0
 
 
 def test_a_good_motion_sees_inertia_a_hundred_times_better_than_table_ii():
     """J1's column in the hip's torque, in N·m for each kg·m²."""
     leg = exoid.load_leg("cuhk")
-    fast = cuhk._period(cuhk.multisine(leg, np.random.default_rng(0), 5))[2][:, 0]
+    fast = cuhk.multisine(leg, np.random.default_rng(0), 5).over(cuhk.PERIOD).a[:, 0]
     slow = np.deg2rad(20.0) * cuhk.TABLE_II_FREQUENCY**2 / np.sqrt(2.0)
     assert np.sqrt(np.mean(fast**2)) > 50.0 * slow
