@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.errors import UnreadableInputError
-
-INSTALL = "pip install 'exoid[robots]'"
+from exoid.tools.extras import install_extra
 
 
 def is_robot(name: str) -> bool:
@@ -25,7 +24,9 @@ def urdf_of_robot(name: str) -> Path:
     try:
         return Path(getModelPath(inside)) / inside
     except OSError as error:
-        raise UnreadableInputError(f"no URDF of {name!r} ({error})", remedy=f"install its data: {INSTALL}") from None
+        raise UnreadableInputError(
+            f"no URDF of {name!r} ({error})", remedy=f"install its data: {install_extra('robots')}"
+        ) from None
 
 
 def folder_of_robot(name: str) -> Path:
@@ -36,7 +37,7 @@ def folder_of_robot(name: str) -> Path:
 
 def how_to_name_one() -> str:
     """Say what makes robots known by name."""
-    return "the name of one in example-robot-data" if _robots() else f"a robot's name after {INSTALL}"
+    return "the name of one in example-robot-data" if _robots() else f"a robot's name after {install_extra('robots')}"
 
 
 def _robots() -> Mapping[str, Any]:

@@ -10,6 +10,7 @@ from lxml import etree
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.tools.extras import install_extra
 
 SHORTEST = 0.01
 """Length below which a link is not drawn [m]."""
@@ -34,7 +35,7 @@ def require_mujoco() -> Any:  # noqa: ANN401 - a module
     try:
         import mujoco  # noqa: PLC0415 - an extra
     except ImportError:
-        raise NotSupportedError("MuJoCo is not installed", remedy="pip install 'exoid[ground]'") from None
+        raise NotSupportedError("MuJoCo is not installed", remedy=install_extra("ground")) from None
     return mujoco
 
 

@@ -163,10 +163,10 @@ def test_identify_reads_held_out_logs_as_the_others(exoid_, estimate, data):
 def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
     with undrawn():
         run = exoid_("identify", "bleex", TRAIN, "--test", TEST, "--report", "leg.html", "--json")
-        page = identification_report(estimate, [data.train], [data.test])
+        page = identification_report(estimate, [data.train], [data.test]).html()
     assert (run.code, run.err) == (0, "wrote leg.html\n")
     assert "tests" in json.loads(run.out)
-    assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page.html()
+    assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page
 
 
 @pytest.mark.parametrize("report", ["missing/report.html", "."])

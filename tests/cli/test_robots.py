@@ -48,7 +48,7 @@ def test_an_unknown_name_says_what_would_do(exoid_, monkeypatch):
     assert "example-robot-data" in done.err
     monkeypatch.setitem(sys.modules, "example_robot_data.robots_loader", None)  # not installed
     assert not robots.is_robot("panda")
-    assert "pip install 'exoid[robots]'" in exoid_("identify", "panda", "log.csv").err
+    assert "pip install 'example-robot-data" in exoid_("identify", "panda", "log.csv").err
 
 
 def test_robots_without_a_urdf_are_none():

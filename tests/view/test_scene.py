@@ -376,7 +376,7 @@ def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(mo
     monkeypatch.setattr("exoid.view.scenes.page.find_spec", lambda name: None)
     viewer_file.cache_clear()
     data = exoid.datasets.bleex_swing()
-    with pytest.raises(NotSupportedError, match=r"pip install 'exoid\[view\]'"):
+    with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
         scene(data.leg).html()
     (left_out,) = replay_blocks(exoid.identify(data.leg, data.train), data.test, "")
-    assert "exoid[view]" in left_out.lines[0]
+    assert "the viewer (meshcat) is not installed" in left_out.lines[0]

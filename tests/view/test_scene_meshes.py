@@ -179,7 +179,7 @@ def test_a_shape_that_urdf_does_not_know_becomes_a_note(tmp_path):
     capsule = "<visual><geometry><capsule radius='0.1' length='0.2'/></geometry></visual><visual/>"
     drawn = scene(leg_with(capsule), meshes=tmp_path)
     assert len(drawn.notes) == 2
-    assert all("'left_shank': a <visual> that is no box, cylinder, sphere or mesh" in note for note in drawn.notes)
+    assert all("'left_shank': a <visual> of no shape that is drawn" in note for note in drawn.notes)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.signals.source import Source
+from exoid.tools.extras import install_extra
 from exoid.tools.reader_process.bounds import refuse_expansion
 
 MOST_COLUMNS = 10_000
@@ -136,4 +137,4 @@ def as_column(values: NDArray[Any], name: str) -> FloatArray:
 
 def needs(package: str, kind: str) -> NotSupportedError:
     """Make the error about a package that is not installed."""
-    return NotSupportedError(f"reading {kind} needs {package}", remedy="pip install 'exoid[io]', or convert to CSV")
+    return NotSupportedError(f"reading {kind} needs {package}", remedy=f"{install_extra('io')}, or convert to CSV")

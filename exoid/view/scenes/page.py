@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.errors import NotSupportedError
+from exoid.tools.extras import install_extra
 from exoid.view.colours import MEASURED, PREDICTED, WEARER, WEIGHT
 
 
@@ -56,4 +57,4 @@ def _viewer_file(name: str) -> str:
         path = Path(folder) / "viewer" / name
         if path.is_file():
             return path.read_text(encoding="utf-8")
-    raise NotSupportedError("the viewer (meshcat, exoid[view]) is not installed", remedy="pip install 'exoid[view]'")
+    raise NotSupportedError("the viewer (meshcat) is not installed", remedy=install_extra("view"))

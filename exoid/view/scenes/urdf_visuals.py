@@ -44,8 +44,7 @@ def read_visuals(
     """Read the visuals of links in their frames, by name; and a sentence for each that cannot be drawn."""
     by_link: dict[str, list[Visual]] = {}
     root, unknown = _drawn_elements(description.parse(), links)
-    what = "a <visual> that is no box, cylinder, sphere or mesh, left out"
-    notes = [f"{description.name}, link {name!r}: {what}" for name in unknown]
+    notes = [f"{description.name}, link {each!r}: a <visual> of no shape that is drawn, left out" for each in unknown]
     check_numbers(root, NUMBERS, REQUIRED, description.name)
     coloured = ((element.get("name", ""), _material(element)) for element in root.findall("material"))
     named = {name: material for name, material in coloured if material is not None}
