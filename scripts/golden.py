@@ -232,7 +232,9 @@ for name, make in LAWS.items():
         """Two seconds of a gait with noise, under a law that knows the leg from a log."""
         plant = rig.Plant.build(exoid.load_leg("cuhk"), exoid.published.cuhk_resistances())
         found = make(estimate("cuhk"))
-        run = control.simulate(plant, found, healthy_gait(period=2.0), 2.0, sensors=rig.Sensors(velocity_noise=0.01))
+        run = control.simulate_law(
+            plant, found, healthy_gait(period=2.0), 2.0, sensors=rig.Sensors(velocity_noise=0.01)
+        )
         return run.recording.q, run.recording.tau
 
 

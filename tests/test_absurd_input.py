@@ -8,7 +8,7 @@ from one_joint import URDF, swing, write_urdf
 
 import exoid
 from exoid import ExoidError, Leg
-from exoid.control import pd, simulate
+from exoid.control import pd, simulate_law
 from exoid.experiments import Hold
 from exoid.experiments.excitation import plan_excitation
 from exoid.leg.description import describe
@@ -84,4 +84,4 @@ def test_shapes_that_the_parser_does_not_understand_print_nothing(tmp_path, capf
 def test_runs_without_end_are_refused(leg, seconds):
     plant = Plant.build(leg, {}, end_stops=False)
     with pytest.raises(ExoidError, match=r"a run of .* s is longer than 1e[+]07 samples"):
-        simulate(plant, pd(50.0, 5.0), Hold([0.1]), seconds)
+        simulate_law(plant, pd(50.0, 5.0), Hold([0.1]), seconds)

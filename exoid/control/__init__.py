@@ -4,7 +4,7 @@ from . import wearer as wearer
 from .adaptive import adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
-from .closed_loop import simulate, simulate_many
+from .closed_loop import simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
 from .law import Law, State, StatefulLaw, stateful
@@ -69,7 +69,7 @@ __all__ = [
     "replay_law",
     "self_tuning",
     "sensitivity_amplification",
-    "simulate",
+    "simulate_law",
     "simulate_many",
     "standard_laws",
     "stateful",

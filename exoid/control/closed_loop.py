@@ -48,7 +48,7 @@ class SimulationOptions(TypedDict, total=False):
     progress: Callable[[float], None] | None
 
 
-def simulate(
+def simulate_law(
     plant: Plant,
     law: AnyLaw,
     reference: Reference,
@@ -100,7 +100,7 @@ def simulate_many(
     wearer: Wearer | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Tracking, ...]:
-    """Simulate B rigs at once; arguments as for :func:`simulate`.
+    """Simulate B rigs at once; arguments as for :func:`simulate_law`.
 
     Args:
         plant: The true legs, B rigs.
@@ -122,7 +122,7 @@ def simulate_many(
         One result for each rig.
 
     Raises:
-        ExoidError: See :func:`simulate`; or the number of names is not that of the rigs.
+        ExoidError: See :func:`simulate_law`; or the number of names is not that of the rigs.
     """
     if names is not None and len(names) != plant.count:
         raise BadArgumentError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")

@@ -94,7 +94,7 @@ def compare_laws(
         laws: Controllers by name, with or without memory.
         reference: Reference of one leg, which all follow.
         duration: Duration [s].
-        sensors: See :func:`exoid.control.simulate`; the noise differs from controller to controller.
+        sensors: See :func:`exoid.control.simulate_law`; the noise differs from controller to controller.
         settle: Time at the beginning that the metrics leave out [s].
         seed: Seed of the sensor noise.
         progress: Function that receives the completed share, 0 to 1.

@@ -96,7 +96,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
         if not (np.abs(v) < FASTEST).all():
             raise ExoidError(
                 f"the model's motion diverges within {(sample + 1) / recording.sample_rate:.3g} s",
-                remedy="check that the estimate is physical (exoid.lift.check), or shorten the horizon",
+                remedy="check that the estimate is physical (exoid.lift.check_physical), or shorten the horizon",
             )
     predicted = out.transpose(1, 0, 2).reshape(-1, q.shape[1])[:samples]
     names = recording.joint_names

@@ -11,7 +11,7 @@ from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
-from exoid.leg.lift import check, lift
+from exoid.leg.lift import check_physical, lift
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RFactor, solve, stack
 from exoid.regression.parameters import PriorKnowledge
@@ -130,7 +130,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
     values, count = solution.values, len(model.leg.parameter_names)
-    if settings.consistent and not check(model.leg, values[:count]).physical:  # the nearest links that are possible
+    if settings.consistent and not check_physical(model.leg, values[:count]):  # the nearest links that are possible
         values = np.append(lift(model.leg, values[:count], covariance[:count, :count]).values, values[count:])
     return Estimate(
         model=model,

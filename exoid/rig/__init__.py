@@ -2,7 +2,7 @@
 
 from exoid.leg.payload import Payload
 
-from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
+from .actuators import Actuator, DcMotor, HydraulicServo, IdealTorque, StepTorque
 from .bodies import leg_with_payloads, limb_of, plant_with_payloads, sandbags
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .pinocchio_stepper import PinocchioStepper
@@ -20,7 +20,6 @@ __all__ = [
     "CoupledMotors",
     "CoupledStepper",
     "DcMotor",
-    "Drive",
     "Energy",
     "HydraulicServo",
     "IdealTorque",
@@ -35,6 +34,7 @@ __all__ = [
     "Run",
     "Sensors",
     "SmoothStepper",
+    "StepTorque",
     "Target",
     "Wearer",
     "leg_with_payloads",

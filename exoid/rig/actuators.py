@@ -12,7 +12,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 
 
-class Drive(NamedTuple):
+class StepTorque(NamedTuple):
     """Torque of an actuator during a step, τ₀ − damping · v̄, (n, B) each.
 
     Attributes:
@@ -42,7 +42,7 @@ class Actuator(ABC):
             Torque [N·m], (n, B).
         """
 
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> StepTorque:
         """Compute the torque during the next step.
 
         Args:
@@ -53,7 +53,7 @@ class Actuator(ABC):
         Returns:
             Torque as a linear function of the mean velocity.
         """
-        return Drive(self.torque(state, command), np.zeros_like(command))
+        return StepTorque(self.torque(state, command), np.zeros_like(command))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
         """Compute the internal state after the step.
@@ -160,12 +160,12 @@ class HydraulicServo(Actuator):
         """Return the state, which is the torque."""
         return state
 
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> StepTorque:
         """Compute the mean torque ½ (A + A⁺) as a function of the mean velocity."""
         half = 0.5 * dt * np.asarray(self.stiffness)
         scale = 1.0 / (1.0 + half * np.asarray(self.leakage))
         torque = scale * (state + half * np.asarray(self.valve_gain) * command)
-        return Drive(torque, np.broadcast_to(scale * half, command.shape))
+        return StepTorque(torque, np.broadcast_to(scale * half, command.shape))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
         """Compute the torque A⁺ at the end of the step."""

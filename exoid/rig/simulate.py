@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 
-from .actuators import Actuator, Drive
+from .actuators import Actuator, StepTorque
 from .controllers import Controller, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
@@ -170,7 +170,7 @@ def simulate(
     return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, energy, *of_wearer)
 
 
-def _exchanged(plant: Plant, drive: Drive, step: Step, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _exchanged(plant: Plant, drive: StepTorque, step: Step, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Work, dissipated energy and turnover of one step [J], (B,) each."""
     travelled = dt * step.mean_velocity
     work = (drive.torque - drive.damping * step.mean_velocity) * travelled

@@ -128,7 +128,7 @@ def test_a_controller_commands_amperes_within_the_limits_of_its_motors(by_torque
 def test_a_tracked_motion_has_its_forces(by_force) -> None:
     plant = exoid.rig.Plant.build(LEG)
     hold = exoid.experiments.Hold(np.array([[0.5], [-0.7], [0.0]]))
-    run = exoid.control.simulate(plant, exoid.control.pd(400.0, 20.0), hold, 0.5)
+    run = exoid.control.simulate_law(plant, exoid.control.pd(400.0, 20.0), hold, 0.5)
     forces = CYLINDERS.command(run.tau, run.q, run.v)
     expected = run.tau[-1] / [
         CYLINDERS.drives[j].moment_arm.arm(run.q[-1:, k])[0] for k, j in enumerate(LEG.joint_names)

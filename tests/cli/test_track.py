@@ -180,7 +180,7 @@ def gait_log(path):
     """Text of a log of the leg of an estimate under feedforward."""
     known = control.ControlModel.of(Estimate.load(path / "est.json"))
     kp, kd = control.default_gains(known, np.array([0.2, 0.4]))
-    run = control.simulate(
+    run = control.simulate_law(
         known.plant(), control.feedforward_pd(known, 2.0 * kp, 2.0 * kd), healthy_gait(0.8, 4.0), 4.0
     )
     run.recording.to_csv(path / "log.csv")

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observers, random_values, torques_in_python
 
 from exoid.codegen import Safety, c_source
-from exoid.control import default_gains, gravity_friction_pd, simulate
+from exoid.control import default_gains, gravity_friction_pd, simulate_law
 from exoid.control.standard_laws import SENSORS
 from exoid.rig import Plant, Wearer
 
@@ -69,7 +69,7 @@ def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
     plant = Plant.build(model().leg, resistances)
     wearer = Wearer.build(plant.leg) if name in ("admittance", "sensitivity_amplification") else None
     runs = [
-        simulate(plant, law, gait(), 0.5, sensors=SENSORS, seed=1, wearer=wearer)
+        simulate_law(plant, law, gait(), 0.5, sensors=SENSORS, seed=1, wearer=wearer)
         for law in (laws()[name], library[f"{name}_double"])
     ]
     in_python, in_c = ([run.rms_deg, run.peak_deg, run.rms_torque] for run in runs)

@@ -27,7 +27,7 @@ from exoid.control.parameter_cone import ParameterCone
 from exoid.control.slotine_li import SlotineLiModel
 from exoid.control.standard_laws import SENSORS
 from exoid.experiments import Hold, healthy_gait
-from exoid.leg.lift import check, lift
+from exoid.leg.lift import check_physical, lift
 from exoid.rig import Payload, Target, plant_with_payloads
 
 KP, KD = (22.0, 55.0), (2.2, 5.5)
@@ -313,7 +313,7 @@ def test_an_impossible_estimate_begins_at_the_nearest_possible_leg():
     wrong[est.names.index("J2")] = -0.1
     wrong[est.names.index("d_hip")] = -0.05
     law = adaptive(replace(est, values=wrong), KP, KD)
-    assert check(LEG, law.model.values[:6]).physical
+    assert check_physical(LEG, law.model.values[:6]).physical
     assert law.model.values[law.names.index("d_hip")] >= 0.0
 
 

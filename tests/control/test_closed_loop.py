@@ -5,7 +5,7 @@ import pytest
 from controlled_legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
-from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate_law, simulate_many
 from exoid.control.closed_loop import plant_step
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Sensors, Target
@@ -29,7 +29,7 @@ class Spy:
 
 def test_a_controller_receives_the_time_the_target_and_its_last_torque():
     spy, gait = Spy(), healthy_gait()
-    simulate(cuhk_plant(), spy, gait, 1.0)
+    simulate_law(cuhk_plant(), spy, gait, 1.0)
     assert len(spy.heard) == 31
     for k, (state, target) in enumerate(spy.heard):
         assert state.time == pytest.approx(k / 30.0)
@@ -39,7 +39,7 @@ def test_a_controller_receives_the_time_the_target_and_its_last_torque():
 
 
 def test_torque_is_held_between_samples():
-    run = simulate(cuhk_plant(), Spy(), healthy_gait(), 1.0, log_rate=300.0)
+    run = simulate_law(cuhk_plant(), Spy(), healthy_gait(), 1.0, log_rate=300.0)
     np.testing.assert_allclose(run.tau[1::10, 0], run.tau[10::10, 0])
     assert len(np.unique(run.tau[1:, 0])) == 30
 
@@ -62,7 +62,7 @@ def test_the_closed_loop_without_friction_is_that_of_an_integrator_of_high_order
     truth = solve_ivp(rate, (0.0, 0.8), start, method="DOP853", t_eval=fine, rtol=1e-9, atol=1e-11).y[:2].T
     errors = []
     for every, hertz in ((2, 1000.0), (1, 2000.0)):
-        run = simulate(plant, gravity_friction_pd(plant, KP, KD, friction=None, rate=hertz), gait, 0.8)
+        run = simulate_law(plant, gravity_friction_pd(plant, KP, KD, friction=None, rate=hertz), gait, 0.8)
         errors.append(np.abs(run.q - truth[::every]).max())
     assert errors[1] < 1e-4
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
@@ -71,7 +71,7 @@ def test_the_closed_loop_without_friction_is_that_of_an_integrator_of_high_order
 
 def test_no_energy_comes_from_nowhere():
     for plant in (cuhk_plant(), cuhk_plant(0.0)):
-        run = simulate(plant, pd(KP, KD), healthy_gait(period=4.0), 4.0)
+        run = simulate_law(plant, pd(KP, KD), healthy_gait(period=4.0), 4.0)
         assert run.audit.relative_error < 1e-4
         assert run.audit.dissipated > 1.0
         work = run.tau[1:] * np.diff(run.q, axis=0)
@@ -79,7 +79,7 @@ def test_no_energy_comes_from_nowhere():
 
 
 def test_metrics_are_what_their_names_say():
-    run = simulate(cuhk_plant(), pd(KP, KD), healthy_gait(period=5.0), 7.0, settle=2.0)
+    run = simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(period=5.0), 7.0, settle=2.0)
     late = run.time >= 2.0
     error = np.rad2deg(run.target - run.q)[late]
     np.testing.assert_allclose(run.peak_deg, np.abs(error).max(axis=0))
@@ -92,7 +92,7 @@ def test_metrics_are_what_their_names_say():
 
 
 def test_the_recording_is_what_the_sensors_said():
-    run = simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 3.0, sensors=NOISY, seed=4)
+    run = simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 3.0, sensors=NOISY, seed=4)
     log = run.recording
     assert log.joint_names == ("left_hip", "left_knee")
     for said, true, noise in ((log.q, run.q, 5e-4), (log.v, run.v, 0.01), (log.tau, run.tau, 0.3)):
@@ -100,7 +100,7 @@ def test_the_recording_is_what_the_sensors_said():
 
 
 def test_the_same_seed_gives_the_same_run():
-    runs = [simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, sensors=NOISY, seed=s).q for s in (1, 1, 2)]
+    runs = [simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, sensors=NOISY, seed=s).q for s in (1, 1, 2)]
     np.testing.assert_array_equal(runs[0], runs[1])
     assert (runs[0] != runs[2]).any()
 
@@ -114,21 +114,22 @@ def test_many_rigs_at_once_do_what_each_does_alone():
     )
     assert [one.law for one in together] == ["rotor", "none", "stiff"]
     for one, plant in zip(together, plants, strict=True):
-        alone = simulate(plant, pd(KP, KD), healthy_gait(period=4.0), 2.0)
+        alone = simulate_law(plant, pd(KP, KD), healthy_gait(period=4.0), 2.0)
         np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
 
 
 def test_delay_is_what_makes_a_stiff_loop_swing():
     stiff = pd((400.0, 300.0), (20.0, 15.0))
     prompt, late = (
-        simulate(cuhk_plant(), stiff, healthy_gait(), 3.0, settle=1.0, sensors=Sensors(np.inf, delay=d)) for d in (0, 8)
+        simulate_law(cuhk_plant(), stiff, healthy_gait(), 3.0, settle=1.0, sensors=Sensors(np.inf, delay=d))
+        for d in (0, 8)
     )
     assert (late.torque_variation > 10.0 * prompt.torque_variation).any()
 
 
 def test_a_run_may_begin_elsewhere():
     start = np.deg2rad([40.0, 30.0])
-    run = simulate(cuhk_plant(), pd(KP, KD), Hold(np.zeros((2, 1))), 0.5, start=start)
+    run = simulate_law(cuhk_plant(), pd(KP, KD), Hold(np.zeros((2, 1))), 0.5, start=start)
     np.testing.assert_allclose(run.q[0], start)
     np.testing.assert_allclose(run.v[0], 0.0)
 
@@ -144,6 +145,6 @@ def test_the_step_divides_both_periods(control, log):
 
 
 def test_a_result_prints_itself():
-    text = str(simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, name="PD"))
+    text = str(simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, name="PD"))
     for word in ("PD at 100 Hz", "left_hip", "left_knee", "peak error [deg]", "rms torque [N·m]"):
         assert word in text

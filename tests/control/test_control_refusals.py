@@ -30,7 +30,7 @@ from exoid.control import (
     replay_law,
     self_tuning,
     sensitivity_amplification,
-    simulate,
+    simulate_law,
     simulate_many,
     stateful,
 )
@@ -134,11 +134,11 @@ REFUSED = {
         (lambda shape: SideBySide((pd(1.0, 1.0),) * 2).begin(_state(shape)), (2,)),
     ],
     "run": [
-        (lambda x: simulate(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
+        (lambda x: simulate_law(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
         (lambda x: simulate_many(PLANT.repeat(2), pd(1.0, 1.0), GAIT, 1.0, names=x), ("one",)),
-        (lambda x: simulate(PLANT, pd(1.0, 1.0), GAIT, 1.0, settle=x), 1.0),
+        (lambda x: simulate_law(PLANT, pd(1.0, 1.0), GAIT, 1.0, settle=x), 1.0),
         *((lambda x: plant_step(*x), bad) for bad in ((0.0, 100.0), (100.0, NAN), (99.97, 100.0))),
-        (lambda make: simulate(PLANT, make(LEG, 0.5, 1.0), GAIT, 1.0), admittance),
+        (lambda make: simulate_law(PLANT, make(LEG, 0.5, 1.0), GAIT, 1.0), admittance),
     ],
     "replay": [
         (lambda law: replay_law(law, logged()), sensitivity_amplification(LEG, 2.0)),  # 500 Hz, the log has 100
@@ -174,9 +174,9 @@ def test_bad_arguments_are_refused(call, bad):
 
 def test_a_motion_beyond_the_limits_and_a_run_that_diverges_are_refused():
     with pytest.raises(ExoidError, match="the motion asks left_knee"):
-        simulate(PLANT, pd(1.0, 1.0), healthy_gait(scale=3.0), 10.0)
+        simulate_law(PLANT, pd(1.0, 1.0), healthy_gait(scale=3.0), 10.0)
     with pytest.raises(ExoidError, match="diverged"):
-        simulate(PLANT, pd(1e7, 1e7), GAIT, 1.0)
+        simulate_law(PLANT, pd(1e7, 1e7), GAIT, 1.0)
 
 
 def test_logs_with_gaps_or_missing_values_and_torques_that_are_not_finite_are_refused():

@@ -3,7 +3,7 @@
 import numpy as np
 from controlled_legs import cuhk_plant
 
-from exoid.control import Limited, SideBySide, State, pd, simulate
+from exoid.control import Limited, SideBySide, State, pd, simulate_law
 from exoid.experiments import Hold
 from exoid.rig import Target
 
@@ -35,7 +35,7 @@ def test_the_limit_holds_even_where_the_last_torque_was_beyond_it():
 def test_limits_hold_throughout_a_run():
     law = Limited(pd(300.0, 30.0), limit=(15.0, 8.0), slew=200.0)
     pose = Hold(np.array([[0.6], [0.8]]))
-    free, bound = (simulate(cuhk_plant(), one, pose, 1.0, start=np.zeros(2)) for one in (law.law, law))
+    free, bound = (simulate_law(cuhk_plant(), one, pose, 1.0, start=np.zeros(2)) for one in (law.law, law))
     assert (np.abs(free.tau).max(axis=0) > [100.0, 100.0]).all()
     assert (np.abs(bound.tau).max(axis=0) <= [15.0 + 1e-12, 8.0 + 1e-12]).all()
     assert np.abs(np.diff(bound.tau, axis=0, prepend=0.0)).max() <= 2.0 + 1e-9

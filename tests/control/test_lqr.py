@@ -6,7 +6,7 @@ import scipy
 from controlled_legs import cuhk_plant, exact_estimate, frictionless, random_target
 
 from exoid import load_leg
-from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate
+from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate_law
 from exoid.control.lqr import Linear, discretise, linearise
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits
@@ -115,8 +115,8 @@ def test_gains_that_follow_the_leg_hold_an_unknown_weight_better_than_one_gain(l
     reference = motion(plant.leg)
     loaded = plant_with_payloads(plant, [Payload("knee", 1.5, (0.0, 0.0, -0.3))])
     laws = lqr(plant, reference, 4.0), lqr(plant, Hold(mean_pose(reference, 4.0)[:, None]), 4.0)
-    exact, of_one_exact = (simulate(plant, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
-    follows, one = (simulate(loaded, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
+    exact, of_one_exact = (simulate_law(plant, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
+    follows, one = (simulate_law(loaded, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
     print(leg, exact, of_one_exact, follows, one)
     assert exact.max() < 0.15
     assert follows.max() < ratio * one.max()

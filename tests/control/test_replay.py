@@ -17,7 +17,7 @@ from exoid.control import (
     gravity_support,
     replay_law,
     sensitivity_amplification,
-    simulate,
+    simulate_law,
 )
 from exoid.experiments import healthy_gait
 from exoid.signals import Recording
@@ -29,7 +29,7 @@ PD = gravity_friction_pd(exact_estimate(), 60.0, 6.0)
 @pytest.fixture(scope="module")
 def run():
     """A gait under PD with gravity and friction, exact sensors, logged at the rate of the controller."""
-    return simulate(cuhk_plant(), PD, GAIT, 4.0)
+    return simulate_law(cuhk_plant(), PD, GAIT, 4.0)
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def run():
 )
 def test_a_law_that_ran_commands_in_the_replay_what_it_commanded_on_the_rig(law):
     """The log has the torque held until each sample, the replay the one from it on."""
-    run = simulate(cuhk_plant(), law, GAIT, 2.0) if law is not None else None
+    run = simulate_law(cuhk_plant(), law, GAIT, 2.0) if law is not None else None
     logged = run.recording
     found = replay_law(law, replace(logged, v=run.v, q=run.q), GAIT)
     np.testing.assert_allclose(found.commanded[:-1], run.tau[1:], atol=1e-9)

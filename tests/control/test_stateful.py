@@ -8,7 +8,7 @@ from controlled_legs import LEG, cuhk_plant
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Motor
-from exoid.control import Driven, Limited, SideBySide, State, StatefulLaw, pd, simulate, simulate_many, stateful
+from exoid.control import Driven, Limited, SideBySide, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -48,7 +48,7 @@ def test_a_law_with_memory_is_itself_and_one_without_gets_an_empty_memory():
 
 def test_the_closed_loop_hands_the_memory_on():
     """The torque of each sample is that of the sum of all errors until then."""
-    run = simulate(cuhk_plant(), PI(), healthy_gait(), 2.0)
+    run = simulate_law(cuhk_plant(), PI(), healthy_gait(), 2.0)
     error = run.target - run.q
     expected = 20.0 * error + 5.0 * np.cumsum(error, axis=0) / 100.0
     np.testing.assert_allclose(run.tau[1:], expected[:-1], rtol=1e-3, atol=1e-3)  # readings have encoder counts
@@ -56,7 +56,7 @@ def test_the_closed_loop_hands_the_memory_on():
 
 def test_one_law_object_may_run_many_times_and_on_many_rigs():
     law, plant, gait = PI(), cuhk_plant(), healthy_gait()
-    first, again = (simulate(plant, law, gait, 1.0) for _ in range(2))
+    first, again = (simulate_law(plant, law, gait, 1.0) for _ in range(2))
     np.testing.assert_array_equal(first.tau, again.tau)
     for one in simulate_many(plant.repeat(3), law, gait, 1.0):
         np.testing.assert_allclose(one.tau, first.tau, atol=1e-8)
@@ -69,7 +69,7 @@ def test_limits_act_on_a_law_with_memory():
     torque, memory = law.step(memory, state, AIM)
     np.testing.assert_allclose(torque, [2.0, -0.6])  # 6 and −4 N·m wanted
     np.testing.assert_allclose(memory.total, AIM.q / 100.0)
-    run = simulate(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
+    run = simulate_law(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
     assert np.abs(run.tau).max() == pytest.approx(2.0)
     assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 0.5 + 1e-9
 
@@ -89,7 +89,7 @@ def test_side_by_side_each_law_keeps_its_memory():
     laws = (PI(), pd(20.0, 1.0), Limited(PI(), limit=1.0))
     together = simulate_many(plant.repeat(3), SideBySide(laws), gait, 1.0)
     for one, law in zip(together, laws, strict=True):
-        np.testing.assert_allclose(one.tau, simulate(plant, law, gait, 1.0).tau, atol=1e-8)
+        np.testing.assert_allclose(one.tau, simulate_law(plant, law, gait, 1.0).tau, atol=1e-8)
 
 
 def test_side_by_side_each_law_receives_its_interaction():

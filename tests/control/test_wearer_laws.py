@@ -16,7 +16,7 @@ from exoid.control import (
     impedance,
     pd,
     sensitivity_amplification,
-    simulate,
+    simulate_law,
     simulate_many,
     transparent,
 )
@@ -67,14 +67,14 @@ def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
 def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
     """Weight and friction are compensated; nothing else moves the leg."""
     law = transparent(RUBBING, friction=PassiveFriction(share=1.0), rate=500.0)
-    rest = simulate(RUBBING, law, HOLD, 3.0, sensors=EXACT)
+    rest = simulate_law(RUBBING, law, HOLD, 3.0, sensors=EXACT)
     np.testing.assert_array_equal(rest.q[-1], POSE)
 
     class Throw:
         def at(self, time):
             return Target(POSE[:, None], np.array([[1.0], [-1.0]]))
 
-    thrown = simulate(RUBBING, law, Throw(), 0.6, sensors=EXACT)
+    thrown = simulate_law(RUBBING, law, Throw(), 0.6, sensors=EXACT)
     speed = np.einsum("ki,ki->k", thrown.v, dynamic_torque(SMOOTH, thrown.q, 0 * thrown.v, thrown.v))
     assert speed[-1] < 1.002 * speed[0]
     assert speed[-1] > 0.5 * speed[0]
@@ -88,7 +88,7 @@ def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
 def test_the_wearer_carries_the_rest_of_the_weight(share):
     """A wearer who holds still: τ_wearer = (1 − share) G(q) of the leg."""
     still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
-    run = simulate(SMOOTH, gravity_support(SMOOTH, share), HOLD, 6.0, wearer=still)
+    run = simulate_law(SMOOTH, gravity_support(SMOOTH, share), HOLD, 6.0, wearer=still)
     weight = SMOOTH.leg.gravity(run.q[-1])[0]
     assert np.abs(weight).min() > 0.5
     np.testing.assert_allclose(run.interaction[-1], (1.0 - share) * weight, atol=0.01)
@@ -102,7 +102,7 @@ def test_transparent_is_support_of_all_weight_with_friction():
 
 
 def test_an_unworn_transparent_leg_stays_where_it_is_released():
-    run = simulate(SMOOTH, transparent(SMOOTH, rate=1000.0), HOLD, 2.0, start=POSE, sensors=EXACT)
+    run = simulate_law(SMOOTH, transparent(SMOOTH, rate=1000.0), HOLD, 2.0, start=POSE, sensors=EXACT)
     np.testing.assert_allclose(run.q, np.tile(POSE, (len(run.q), 1)), atol=1e-6)
 
 
@@ -113,7 +113,7 @@ def test_the_stiffness_of_the_closed_loop_is_the_one_asked_for():
     """A weight that the law does not know bends the loop by exactly K⁻¹ ΔG; on a leg without friction."""
     load, stiffness = Payload("knee", 2.0, (0.0, 0.0, -0.3)), np.array([80.0, 50.0])
     loaded = plant_with_payloads(SMOOTH, (load,))
-    run = simulate(loaded, impedance(SMOOTH, stiffness, 15.0, rate=500.0), HOLD, 8.0, sensors=EXACT)
+    run = simulate_law(loaded, impedance(SMOOTH, stiffness, 15.0, rate=500.0), HOLD, 8.0, sensors=EXACT)
     known, true = SMOOTH.leg, SMOOTH.leg.with_parameters(loaded.parameters[:, 0])
     extra = (true.gravity(run.q[-1]) - known.gravity(run.q[-1]))[0]
     assert np.abs(run.v[-1]).max() < 1e-6
@@ -124,7 +124,7 @@ def test_the_stiffness_of_the_closed_loop_is_the_one_asked_for():
 def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
     """τ_wearer = −(M ë + D ė + K e), with sampling at 1 kHz, over a gait against a fixed target."""
     law = impedance(SMOOTH, 30.0, 4.0, rate=1000.0)
-    run = simulate(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT, settle=0.2)
+    run = simulate_law(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT, settle=0.2)
     error, late = POSE - run.q, run.time > 0.2
     M = SMOOTH.leg.mass_matrix(run.q) + np.diag(SMOOTH.armature[:, 0])
     felt = np.einsum("kij,kj->ki", M, accelerations(run)) + 4.0 * run.v - 30.0 * error
@@ -140,7 +140,7 @@ def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
 def test_the_wearer_moves_the_virtual_mass(mass):
     """τ_wearer = m q̈ + D q̇ on a leg whose own inertia, weight and coupling are others."""
     law = admittance(SMOOTH, mass, 1.0, rate=1000.0)
-    run = simulate(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT)
+    run = simulate_law(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT)
     late = run.time > 0.6
     felt, a, v = run.interaction[late], accelerations(run)[late], run.v[late]
     for joint in range(2):
@@ -167,7 +167,7 @@ def test_the_virtual_mass_obeys_its_equation():
 def test_a_sensor_that_drifts_does_not_carry_the_leg_beyond_its_reach():
     law = admittance(SMOOTH, 0.5, 1.0, reach=0.3, rate=500.0)
     loose = Wearer(LIMB, cuff_stiffness=0.0, cuff_damping=0.0)
-    run = simulate(SMOOTH, law, HOLD, 4.0, wearer=loose, sensors=Sensors(np.inf, interaction_offset=1.0))
+    run = simulate_law(SMOOTH, law, HOLD, 4.0, wearer=loose, sensors=Sensors(np.inf, interaction_offset=1.0))
     assert 0.25 < np.abs(run.q - POSE).max() < 0.7  # the offset is also taken for a torque on the leg
 
 
@@ -204,8 +204,8 @@ def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
     """The limb's weight is beyond the support of the leg's own, so a passive limb needs help."""
     law = assist_as_needed(SMOOTH, 150.0, 10.0, tunnel=0.1, learning=100.0, rate=500.0)
     able = Wearer(LIMB, muscle_stiffness=600.0, muscle_damping=40.0, intention=HOLD)
-    helped, alone = (simulate(SMOOTH, law, HOLD, 6.0, wearer=one, settle=4.0) for one in (PASSIVE, able))
-    unhelped = simulate(SMOOTH, transparent(SMOOTH), HOLD, 6.0, wearer=PASSIVE, settle=4.0)
+    helped, alone = (simulate_law(SMOOTH, law, HOLD, 6.0, wearer=one, settle=4.0) for one in (PASSIVE, able))
+    unhelped = simulate_law(SMOOTH, transparent(SMOOTH), HOLD, 6.0, wearer=PASSIVE, settle=4.0)
     assert (helped.rms_deg < 0.6 * unhelped.rms_deg).all()
     assert (alone.rms_interaction < 0.02 * helped.rms_interaction).all()
 
@@ -216,7 +216,7 @@ def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
 def felt_share(amplification, bandwidth, rate=1000.0):
     """Share of the leg's dynamic torque that a walking wearer feels: regression, and what it leaves."""
     law = sensitivity_amplification(SMOOTH, amplification, bandwidth=bandwidth, rate=rate)
-    run = simulate(SMOOTH, law, GAIT, 1.8, wearer=WALKING, sensors=EXACT)
+    run = simulate_law(SMOOTH, law, GAIT, 1.8, wearer=WALKING, sensors=EXACT)
     late = run.time > 0.6
     whole = dynamic_torque(SMOOTH, run.q, run.v, accelerations(run))[late]
     felt = run.interaction[late]
@@ -242,7 +242,7 @@ def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
 @pytest.mark.parametrize("amplification", [1.0, 10.0])
 def test_the_weight_is_not_felt(amplification):
     still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
-    run = simulate(SMOOTH, sensitivity_amplification(SMOOTH, amplification), HOLD, 5.0, wearer=still, sensors=EXACT)
+    run = simulate_law(SMOOTH, sensitivity_amplification(SMOOTH, amplification), HOLD, 5.0, wearer=still, sensors=EXACT)
     assert np.abs(run.interaction[-1]).max() < 1e-3 * np.abs(SMOOTH.leg.gravity(POSE)).max()
 
 
@@ -256,7 +256,7 @@ def test_an_amplification_of_1_is_support_of_all_weight():
 def test_friction_too_is_felt_less():
     """Under Coulomb friction of 1.4 and 0.6 N·m; all of it is in the loop, and α = 5."""
     runs = {
-        name: simulate(RUBBING, law, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
+        name: simulate_law(RUBBING, law, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
         for name, law in {
             "whole": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0),
             "without": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0, friction=None),
@@ -264,7 +264,7 @@ def test_friction_too_is_felt_less():
         }.items()
     }
     light = sensitivity_amplification(SMOOTH, 5.0, bandwidth=80.0, rate=1000.0)
-    smooth = simulate(SMOOTH, light, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
+    smooth = simulate_law(SMOOTH, light, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
     assert (runs["whole"].rms_interaction < 0.35 * runs["off"].rms_interaction).all()
     excess = [np.std(runs[name].interaction - smooth.interaction) for name in ("whole", "without")]
     assert excess[0] < 0.6 * excess[1]
@@ -277,7 +277,7 @@ def test_a_model_that_is_too_heavy_makes_the_loop_unstable():
     largest = np.linalg.eigvals(ratio).real.max()
     assert largest * (1.0 - 1.0 / 1.2) < 1.0 < largest * (1.0 - 1.0 / 1.5)
     laws = [sensitivity_amplification(heavy, alpha, bandwidth=60.0) for alpha in (1.2, 1.5)]
-    calm, wild = (simulate(SMOOTH, law, GAIT, 0.4, wearer=WALKING) for law in laws)
+    calm, wild = (simulate_law(SMOOTH, law, GAIT, 0.4, wearer=WALKING) for law in laws)
     assert wild.torque_variation.min() > 50.0 * calm.torque_variation.max()
 
 
@@ -296,9 +296,9 @@ def test_the_law_receives_what_the_cuffs_measure():
             return np.zeros_like(state.q)
 
     law = Listen()
-    run = simulate(RUBBING, law, GAIT, 1.0, wearer=WALKING)
+    run = simulate_law(RUBBING, law, GAIT, 1.0, wearer=WALKING)
     np.testing.assert_array_equal(law.heard, run.interaction)
-    simulate(RUBBING, unworn := Listen(), GAIT, 0.1)
+    simulate_law(RUBBING, unworn := Listen(), GAIT, 0.1)
     assert unworn.heard[0] is None
 
 
@@ -308,21 +308,21 @@ def test_many_worn_rigs_at_once_do_what_each_does_alone():
     for one, plant in zip(
         simulate_many(Plant.concatenate(plants), law, GAIT, 1.2, wearer=WALKING), plants, strict=True
     ):
-        alone = simulate(plant, law, GAIT, 1.2, wearer=WALKING)
+        alone = simulate_law(plant, law, GAIT, 1.2, wearer=WALKING)
         np.testing.assert_allclose(one.interaction, alone.interaction, atol=1e-6)
         np.testing.assert_allclose(one.limb_q, alone.limb_q, atol=1e-8)
         np.testing.assert_allclose(one.rms_interaction, np.sqrt(np.mean(alone.interaction[1:] ** 2, axis=0)), rtol=1e-6)
 
 
 def test_a_worn_run_prints_what_the_wearer_felt():
-    run = simulate(RUBBING, transparent(RUBBING), GAIT, 0.5, wearer=WALKING)
+    run = simulate_law(RUBBING, transparent(RUBBING), GAIT, 0.5, wearer=WALKING)
     assert "rms of wearer" in str(run)
     assert f"{run.rms_interaction[1]:.3g}" in str(run)
     assert run.to_json()["rms_interaction"] == run.rms_interaction.tolist()
 
 
 def test_nobody_feels_anything_in_an_unworn_leg():
-    run = simulate(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
+    run = simulate_law(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
     assert run.interaction is None
     assert run.limb_q is None
     assert "wearer" not in str(run)

@@ -15,7 +15,7 @@ from exoid.experiments.excitation import assess, plan_excitation
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.description import describe, read_description
 from exoid.leg.dh import DHBody
-from exoid.leg.lift import check, lift
+from exoid.leg.lift import check_physical, lift
 from exoid.leg.reduction.tree import Tree
 from exoid.torques import Motion
 from exoid.torques.payloads import payload_torque
@@ -211,7 +211,10 @@ REFUSED = {
         *(("covariance", lambda x=x: lifted(-np.ones(9), x)) for x in (np.eye(8), np.full((9, 9), np.nan), -np.eye(9))),
         *(("pull", lambda x=x: lifted(pull=x)) for x in (-1.0, np.nan)),
         *(("mass factor", lambda x=x: lifted(mass_factor=x)) for x in (1.0, np.nan, -5.0)),
-        *(("values", lambda x=x: check(BLEEX, x)) for x in (np.ones(8), np.full(9, np.nan), "hello", np.ones((9, 9)))),
+        *(
+            ("values", lambda x=x: check_physical(BLEEX, x))
+            for x in (np.ones(8), np.full(9, np.nan), "hello", np.ones((9, 9)))
+        ),
         ("I, II, III, IV, V", lambda: published.bleex().table("VI")),
         ("X3, X2, X1", lambda: published.bleex().table("V").quantity("X4")),
         ("left, right", lambda: published.bleex().table("II").column("middle")),

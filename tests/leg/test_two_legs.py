@@ -96,8 +96,8 @@ def test_a_mass_beyond_those_of_the_links_is_not_possible():
     names = list(exo.parameter_names)
     values = exo.parameters.copy()
     values[names.index("M")] = 3.0
-    assert not exoid.lift.check(exo, values)
-    assert exoid.lift.check(exo, exo.parameters)
+    assert not exoid.lift.check_physical(exo, values)
+    assert exoid.lift.check_physical(exo, exo.parameters)
 
 
 def test_the_base_of_an_exported_leg_is_read_again(tmp_path, walk):

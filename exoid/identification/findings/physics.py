@@ -12,8 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import SEVERITIES, Finding, Severity
 from exoid.leg.leg import Leg
-from exoid.leg.lift import check as can_exist
-from exoid.leg.lift import lift
+from exoid.leg.lift import check_physical, lift
 from exoid.leg.lift.lift import consistent_within
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
@@ -136,7 +135,7 @@ def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:
     fitted, leg = checked.fitted, checked.fitted.model.leg
     rigid = len(leg.parameter_names)
     bodies, errors = fitted.values[:rigid], fitted.covariance[:rigid, :rigid]
-    reasons = can_exist(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
+    reasons = check_physical(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
     if not reasons:
         return
     try:

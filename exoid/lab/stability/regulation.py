@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.closed_loop import simulate, simulate_many
+from exoid.control.closed_loop import simulate_law, simulate_many
 from exoid.control.friction import FrictionCompensation
 from exoid.control.law import RATE, Law, gains
 from exoid.control.laws import gravity_friction_pd
@@ -189,7 +189,7 @@ def regulate(
         )
     else:
         runs = tuple(
-            simulate(each, law, reference, duration, start=start, log_rate=log, name=name)
+            simulate_law(each, law, reference, duration, start=start, log_rate=log, name=name)
             for each, law, name in zip(plants, laws, names, strict=True)
         )
     return Regulations(

@@ -1,6 +1,6 @@
 """Lift: from base parameters to physically consistent links."""
 
 from .lift import Lift, lift
-from .physical import PhysicalCheck, check
+from .physical import PhysicalCheck, check_physical
 
-__all__ = ["Lift", "PhysicalCheck", "check", "lift"]
+__all__ = ["Lift", "PhysicalCheck", "check_physical", "lift"]

@@ -64,7 +64,7 @@ class PhysicalCheck:
         return to_text(result, *self.reasons, make_table(headers, rows))
 
 
-def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
+def check_physical(leg: Leg, values: ArrayLike) -> PhysicalCheck:
     """Check whether base parameters are physically consistent.
 
     For a planar leg, masses, centres of mass and positive inertias must exist that reduce to the values. Each segment,
@@ -83,7 +83,7 @@ def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
 
     Example:
         >>> leg = exoid.load_leg("bleex", inertias="cad")
-        >>> tuple(round(bound.least, 2) for bound in check(leg, leg.parameters).bounds)
+        >>> tuple(round(bound.least, 2) for bound in check_physical(leg, leg.parameters).bounds)
         (8.94, 5.05, 1.81)
     """
     array = checked(leg, values)

@@ -8,7 +8,7 @@ from controlled_legs import cuhk_plant, frictionless
 
 import exoid
 from exoid import ExoidError
-from exoid.control import SHARP, gravity_friction_pd, pd, simulate
+from exoid.control import SHARP, gravity_friction_pd, pd, simulate_law
 from exoid.experiments import Hold
 from exoid.lab.stability.gain_margin import gain_margins, spectral_radius
 from exoid.rig import Plant, Sensors
@@ -53,7 +53,7 @@ def test_the_simulated_leg_settles_below_the_margin_and_not_above(margins, rate,
     margin = margins.margins[margins.rates.index(rate), margins.delays.index(delay)]
     grown = {}
     for share in (0.85, 1.15):
-        run = simulate(
+        run = simulate_law(
             BARE,
             law(share * margin, rate),
             Hold(POSE[:, None]),

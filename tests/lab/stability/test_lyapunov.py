@@ -11,7 +11,7 @@ import scipy
 from controlled_legs import cuhk_plant
 
 from exoid import ExoidError
-from exoid.control import FrictionCompensation, SideBySide, pd, simulate, simulate_many
+from exoid.control import FrictionCompensation, SideBySide, pd, simulate_law, simulate_many
 from exoid.control.laws import gravity_friction_pd
 from exoid.experiments import Hold
 from exoid.experiments.cuhk import validation_motion
@@ -30,7 +30,7 @@ def bare():
 
 def test_v_is_kinetic_energy_plus_that_of_a_spring_to_the_target(bare):
     """Kinetic energy by Pinocchio, rotors added."""
-    run = simulate(
+    run = simulate_law(
         bare, gravity_friction_pd(bare, KP, KD, friction=None), Hold(TARGET[:, None]), 1.0, start=TARGET + AWAY
     )
     model, data = bare.leg.model, bare.leg.model.createData()
@@ -69,7 +69,7 @@ def test_a_sampled_law_raises_v_where_the_leg_turns_and_the_rise_vanishes_as_the
     rise = {}
     for rate in (50.0, 100.0, 2000.0):
         law = gravity_friction_pd(bare, KP, KD, friction=None, rate=rate)
-        run = simulate(bare, law, Hold(TARGET[:, None]), 2.0, start=TARGET + AWAY, log_rate=rate)
+        run = simulate_law(bare, law, Hold(TARGET[:, None]), 2.0, start=TARGET + AWAY, log_rate=rate)
         rise[rate] = lyapunov(run, bare, KP, KD).largest_increase
     assert rise[2000.0] <= 1e-9
     assert 1e-7 < rise[100.0] < 1e-5
@@ -79,7 +79,7 @@ def test_a_sampled_law_raises_v_where_the_leg_turns_and_the_rise_vanishes_as_the
 def test_the_rate_is_the_derivative_of_v_whatever_the_law(bare):
     """Under PD alone, with friction and springs, along a motion: between two samples of the law V̇ integrates to V."""
     plant = cuhk_plant(end_stops=False, c0_hip=0.0, c0_knee=0.0)
-    run = simulate(plant, pd(KP, KD, rate=50.0), validation_motion(), 1.0, log_rate=2000.0)
+    run = simulate_law(plant, pd(KP, KD, rate=50.0), validation_motion(), 1.0, log_rate=2000.0)
     found = lyapunov(run, plant, KP, KD)
     steps = np.arange(40 * 10 + 2, 40 * 11)  # inside one period of the law
     slope = np.gradient(found.value, found.time)
@@ -90,7 +90,7 @@ def test_friction_takes_from_v_what_eq_32_leaves_out():
     """Not compensated, its power is what V̇ is below −θ̇ᵀ Kd θ̇; at 2000 Hz the torque hardly lags."""
     plant = cuhk_plant(end_stops=False)
     law = gravity_friction_pd(plant, KP, KD, friction=None, rate=2000.0)
-    run = simulate(plant, law, Hold(TARGET[:, None]), 0.5, start=TARGET + AWAY)
+    run = simulate_law(plant, law, Hold(TARGET[:, None]), 0.5, start=TARGET + AWAY)
     found = lyapunov(run, plant, KP, KD)
     moving = (np.abs(run.v) > 0.05).all(axis=1)
     assert moving.sum() > 200
@@ -100,16 +100,16 @@ def test_friction_takes_from_v_what_eq_32_leaves_out():
 
 def test_sampling_keeps_the_moments_of_the_law(bare):
     law = gravity_friction_pd(bare, KP, KD, friction=None, rate=50.0)
-    run = simulate(bare, law, Hold(TARGET[:, None]), 0.5, start=TARGET + AWAY, log_rate=500.0)
+    run = simulate_law(bare, law, Hold(TARGET[:, None]), 0.5, start=TARGET + AWAY, log_rate=500.0)
     found = lyapunov(run, bare, KP, KD)
     np.testing.assert_allclose(found.sampled().time, np.arange(26) / 50.0, atol=1e-12)
-    odd = simulate(bare, law, Hold(TARGET[:, None]), 1.0, start=TARGET + AWAY, log_rate=40.0)
+    odd = simulate_law(bare, law, Hold(TARGET[:, None]), 1.0, start=TARGET + AWAY, log_rate=40.0)
     with pytest.raises(ExoidError, match="does not have the samples of a controller at 50 Hz"):
         lyapunov(odd, bare, KP, KD).sampled()
 
 
 def test_a_tilted_torso_is_refused(bare):
-    run = simulate(bare, pd(KP, KD), Hold(TARGET[:, None]), 0.2)
+    run = simulate_law(bare, pd(KP, KD), Hold(TARGET[:, None]), 0.2)
     tilted = cuhk_plant(end_stops=False)
     object.__setattr__(tilted, "pitch", np.array([0.1]))
     with pytest.raises(ExoidError, match="torso of the plant is tilted"):

@@ -9,7 +9,7 @@ import pytest
 from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless
 
 from exoid import ExoidError, Recording
-from exoid.control import FrictionCompensation, Tracking, gravity_friction_pd, pd, simulate
+from exoid.control import FrictionCompensation, Tracking, gravity_friction_pd, pd, simulate_law
 from exoid.experiments import Hold
 from exoid.lab.stability import find_equilibrium, find_limit_cycle, regulate
 from exoid.rig import Energy, Plant
@@ -34,7 +34,7 @@ def test_pd_alone_sags_to_where_the_simulated_leg_comes_to_rest():
     plant = frictionless(cuhk_plant(0.0, end_stops=False, d_hip=12.0, d_knee=6.0))
     law = pd(KP, KD)
     found = find_equilibrium(plant, law, TARGET)
-    run = simulate(plant, law, Hold(TARGET[:, None]), 12.0, start=TARGET)
+    run = simulate_law(plant, law, Hold(TARGET[:, None]), 12.0, start=TARGET)
     assert np.abs(run.v[-1]).max() < 1e-4
     np.testing.assert_allclose(run.q[-1], found.q, atol=1e-4)
     assert np.rad2deg(np.abs(found.error)).max() > 5.0
@@ -47,7 +47,7 @@ def test_a_leg_released_within_the_band_stays_and_beyond_it_moves(start):
     found = find_equilibrium(PLANT, law, TARGET)
     for scale in (1.0, 1.2):
         q = TARGET + scale * np.array(start) / 0.98
-        run = simulate(PLANT, law, Hold(TARGET[:, None]), 0.5, start=q)
+        run = simulate_law(PLANT, law, Hold(TARGET[:, None]), 0.5, start=q)
         assert found.holds(q) == (not run.v.any())
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.control import ControlModel, simulate
+from exoid.control import ControlModel, simulate_law
 from exoid.control.standard_laws import SENSORS
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk, gait_for_leg, healthy_gait
@@ -77,7 +77,7 @@ def test_pd_and_a_controller_with_the_true_parameters_do_the_same_as_in_the_clos
     asked = study().course
     for name, knows in (("pd", "nothing"), ("feedforward_pd", "truth")):
         law = asked.law(name, KNOWN)
-        alone = simulate(KNOWN.plant(), law, GAIT, 2 * PERIOD, sensors=SENSORS, settle=PERIOD, seed=0)
+        alone = simulate_law(KNOWN.plant(), law, GAIT, 2 * PERIOD, sensors=SENSORS, settle=PERIOD, seed=0)
         found = figures(result, name, knows)
         near = 0.01 if name == "pd" else 0.1
         np.testing.assert_allclose(found.rms_deg.mean, alone.rms_deg, rtol=near)

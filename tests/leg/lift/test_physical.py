@@ -9,7 +9,7 @@ from semidefinite import mass_range
 
 import exoid
 from exoid import Leg
-from exoid.leg.lift import check
+from exoid.leg.lift import check_physical
 from exoid.leg.published import bleex_parameters, cuhk
 from exoid.leg.published.parameters import BLEEX_SETS
 
@@ -28,7 +28,7 @@ def bleex():
 
 @pytest.mark.parametrize("name", BLEEX_SETS)
 def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(bleex, name):
-    found = check(bleex, published(name))
+    found = check_physical(bleex, published(name))
     assert found
     assert found.reasons == ()
     assert tuple(round(bound.least, 2) for bound in found.bounds) == BOUNDS[name]
@@ -45,7 +45,7 @@ def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(blee
 @pytest.mark.parametrize("name", BLEEX_SETS)
 def test_the_masses_that_docs_assume_are_within_the_bounds(bleex, name):
     masses = np.cumsum([3.1, 4.2, 4.75])[::-1]
-    for mass, bound in zip(masses, check(bleex, published(name)).bounds, strict=True):
+    for mass, bound in zip(masses, check_physical(bleex, published(name)).bounds, strict=True):
         assert bound.least_with_lengths < mass < bound.most
 
 
@@ -53,20 +53,20 @@ def test_table_iii_of_document_2_is_no_leg():
     leg = exoid.load_leg("cuhk")
     table = cuhk().table("III")
     printed = {**table.column("hip"), **table.column("knee")}
-    found = check(leg, [printed[name].value for name in leg.parameter_names])
+    found = check_physical(leg, [printed[name].value for name in leg.parameter_names])
     assert not found
     assert "shank: its centre of mass is on the wrong side of its joint (X2 = -0.602" in str(found)
 
 
 def test_every_built_in_leg_is_physical(built_in_leg):
-    assert check(built_in_leg, built_in_leg.parameters)
+    assert check_physical(built_in_leg, built_in_leg.parameters)
 
 
 @given(planar_chains())
 def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
     for cumulative in (True, False):
         leg = chain.leg(cumulative=cumulative)
-        found = check(leg, leg.parameters)
+        found = check_physical(leg, leg.parameters)
         assert found, found
         masses = np.cumsum([inertia.mass for inertia in list(leg.model.inertias)[:0:-1]])[::-1]
         for mass, bound in zip(masses, found.bounds, strict=True):
@@ -78,7 +78,7 @@ def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
 @pytest.mark.parametrize("name", BLEEX_SETS)
 def test_bounds_on_masses_are_those_of_a_semidefinite_program(bleex, name):
     values = published(name)
-    for first, bound in enumerate(check(bleex, values).bounds):
+    for first, bound in enumerate(check_physical(bleex, values).bounds):
         least, most = mass_range(bleex, values, first)
         assert least == pytest.approx(bound.least_with_lengths, rel=1e-4)
         assert most == pytest.approx(bound.most, rel=1e-4)
@@ -89,7 +89,7 @@ def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
     verdicts = []
     for _ in range(40):
         values = bleex.parameters * (1.0 + 0.5 * rng.standard_normal(9))
-        impossible = [reason for reason in check(bleex, values).reasons if "wrong side" not in reason]
+        impossible = [reason for reason in check_physical(bleex, values).reasons if "wrong side" not in reason]
         least, _ = mass_range(bleex, values, 0)
         assert (least is None) == bool(impossible), impossible
         verdicts.append(bool(impossible))
@@ -108,7 +108,7 @@ def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
 def test_what_is_impossible_is_named(bleex, name, value, reason):
     values = bleex.parameters.copy()
     values[bleex.parameter_names.index(name)] = value
-    found = check(bleex, values)
+    found = check_physical(bleex, values)
     assert not found
     assert reason in "\n".join(found.reasons)
     assert "the parameters are not physically consistent" in str(found)
@@ -116,11 +116,11 @@ def test_what_is_impossible_is_named(bleex, name, value, reason):
 
 def test_a_robot_that_is_no_planar_chain_is_checked_by_lifting():
     leg = Leg.from_urdf(urdf_of("ur5"))
-    assert check(leg, leg.parameters)
+    assert check_physical(leg, leg.parameters)
     values = leg.parameters.copy()
     inertia = next(k for k, name in enumerate(leg.parameter_names) if name.startswith("Izz"))
     values[inertia] = -1.0
-    found = check(leg, values)
+    found = check_physical(leg, values)
     assert not found
     assert found.bounds == ()
     assert "no links" in str(found)
