@@ -28,9 +28,9 @@ SAMPLES, MANY, CHECKED, ROUNDS = 25_000, 100_000, 500, 2
 EXTRA_MEMORY = 200e6
 """Bytes beyond the output of MANY samples."""
 FLOORS = {
-    "seven-joint arm": (2.3, 2.7, 3.3),
-    "two legs, sagittal base": (3.0, 3.6, 4.0),
-    "two legs, free base": (1.4, 1.8, 2.6),
+    "seven-joint arm": (0.9, 1.2, 1.7),
+    "two legs, sagittal base": (1.5, 2.2, 2.7),
+    "two legs, free base": (0.6, 1.0, 1.7),
 }
 """Ratios to the three loops below which something has become slower; see BENCHMARKS.md for those measured."""
 
