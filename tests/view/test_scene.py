@@ -378,5 +378,7 @@ def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(mo
     data = exoid.datasets.bleex_swing()
     with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
         scene(data.leg).html()
+    with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
+        scene(data.leg).serve(0)
     (left_out,) = replay_blocks(exoid.identify(data.leg, data.train), data.test, "")
     assert "the viewer (meshcat) is not installed" in left_out.lines[0]

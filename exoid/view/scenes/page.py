@@ -52,8 +52,7 @@ def _own_file(name: str) -> str:
 @cache
 def _viewer_file(name: str) -> str:
     """Read a file of meshcat's viewer without importing meshcat, which would load ZMQ, Tornado and IPython."""
-    found = find_spec("meshcat")
-    for folder in [] if found is None else found.submodule_search_locations or []:
+    for folder in getattr(find_spec("meshcat"), "submodule_search_locations", None) or ():
         path = Path(folder) / "viewer" / name
         if path.is_file():
             return path.read_text(encoding="utf-8")

@@ -112,12 +112,13 @@ class Scene:
             The server, a context manager.
 
         Raises:
-            ExoidError: The port is taken, or not a port number.
+            ExoidError: The port is taken, or not a port number; or the viewer is not installed.
 
         Example:
             >>> with exoid.view.scene(exoid.load_leg("bleex")).serve() as server:  # doctest: +SKIP
             ...     server.pose({"left_knee": -0.5})
         """
+        self.html()  # a page that cannot be made is refused before anybody asks for it
         return SceneServer(lambda: write_page(self.to_json(), live=True), self.pose, port)
 
     def pose(self, angles: Mapping[str, float]) -> list[Command]:
