@@ -111,7 +111,8 @@ def known_rotors(
 class DriveModel(TorqueModel):
     """Both sides of τ(i, κ) = W β + τ_payload, linear in β and in changes δ of the constants κ of drives."""
 
-    # τ(i, κ) is the torque that the drives make of their readings, such as ratio · k_t · i. About a point (β₀, κ₀):
+    # τ(i, κ) is the torque that the drives make of their readings, such as ratio · k_t · i; τ_payload that of payloads
+    # less Σ Jᵀw of measured wrenches w on the leg. About a point (β₀, κ₀):
     #
     #     τ(i, κ₀) − τ_payload = W β − s δ,    s = ∂τ/∂κ at the torque W β₀ + τ_payload of the model.
     #

@@ -28,7 +28,7 @@ class Motion(NamedTuple):
         a: Joint accelerations [rad/s²], (N, n).
         torso: Motion of the torso, or of the base; None if it is upright and still.
         states: Internal states by joint, (N,) each.
-        payload: Torque that payloads and measured wrenches take [N·m], (N, n); None without both.
+        payload: Torque of payloads less Σ Jᵀw of measured wrenches w on links [N·m], (N, n); None without both.
         computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
         temperature: Temperatures [°C], (N, n), NaN at joints without one; None without temperatures.
     """
@@ -101,7 +101,7 @@ class LoadedMotion(NamedTuple):
     v: FloatArray  # velocities [rad/s]
     a: FloatArray  # accelerations [rad/s²]
     load: FloatArray  # rigid-body torques, those of payloads and wrenches included [N·m]
-    payload: FloatArray  # torques of payloads and measured wrenches [N·m], part of `load`
+    payload: FloatArray  # torques of payloads less those of measured wrenches [N·m], part of `load`
     states: Mapping[tuple[int, InternalState], FloatArray]  # internal states, (N,) each
     temperature: FloatArray | None = None  # temperatures [°C]; None without
 

@@ -13,32 +13,25 @@ from exoid.cli import main
 ONE, TWO = 3.5 * 72.0, 7.2 * 72.0
 """Widths of one column and of two [points]."""
 
+OF_A_FIT = {
+    "parameters": TWO,
+    "correlation": ONE,
+    "torque": TWO,
+    "friction": TWO,
+    "residuals_velocity": TWO,
+    "residuals_angle": TWO,
+    "excitation": TWO,
+    "coverage": TWO,
+}
+
 VERBS = {
     "identify": (
         "identify bleex log.csv --test worn.csv",
-        {
-            "parameters": TWO,
-            "correlation": ONE,
-            "torque": TWO,
-            "friction": TWO,
-            "residuals_velocity": TWO,
-            "residuals_angle": TWO,
-            "excitation": TWO,
-            "coverage": TWO,
-        },
+        OF_A_FIT,
     ),
     "validate": (
         "validate est.json log.csv --cutoff 6",
-        {
-            "parameters": TWO,
-            "correlation": ONE,
-            "torque": TWO,
-            "friction": TWO,
-            "residuals_velocity": TWO,
-            "residuals_angle": TWO,
-            "excitation": TWO,
-            "coverage": TWO,
-        },
+        OF_A_FIT,
     ),
     "interaction": ("interaction est.json worn.csv --strides 2,4,6,8", {"wearer_torque": TWO, "wearer_gait": ONE}),
     "compare": ("compare est.json other.json", {"comparison": TWO}),

@@ -23,16 +23,6 @@ LEGEND = 260
 """Pixels from the left that the legend may cover."""
 
 
-@pytest.fixture(scope="module")
-def bleex():
-    return exoid.datasets.bleex_swing()
-
-
-@pytest.fixture(scope="module")
-def estimate(bleex):
-    return exoid.identify(bleex.leg, bleex.train)
-
-
 def assert_leg_is_drawn(picture, *colours):
     """The background is light; what stands before it is dark or coloured, in the middle and of the size of a leg."""
     inside = picture[:, LEGEND:]
@@ -99,15 +89,15 @@ def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
         np.testing.assert_array_equal(page.screenshot()[:, LEGEND:], before)
 
 
-def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, bleex, estimate):
-    predicted = predict_motion(estimate, bleex.test)
-    scene(estimate, recording=bleex.test, ghost=predicted, ghost_label="predicted").save(tmp_path / "leg.html")
+def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, data, estimate):
+    predicted = predict_motion(estimate, data.test)
+    scene(estimate, recording=data.test, ghost=predicted, ghost_label="predicted").save(tmp_path / "leg.html")
     url = (tmp_path / "leg.html").as_uri()
     with browser.page(url) as page:
         page.wait_for(READY)
         page.wait_for("window.exoid.viewer.animator.time > 0")  # it plays by itself
         animator = page.evaluate("(a => [a.duration, a.mixer.timeScale])(window.exoid.viewer.animator)")
-        assert animator == pytest.approx([bleex.test.duration, 1.0], abs=1.0 / 30.0)  # in real time
+        assert animator == pytest.approx([data.test.duration, 1.0], abs=1.0 / 30.0)  # in real time
         page.evaluate("document.querySelector('#player button').click()")
         stopped = page.evaluate("window.exoid.viewer.animator.playing")
         pictures = [scrubbed(page, time) for time in (1.0, 2.4, 1.0)]
@@ -122,7 +112,7 @@ def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, b
             ".object.quaternion.toArray()"
         )
     angle = 2.0 * np.arctan2(-knee[1], knee[3])  # flexion is positive about −y
-    assert angle == pytest.approx(np.interp(1.0, bleex.test.time, bleex.test.q[:, 1]), abs=1e-3)
+    assert angle == pytest.approx(np.interp(1.0, data.test.time, data.test.q[:, 1]), abs=1e-3)
 
 
 def scrubbed(page, time):
@@ -134,8 +124,8 @@ def scrubbed(page, time):
     return page.screenshot()
 
 
-def test_a_page_can_start_at_a_time(browser, tmp_path, bleex):
-    scene(bleex.leg, recording=bleex.test).save(tmp_path / "leg.html")
+def test_a_page_can_start_at_a_time(browser, tmp_path, data):
+    scene(data.leg, recording=data.test).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
         page.wait_for(READY)
         assert page.evaluate("window.exoid.viewer.animator.time") == 2.5
@@ -143,12 +133,12 @@ def test_a_page_can_start_at_a_time(browser, tmp_path, bleex):
         assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
 
 
-def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, bleex):
+def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, data):
     """A translucent one in the colour of the model."""
     apart = exoid.Recording(
-        time=bleex.test.time, q=bleex.test.q + np.array([0.5, -0.3, 0.0]), joint_names=bleex.test.joint_names
+        time=data.test.time, q=data.test.q + np.array([0.5, -0.3, 0.0]), joint_names=data.test.joint_names
     )
-    scene(bleex.leg, recording=bleex.test, ghost=apart).save(tmp_path / "leg.html")
+    scene(data.leg, recording=data.test, ghost=apart).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
         page.wait_for(READY)
         picture = page.screenshot("bleex_reference")[:, LEGEND:].astype(int)

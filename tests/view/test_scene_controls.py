@@ -21,20 +21,10 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def bleex():
-    return exoid.datasets.bleex_swing()
-
-
-@pytest.fixture(scope="module")
-def estimate(bleex):
-    return exoid.identify(bleex.leg, bleex.train)
-
-
-@pytest.fixture(scope="module")
-def url(tmp_path_factory, bleex, estimate):
+def url(tmp_path_factory, data, estimate):
     file = tmp_path_factory.mktemp("scene") / "replay.html"
-    predicted = predict_motion(estimate, bleex.test)
-    scene(estimate, recording=bleex.test, ghost=predicted, ghost_label="predicted").save(file)
+    predicted = predict_motion(estimate, data.test)
+    scene(estimate, recording=data.test, ghost=predicted, ghost_label="predicted").save(file)
     return f"{file.as_uri()}#t={START}"
 
 
@@ -94,21 +84,21 @@ def test_the_speed_can_be_chosen(browser, url):
         assert page.evaluate("window.exoid.viewer.animator.mixer.timeScale") == 0.25
 
 
-def test_names_and_numbers_are_those_of_the_recording(browser, url, bleex):
+def test_names_and_numbers_are_those_of_the_recording(browser, url, data):
     with browser.page(url) as page:
         page.wait_for(READY)
         assert page.evaluate("document.querySelector('#names').hidden")
         click(page, "#show-names")
         page.screenshot()
         lines = text(page, "#names span:nth-child(2)").split("\n")
-    angle = np.rad2deg(np.interp(START, bleex.test.time, bleex.test.q[:, 1]))
-    torque = np.interp(START, bleex.test.time, bleex.test.tau[:, 1])
+    angle = np.rad2deg(np.interp(START, data.test.time, data.test.q[:, 1]))
+    torque = np.interp(START, data.test.time, data.test.tau[:, 1])
     assert lines[0] == "left_knee"
     assert lines[1] == f"{angle:.1f} °".replace("-", "−")
     assert lines[2] == f"{torque:.1f} N·m".replace("-", "−")
 
 
-def test_the_torque_plot_follows_the_playback(browser, url, bleex, estimate):
+def test_the_torque_plot_follows_the_playback(browser, url, data, estimate):
     with browser.page(url, (1280, 800)) as page:
         page.wait_for(READY)
         page.screenshot("scene_plot")
@@ -119,8 +109,8 @@ def test_the_torque_plot_follows_the_playback(browser, url, bleex, estimate):
         press(page, "ArrowRight", shift=True)
         page.screenshot()
         assert page.evaluate(now) == pytest.approx(START + 1.0)
-        measured = np.interp(START, bleex.test.time, bleex.test.tau[:, 0])
-        found = validate(estimate, bleex.test)
+        measured = np.interp(START, data.test.time, data.test.tau[:, 0])
+        found = validate(estimate, data.test)
         predicted = np.interp(START, found.time, found.predicted[:, 0])
         assert shown == f"{measured:.1f} / {predicted:.1f} N·m"
         box = page.evaluate(
@@ -135,7 +125,7 @@ def test_the_torque_plot_follows_the_playback(browser, url, bleex, estimate):
                 button="left",
                 clickCount=1,
             )
-        assert page.evaluate(TIME) == pytest.approx(0.5 * bleex.test.duration, abs=0.1)
+        assert page.evaluate(TIME) == pytest.approx(0.5 * data.test.duration, abs=0.1)
 
 
 def test_the_viewers_own_controls_are_behind_one_button(browser, url):
