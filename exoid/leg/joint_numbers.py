@@ -10,10 +10,11 @@ from exoid.errors import BadArgumentError
 
 def for_joints(value: ArrayLike, n: int, what: str) -> FloatArray:
     """Spread a number over the joints, or take one for each, (n,)."""
+    remedy = "give one number, or one for each joint"
     try:
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), (n,)).copy()
+        found = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadArgumentError(
-            f"{what} of {np.size(np.asarray(value))} joints for a leg of {n}",
-            remedy="give one number, or one for each joint",
-        ) from None
+        raise BadArgumentError(f"{what} is {value!r}", remedy=remedy) from None
+    if found.shape not in ((), (1,), (n,)):
+        raise BadArgumentError(f"{what} of {found.size} joints for a leg of {n}", remedy=remedy)
+    return np.broadcast_to(found, (n,)).copy()
