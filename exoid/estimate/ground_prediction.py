@@ -32,8 +32,9 @@ from .torque_band import parameter_variance
 class GroundForce:
     """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
-    A point bears no moment, and an edge none about itself. No joint torque of a planar leg depends on the force to its
-    side, nor on the moments that it causes. Components that torques do not determine are zero with an infinite band.
+    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. No joint torque
+    of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques do not
+    determine are zero with an infinite band.
 
     Attributes:
         time: Samples at which the link rests [s], (N,).

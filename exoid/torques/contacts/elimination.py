@@ -26,8 +26,8 @@ TINY = 1e-18
 class Elimination(NamedTuple):
     """Combinations of rows that links on the ground do no work on, Zᵀ J_cᵀ = 0."""
 
-    # motion −K of the base per rate of each joint while a flat link rests, K (N, b, n); None without base rows, or where
-    # no link is flat
+    # motion −K of the base per rate of each joint while a flat link rests, K (N, b, n); None without base rows, or
+    # where no link is flat
     lever: FloatArray | None
     # Z of joint rows: rates of the joints at which the other links rest too, orthonormal, (N, n, r); None for
     # one flat link, which leaves every joint free. Of all rows, (N, b + n, r), where no link is flat
