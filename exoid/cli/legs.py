@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import exoid
 from exoid.errors import BadArgumentError, nearest
 
 from .messages import note
-from .numbers import split_names
+from .numbers import split_names, values_by_name
 from .options import LegOptions
 from .refusals import is_readable, names_beside, refuse, refuse_form
 from .robots import how_to_name_one, is_robot, urdf_of_robot
@@ -42,11 +42,11 @@ def dataset(name: str) -> Dataset:
 
 def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Leg:
     """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data."""
-    side, inertias, joints, moving, floating = options
+    side, inertias, joints, moving, floating, contact = options
     base: Literal["fixed", "moving", "floating"] = "moving" if moving else "floating" if floating else "fixed"
     if name in BUILT_IN or name in DATASETS:
         refuse({"--moving-base": moving or None}, f"{name} is planar; name a URDF file for a base in space")
-        refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--joints": joints, "--contact": contact}, f"joints and feet of {name} are known")
     if name in BUILT_IN:
         if side == "both" or (floating and side is None):
             return exoid.load_exo(name, inertias, base=base)
@@ -63,7 +63,8 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
     chosen = split_names(joints)
     if chosen is None and logged is not None:
         chosen = _moving_joints(Path(name), logged)
-    return exoid.Leg.from_urdf(name, chosen, base=base)
+    kinds: dict[str, Any] = values_by_name(contact, "--contact", str, "LINK=KIND, e.g. --contact LF_FOOT=point")
+    return exoid.Leg.from_urdf(name, chosen, base=base, contacts=kinds)
 
 
 def refuse_unknown_leg(name: str) -> None:

@@ -89,12 +89,15 @@ class LegOptions(NamedTuple):
         False
     )
     floating_base: Annotated[bool, Option("--floating-base", help="Rows of the torso too, to stand or walk.")] = False
+    contact: Annotated[
+        Texts, Option(metavar="LINK=KIND", help="How a foot rests: point, edge or flat (default). Repeatable.")
+    ] = None
 
 
 ANY_LEG = LegOptions()
 """The default leg of a name."""
 
-FIXED_BASE = {"choice": ("moving_base", "floating_base")}
+FIXED_BASE = {"choice": ("moving_base", "floating_base", "contact")}
 """Options of the base, for verbs that have none."""
 
 

@@ -117,6 +117,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             "locked": dict(leg.locked),
             "cumulative": leg.cumulative,
             **({"base": leg.base} if leg.base != "fixed" else {}),
+            **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
             "urdf": leg.description.text,
         },
         "covariance": estimate.covariance.tolist(),
@@ -132,6 +133,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         locked=about["locked"],
         cumulative=about["cumulative"],
         base=about.get("base", "fixed"),
+        contacts=about.get("contacts"),
     )
     if leg.description.sha256 != about["sha256"]:
         raise UnreadableInputError(

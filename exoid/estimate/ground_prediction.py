@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -29,10 +30,11 @@ from .torque_band import parameter_variance
 
 @dataclass(frozen=True, eq=False)
 class GroundForce:
-    """Wrench of the ground on one link that rests flat, in level axes: z up, x and y those of the link at zero angles.
+    """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
-    No joint torque of a planar leg depends on the force to its side, nor on the moments that it causes. Components that
-    torques do not determine are zero with an infinite band.
+    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. No joint torque
+    of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques do not
+    determine are zero with an infinite band.
 
     Attributes:
         time: Samples at which the link rests [s], (N,).
@@ -221,14 +223,22 @@ def _solve(
     inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
     through = inverse @ W
     variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
-    seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # 1 where w = inverse J_cᵀ w holds for a component
+    seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
+    borne = np.concatenate([_borne(leg, link).diagonal() for link in feet])
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
-    std = np.where(seen > 1.0 - 1e-6, np.sqrt(variance), np.inf)
+    std = np.where(seen > borne - 1e-6, np.sqrt(variance), np.inf)
     return _Solution(np.einsum("ncr,nr->nc", inverse, excess), std)
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
-    """Jacobian of a link with its rows in level axes, (N, 6, R)."""
+    """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
     turned = level_rotation(leg, link) @ jacobian.reshape(len(q), 2, 3, -1)
-    return np.asarray(turned.reshape(jacobian.shape))
+    return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
+
+
+def _borne(leg: Leg, link: str) -> FloatArray:
+    """Projector on what a contact bears of a wrench in level axes, (6, 6)."""
+    moments = np.eye(3) - np.outer(leg.plane.lateral, leg.plane.lateral)
+    of_kind = {"flat": np.eye(3), "edge": moments, "point": np.zeros((3, 3))}
+    return scipy.linalg.block_diag(np.eye(3), of_kind[leg.contacts.get(link, "flat")])

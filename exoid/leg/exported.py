@@ -68,6 +68,7 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
         locked=data["locked"],
         cumulative=data["cumulative"],
         base=data.get("base", "fixed"),
+        contacts=data.get("contacts"),
     )
     beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
     beside |= dict.fromkeys(data["not_dissipative"], 0.0)
@@ -134,7 +135,7 @@ def _is_complete(data: Mapping[str, Any]) -> bool:
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
         and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
         and data.get("base", "fixed") in get_args(Base)
-        and isinstance(terms, dict)
+        and all(isinstance(x, dict) for x in (terms, data.get("contacts", {})))
         and all(isinstance(term, str) for term in terms.values())
     )
 

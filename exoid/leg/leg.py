@@ -27,8 +27,8 @@ from .dynamics import (
     segment_placements,
 )
 from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
-from .leg_data import Base, LegData, to_numbers, without_side
-from .link_frames import link_frame, planar_directions
+from .leg_data import Base, Contact, LegData, to_numbers, without_side
+from .link_frames import held_directions, link_frame
 from .model import build_model, with_dynamic_parameters
 from .reduction.documented import documented, documented_machine
 from .reduction.numeric import numeric
@@ -58,6 +58,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
+        contacts: Mapping[str, Contact] | None = None,
     ) -> Leg:
         """Read a leg from a URDF file.
 
@@ -69,17 +70,22 @@ class Leg(LegData):
             cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
             base: "moving" for the parameters of a leg whose base moves in space. A planar chain takes motions of its
                 base within its plane without it. "floating" adds rows of the base, and the parameters of the root link.
+            contacts: Kind of contact of links that do not rest flat on the ground: "point" for a foot that holds its
+                origin, "edge" for a line through it, across the plane of the leg.
 
         Returns:
             The leg.
 
         Raises:
-            ExoidError: The URDF cannot be read or used, or a joint is missing.
+            ExoidError: The URDF cannot be read or used, or a joint or link is missing.
 
         Example:
             >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
         """
-        return cls.from_description(read_description(path), joints, locked=locked, cumulative=cumulative, base=base)
+        description = read_description(path)
+        return cls.from_description(
+            description, joints, locked=locked, cumulative=cumulative, base=base, contacts=contacts
+        )
 
     @classmethod
     def from_dh(
@@ -132,6 +138,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
+        contacts: Mapping[str, Contact] | None = None,
     ) -> Leg:
         """Build a leg from a description in memory.
 
@@ -141,12 +148,13 @@ class Leg(LegData):
             locked: See :meth:`from_urdf`.
             cumulative: See :meth:`from_urdf`.
             base: See :meth:`from_urdf`.
+            contacts: See :meth:`from_urdf`.
 
         Returns:
             The leg.
 
         Raises:
-            ExoidError: The URDF cannot be used, or a joint is missing.
+            ExoidError: The URDF cannot be used, or a joint or link is missing.
         """
         if base not in get_args(Base):
             raise BadArgumentError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
@@ -171,7 +179,13 @@ class Leg(LegData):
                 reduction = numeric(free_flyer_model(model), (description.root_link, *links))
             else:
                 reduction = numeric(model, links, moving_base=base == "moving")
-        return cls(description, model, reduction, chain, locked, cumulative, base, machine)
+        contacts = MappingProxyType(dict(contacts or {}))
+        for link, kind in contacts.items():
+            link_frame(model, description, link)
+            if kind not in get_args(Contact):
+                kinds = ", ".join(get_args(Contact))
+                raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {kinds}")
+        return cls(description, model, reduction, chain, locked, cumulative, base, machine, contacts)
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.
@@ -261,24 +275,31 @@ class Leg(LegData):
         return project_columns(J, self._base_coordinates) if self.base == "floating" else J
 
     def contact_jacobian(self, q: ArrayLike, link: str) -> FloatArray:
-        """Compute the Jacobian of what a link that is fixed to the ground keeps at zero.
+        """Compute the Jacobian of what a link in contact with the ground keeps at zero.
 
         For a planar leg this is the velocity of the link's origin along the axes that point forward and up at the zero
         pose and turn with the link, and its rate of turn, positive like the pitch. Otherwise it is the twist of
-        :meth:`frame_jacobian`. Columns of a floating base come first; they are an invertible matrix.
+        :meth:`frame_jacobian`. A link whose contact is an edge or a point may turn about it: these rows are left out.
+        Columns of a floating base come first; for a flat contact they are an invertible matrix.
 
         Args:
             q: Joint angles [rad], (N, n).
             link: Name of a link in the URDF.
 
         Returns:
-            J, (N, c, base_rows + n) with c = 3 for a planar leg, otherwise 6.
+            J, (N, c, base_rows + n) with c = 3 for a planar leg, otherwise 6; of an edge c = 2 or 5, of a point 2 or 3.
 
         Raises:
             ExoidError: The shape does not fit, or the URDF has no such link.
         """
         J = self.frame_jacobian(q, link)
-        return J if not self.limbs else planar_directions(self.model, self.description, link, self.plane) @ J
+        kind = self.contacts.get(link, "flat")
+        if kind == "flat" and not self.limbs:
+            return J
+        directions = held_directions(self.model, self.description, link, self.plane)
+        if self.limbs:
+            return directions[[0, 2, 4] if kind == "flat" else [0, 2]] @ J
+        return directions[[0, 1, 2, 3, 5] if kind == "edge" else [0, 1, 2]] @ J
 
     def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.

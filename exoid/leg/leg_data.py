@@ -29,6 +29,9 @@ Base = Literal["fixed", "moving", "floating"]
 """Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
 
 
+Contact = Literal["flat", "edge", "point"]
+"""What of a link a contact holds: the whole sole, a line across it such as heel or toe, or the origin of the link."""
+
 ROLES = ("hip", "knee", "ankle")
 """Joints of a person's leg, which gait and anthropometry know by these names."""
 
@@ -56,6 +59,7 @@ class LegData:
         base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
             more than on a fixed base. "floating" if rows of the base come before those of the joints.
         machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
+        contacts: Kind of contact of links that do not rest flat.
     """
 
     description: Description
@@ -66,6 +70,7 @@ class LegData:
     cumulative: bool = True
     base: Base = "fixed"
     machine: PlanarMachine | None = None
+    contacts: Mapping[str, Contact] = field(default_factory=dict)
 
     @property
     def hip(self) -> FloatArray:

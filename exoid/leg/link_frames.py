@@ -34,12 +34,11 @@ def link_frame(model: pin.Model, description: Description, link: str) -> LinkFra
     return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())
 
 
-def planar_directions(model: pin.Model, description: Description, link: str, plane: Plane) -> FloatArray:
-    """Pick the part of a link's twist that lies in a plane."""
+def held_directions(model: pin.Model, description: Description, link: str, plane: Plane) -> FloatArray:
+    """Turn a link's twist into axes that point forward, sideward and up at the zero pose, (6, 6)."""
     body, placement = link_frame(model, description, link)
     data = model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model))
-    rotation = (data.oMi[body + 1] * placement).rotation
-    out = np.zeros((3, 6))
-    out[0, :3], out[1, :3], out[2, 3:] = plane.forward @ rotation, plane.up @ rotation, -plane.lateral @ rotation
-    return out
+    turn = np.stack([plane.forward, plane.lateral, plane.up]) @ (data.oMi[body + 1] * placement).rotation
+    turning = turn * np.array([[1.0], [-1.0], [1.0]])  # the pitch is positive about the negative lateral axis
+    return np.block([[turn, np.zeros((3, 3))], [np.zeros((3, 3)), turning]])

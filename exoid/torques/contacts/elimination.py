@@ -19,21 +19,25 @@ ALIGNED = 0.2
 """Least part of each axis of closed chains that is left in the directions in which a sample can move."""
 
 
+TINY = 1e-18
+"""Stands for the square of a singular value of constraints that is zero: such a sample is not used."""
+
+
 class Elimination(NamedTuple):
     """Combinations of rows that links on the ground do no work on, Zᵀ J_cᵀ = 0."""
 
-    # motion −K of the base per rate of each joint while the first link rests, K (N, b, n); None without base
-    # rows
+    # motion −K of the base per rate of each joint while a flat link rests, K (N, b, n); None without base rows, or
+    # where no link is flat
     lever: FloatArray | None
     # Z of joint rows: rates of the joints at which the other links rest too, orthonormal, (N, n, r); None for
-    # one link, which leaves every joint free
+    # one flat link, which leaves every joint free. Of all rows, (N, b + n, r), where no link is flat
     loop: FloatArray | None
     fit: NDArray[np.bool_]  # whether Z is well defined, (N,)
 
     def of(self, rows: FloatArray) -> FloatArray:
         """Combine rows."""
         base = 0 if self.lever is None else self.lever.shape[1]
-        out = rows[:, base:].copy()
+        out = rows[:, base:].copy() if base else rows
         if self.lever is not None:
             for k, of_row in enumerate(self.lever.transpose(1, 2, 0)):
                 for joint, share in enumerate(of_row):
@@ -44,29 +48,31 @@ class Elimination(NamedTuple):
 
 def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None) -> Elimination:
     """Find the rows that unknown wrenches on links leave."""
-    # The first link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
+    # A flat link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
     # C q̇ = 0. Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E
     # (Eᵀ P E)^(−1/2) varies smoothly, and is orthonormal, so that each row has the noise of one joint's torque.
+    # Points and edges leave the base free to turn: then C is the whole Jacobian, and the base moves among the rates.
     # Constraints and their forces are those of Featherstone (2008, ch. 8), the projector that of Aghili (2005).
     # Mistry et al. (2010) find such rows by QR of J_cᵀ; all choices span the same space (Righetti et al. 2011).
     fit = np.ones(len(q), dtype=np.bool_)
     lever, C = _constraints(leg, links, q)
     if C is None:
         return Elimination(lever, None, fit)
-    _, sizes, Vt = np.linalg.svd(C)
+    squares, U = np.linalg.eigh(C @ np.swapaxes(C, 1, 2))
     rank = _rank(leg, links)
+    kept = squares[:, -rank:]
     # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
     # move up
-    fit &= sizes[:, rank - 1] > 0.03 * sizes[:, 0]
-    free = Vt[:, rank:]
-    P = np.swapaxes(free, 1, 2) @ free
+    fit &= kept[:, 0] > 0.03**2 * kept[:, -1]
+    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, TINY))[..., np.newaxis]
+    P = np.eye(C.shape[2]) - np.swapaxes(held, 1, 2) @ held
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
     loop, aligned = _orthonormal(P, E)
     return Elimination(lever, loop, fit & aligned)
 
 
 def load_sharing(loop: FloatArray, axes: FloatArray) -> FloatArray:
-    """Find the directions of joint rows in which links share loads: all but those of closed chains, (N, n, n − r)."""
+    """Find the directions of rows in which links share loads: all but those of closed chains, (N, n, n − r)."""
     P = np.eye(len(axes)) - loop @ np.swapaxes(loop, 1, 2)
     return _orthonormal(P, scipy.linalg.null_space(axes.T))[0]
 
@@ -80,12 +86,13 @@ def _orthonormal(P: FloatArray, E: FloatArray) -> tuple[FloatArray, NDArray[np.b
 
 
 def _constraints(leg: Leg, links: Sequence[str], q: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
-    """Form K of the first link, and C of the others; None for what there is not."""
+    """Form K of the first flat link, and C of the others; None for what there is not."""
     base = leg.base_rows
     jacobians = [leg.contact_jacobian(q, link) for link in links]
+    flat = [k for k, link in enumerate(links) if leg.contacts.get(link, "flat") == "flat"]
     lever: FloatArray | None = None
-    if base:
-        first = jacobians.pop(0)
+    if base and flat:
+        first = jacobians.pop(flat[0])
         lever = np.asarray(np.linalg.solve(first[..., :base], first[..., base:]), dtype=np.float64)
         jacobians = [each[..., base:] - each[..., :base] @ lever for each in jacobians]
     return lever, np.concatenate(jacobians, axis=1) if jacobians else None

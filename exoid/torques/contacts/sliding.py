@@ -43,23 +43,33 @@ class Slip(NamedTuple):
     visible: float  # slowest slip that is seen [m/s]; zero where no rest is long enough to look for one
 
 
-def slipping(leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray, widened: int) -> NDArray[np.bool_]:
+def slipping(
+    leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, time: FloatArray, widened: int
+) -> NDArray[np.bool_]:
     """Find the samples at which two links that rest move against each other."""
     slips = np.zeros(len(q), dtype=np.bool_)
     base = leg.base_rows
     if not base:
         return slips
-    levers = {}
+    v = np.gradient(q, time, axis=0)
+    levers, places = dict[str, FloatArray](), dict[str, FloatArray]()
     for link in rest:
+        if leg.contacts.get(link, "flat") != "flat":
+            places[link] = link_placements(leg, q, link).translation
+            continue
         jacobian = leg.contact_jacobian(q, link)
         to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
         levers[link] = -to_base[..., 0]
     # Base rows of a planar machine
     turning = slice(2, 3) if base == 3 else slice(3, 6)
     for (link, flags), (other, also) in combinations(rest.items(), 2):
-        apart = levers[link] - levers[other]  # linear before angular
-        fast = np.linalg.norm(apart[:, : turning.start], axis=1) > SLIDING
-        slips |= flags & also & (fast | (np.linalg.norm(apart[:, turning], axis=1) > TILTING))
+        if link in places and other in places:  # however the base turns, two points that rest keep their distance
+            distance = np.linalg.norm(places[link] - places[other], axis=1)
+            slips |= flags & also & (np.abs(np.gradient(distance, time)) > SLIDING)
+        elif link in levers and other in levers:
+            apart = levers[link] - levers[other]  # linear before angular
+            fast = np.linalg.norm(apart[:, : turning.start], axis=1) > SLIDING
+            slips |= flags & also & (fast | (np.linalg.norm(apart[:, turning], axis=1) > TILTING))
     return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips
 
 

@@ -90,19 +90,19 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
     slow = low_passed(recording.q, recording.sample_rate)
-    v = np.gradient(slow, recording.time, axis=0)
     around = round(0.5 * EDGE * recording.sample_rate)
-    still = ~slipping(leg, rest, slow, v, around) if recording.contacts else np.ones_like(counted)
+    still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
+    soles = {link: flags for link, flags in feet.items() if _is_flat(leg, link)}
     raw, slip = recording, Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
-        rests = {link: flags & ~slip.slides for link, flags in feet.items()}
+        rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(leg, raw, rests) if leg.base_rows else None
         errors = imu or session
         if errors is not None and raw.base is not None and not raw.base.calibrated:
             recording = replace(raw, base=errors.corrected(raw.base))
         if recording.base is not None and leg.base_rows and recording.contacts:
-            slip = sliding(leg, recording, recording.base, feet)
+            slip = sliding(leg, recording, recording.base, soles)
         if not slip.slides.any():
             break
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
@@ -138,6 +138,11 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
+
+
+def _is_flat(leg: Leg, link: str) -> bool:
+    """Whether a link that rests says how the base stands, as a point or an edge does not."""
+    return leg.contacts.get(link, "flat") == "flat"
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
@@ -201,13 +206,13 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
     """Motion of the base: as it was measured, or as a link that rests on level ground says."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
-    feet = [link for link in resting if link != leg.description.root_link]
+    feet = [link for link in resting if link != leg.description.root_link and _is_flat(leg, link)]
     if feet:
         return standing_base(leg, recording, feet[0])
     if leg.description.root_link in links:
         return None
     raise UnreadableInputError(
-        "the base moves, and no motion of it was recorded while no link rests on the ground",
+        "the base moves, and no motion of it was recorded while no link rests flat on the ground",
         where=source_of(recording),
         remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
         "feet are flat on the ground (contacts=)",

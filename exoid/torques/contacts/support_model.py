@@ -46,10 +46,10 @@ class SupportModel(TorqueModel):
         """Rows: those of the leg; joints where the base hangs on one link; directions of motion of closed chains."""
         if not self.links:
             return super().row_names
-        free = 0 if self.axes is None else self.axes.shape[1]
+        rows, free = (0, 0) if self.axes is None else self.axes.shape
         if self.plates:
-            shared = range(len(self.joint_names) - free) if free else ()
-            return (*super().row_names[: self.leg.base_rows], *(f"shared_{k + 1}" for k in shared))
+            base = super().row_names[: 0 if self._without_flat else self.leg.base_rows]
+            return (*base, *(f"shared_{k + 1}" for k in range(rows - free if free else 0)))
         return tuple(f"{LOOP}{k + 1}" for k in range(free)) or self.joint_names
 
     @property
@@ -67,6 +67,11 @@ class SupportModel(TorqueModel):
         motion = Motion(q, v, a, random_base(10), internal_states(self.blocks, q, v))
         return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)
 
+    @property
+    def _without_flat(self) -> bool:
+        """Whether no link rests flat, so that base and joints form the rows together."""
+        return self.axes is not None and len(self.axes) > len(self.joint_names)
+
     def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
         """Torque of payloads in the rows without the unknown wrenches."""
         return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q)[0].T)
@@ -82,7 +87,8 @@ class SupportModel(TorqueModel):
 
     def row_shares(self, q: FloatArray) -> FloatArray | None:
         """Tell how the torque of each joint enters the rows."""
-        return eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
+        loop = eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
+        return loop if loop is None else loop[:, -len(self.joint_names) :]
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Tell which rows have a measured side: joints of a closed chain share theirs."""
@@ -106,7 +112,7 @@ class SupportModel(TorqueModel):
         base = self.leg.base_rows
         joints, count = of_joints[:, base:], len(self.row_names)
         shared = np.repeat(together(joints, axis=1)[:, np.newaxis], count, axis=1)
-        if self.plates:
+        if self.plates and not self._without_flat:
             return np.hstack([of_joints[:, :base], shared[:, base:]])
         return joints if self.axes is None else shared
 
@@ -120,5 +126,5 @@ class SupportModel(TorqueModel):
         base = rows[:, : self.leg.base_rows]
         if self.axes is None or elimination.loop is None:
             return base
-        shared = elimination._replace(loop=load_sharing(elimination.loop, self.axes))
-        return np.concatenate([base, shared.of(rows)], axis=1)
+        shared = elimination._replace(loop=load_sharing(elimination.loop, self.axes)).of(rows)
+        return shared if self._without_flat else np.concatenate([base, shared], axis=1)

@@ -1,0 +1,161 @@
+"""Feet that rest on a point or an edge: Pinocchio's constrained dynamics obey the rows that are left of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.estimate import Estimate, ground_forces
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.torques.contacts import level_rotation
+from exoid.torques.contacts.elimination import reference_axes
+from exoid.torques.contacts.support_model import SupportModel
+from exoid.torques.model import TorqueModel
+from tests.free_flyers import Flight
+from tests.public_robots import urdf_of
+
+FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
+
+
+@cache
+def quadruped(kind="point"):
+    return exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=dict.fromkeys(FEET, kind))
+
+
+def constrained(leg, feet, rng, samples=30):
+    """Random states and torques, the acceleration of Pinocchio's constrained dynamics, and the forces on the feet."""
+    flight = Flight.random(leg, rng, samples)
+    model, n = flight.model, len(leg.joint_names)
+    constraints = pin.StdVec_RigidConstraintModel()
+    for foot in feet:
+        frame = model.frames[model.getFrameId(foot)]
+        one = pin.RigidConstraintModel(
+            pin.ContactType.CONTACT_3D, model, frame.parentJoint, frame.placement, pin.ReferenceFrame.LOCAL
+        )
+        constraints.append(one)
+    data = model.createData()
+    inside = pin.StdVec_RigidConstraintData()
+    inside.extend(one.createData() for one in constraints)
+    pin.initConstraintDynamics(model, data, constraints, inside)
+    torque = rng.normal(size=(samples, n)) * 20.0
+    a, forces = np.empty_like(flight.v), np.empty((samples, len(feet), 3))
+    settings = pin.ProximalSettings(1e-14, 1e-14, 0.0, 200)
+    for k in range(samples):
+        tau = np.concatenate([np.zeros(6), torque[k]])
+        a[k] = pin.constraintDynamics(model, data, flight.q[k], flight.v[k], tau, constraints, inside, settings)
+        forces[k] = [each.contact_force.linear for each in inside]
+    return Flight(model, flight.q, flight.v, a), torque, forces
+
+
+@pytest.mark.parametrize("feet", [FEET[:1], FEET[1:3], FEET[:3], FEET])
+def test_pinocchios_constrained_dynamics_obey_the_rows_without_contact_forces(feet):
+    leg = quadruped()
+    flight, torque, forces = constrained(leg, feet, np.random.default_rng(len(feet)))
+    q, v, a = flight.joints
+    axes = reference_axes(leg, feet, q)
+    model = SupportModel.of(TorqueModel(leg, ()), feet, axes)
+    motion = model.motion(q, v, a, flight.base)
+    W = model.columns(motion).transpose(2, 1, 0)
+    left = model.row_torque(torque, motion, {})
+    assert W.shape[1] == 6 + 12 - 3 * len(feet)
+    assert np.abs(W @ leg.parameters - left).max() < 1e-9 * np.abs(forces).max()
+
+
+def test_an_edge_turns_about_itself_alone():
+    flat, edge = quadruped("flat"), quadruped("edge")
+    q = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 12))
+    whole, held = flat.contact_jacobian(q, FEET[0]), edge.contact_jacobian(q, FEET[0])
+    assert held.shape == (5, 5, 18)
+    lost = np.array([np.linalg.svd(np.vstack([k, w]))[1][5] for k, w in zip(held, whole, strict=True)])
+    assert np.linalg.matrix_rank(held).tolist() == [5] * 5
+    assert (lost > 0.0).all()
+    zero = np.zeros((1, 12))
+    # all joints at zero, the foot has the axes of the base: the line lies across, along y
+    np.testing.assert_allclose(edge.contact_jacobian(zero, FEET[0])[0, :, 4] @ np.eye(5)[:, 3:], 0.0, atol=1e-12)
+
+
+def trajectory(rng, time, size, slowest=0.15):
+    """Sums of sines, one column for each size, with their first and second derivative."""
+    rates = 2.0 * np.pi * slowest * (1.0 + np.arange(6))
+    phases = rng.uniform(0.0, 2.0 * np.pi, (len(size), 6))
+    angle = time[:, None, None] * rates + phases
+    share = np.asarray(size)[:, None] / (1.0 + np.arange(6))
+    return [(share * part).sum(axis=2) for part in (np.sin(angle), rates * np.cos(angle), -(rates**2) * np.sin(angle))]
+
+
+def walk(leg, seconds, rng, noise=0.0, rate=200.0):
+    """A log on four feet, then on three with each foot up in turn, whose forces balance the base, and these forces."""
+    time = np.arange(0.0, seconds, 1.0 / rate)
+    q, v, a = trajectory(rng, time, [0.4] * 12)
+    q += [0.0, 0.6, -1.2, 0.0, -0.6, 1.2] * 2  # knees bent, forwards in front
+    _, omega, alpha = trajectory(rng, time, [0.2] * 3)
+    push = trajectory(rng, time, [1.5, 1.5, 2.0])[0] + [0.0, 0.0, 9.81]
+    rows = leg.inverse_dynamics(q, v, a, BaseKinematics(omega, alpha, push))
+    turn = np.floor(time / seconds * 5.0).astype(int)
+    contacts = {foot: turn != k + 1 for k, foot in enumerate(FEET)}
+    J = np.concatenate([leg.contact_jacobian(q, foot) * contacts[foot][:, None, None] for foot in FEET], axis=1)
+    balance = np.linalg.pinv(np.swapaxes(J[..., :6], 1, 2), rcond=1e-9)
+    shared = trajectory(rng, time, [20.0] * 12)[0]
+    loose = shared - np.einsum("nij,njk,nk->ni", balance, np.swapaxes(J[..., :6], 1, 2), shared)
+    forces = (np.einsum("nij,nj->ni", balance, rows[:, :6]) + loose) * np.repeat(
+        np.column_stack([*contacts.values()]), 3, 1
+    )
+    tau = rows[:, 6:] - np.einsum("nij,ni->nj", J[..., 6:], forces)
+    tau += noise * tau.std(axis=0) * rng.standard_normal(tau.shape)
+    base = exoid.BaseMotion.from_imu(omega, push)
+    log = exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names, base=base, contacts=contacts)
+    return log, forces.reshape(-1, 4, 3)
+
+
+@pytest.fixture(scope="module")
+def walked():
+    leg, rng = quadruped(), np.random.default_rng(1000)
+    logs = [walk(leg, 20.0, rng, noise=0.01)[0] for _ in range(2)]
+    return exoid.identify(leg, logs, terms=(), check=False)
+
+
+@pytest.mark.slow
+def test_a_quadruped_is_identified_from_point_feet_without_their_forces(walked):
+    truth = quadruped().parameters
+    error = np.abs(walked.values - truth)
+    assert abs(walked.values[0] / truth[0] - 1.0) < 0.01
+    assert np.mean(error < 1.96 * walked.std) > 0.9
+    log, forces = walk(quadruped(), 10.0, np.random.default_rng(1001))
+    found = ground_forces(walked, log)
+    for k, foot in enumerate(FEET):
+        one = found[foot]
+        at = np.searchsorted(log.time, one.time)
+        # with one foot up the others determine all forces; four share what no joint torque tells
+        three = ~np.column_stack([*log.contacts.values()])[at].all(axis=1)
+        level = level_rotation(quadruped(), foot) @ forces[at, k, :, None]
+        inside = np.abs(one.force - level[..., 0])[three] < one.force_half[three]
+        assert np.count_nonzero(three) > 500
+        assert inside.mean() > 0.9
+        np.testing.assert_allclose(one.moment, 0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_kinds_of_contacts_are_saved_with_an_estimate(walked, tmp_path):
+    path = tmp_path / "est.json"
+    walked.save(path)
+    assert dict(Estimate.load(path).model.leg.contacts) == dict(walked.model.leg.contacts)
+
+
+def test_feet_on_points_do_not_say_how_the_base_moves():
+    log, _ = walk(quadruped(), 10.0, np.random.default_rng(0))
+    one = {FEET[0]: np.ones(len(log), dtype=bool)}
+    with pytest.raises(UnreadableInputError, match="base_gyro"):
+        exoid.identify(quadruped(), replace(log, base=None, contacts=one), terms=())
+
+
+@pytest.mark.parametrize("contacts", [{"LF_PAW": "point"}, {"LF_FOOT": "ball"}])
+def test_contacts_of_no_link_or_no_kind_are_refused(contacts):
+    with pytest.raises(BadArgumentError) as refused:
+        exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=contacts)
+    assert next(iter(contacts)) in str(refused.value)
