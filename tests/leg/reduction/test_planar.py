@@ -9,7 +9,7 @@ import exoid
 from exoid import Leg, TorsoMotion
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import planar
-from exoid.leg.reduction.planar import PlanarChain
+from exoid.leg.reduction.planar_machine import PlanarMachine
 
 TOLERANCE = 1e-12
 CUMULATIVE = pytest.mark.parametrize("cumulative", [True, False])
@@ -197,7 +197,6 @@ def two_joints(first: str, second: str, *, kind: str = "revolute", parent: str =
 def test_other_robots_are_not_taken_for_planar_chains(arguments):
     leg = two_joints(**arguments)
     assert leg.chain is None
-    assert PlanarChain.from_model(leg.model) is None
     q, v, a = random_motion(np.random.default_rng(10), 2)
     assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
 
@@ -210,4 +209,4 @@ def test_another_gravity_is_not_taken_for_the_documents(built_in_leg):
     """The closed form knows 9.81 m/s² only."""
     model = built_in_leg.model.copy()
     model.gravity.linear = np.array([0.0, 0.0, -1.62])
-    assert PlanarChain.from_model(model) is None
+    assert PlanarMachine.from_model(model) is None
