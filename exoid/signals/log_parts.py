@@ -103,7 +103,7 @@ def read_base(
 
 def _said_position(table: Table) -> tuple[float, ...] | None:
     """Position that a line of a text file gives."""
-    texts = getattr(table, "said", {}).get(BASE_POSITION, ())
+    texts = table.said.get(BASE_POSITION, ())
     if not texts:
         return None
     try:
@@ -168,7 +168,7 @@ def read_external(
 def _said_frames(table: Table) -> dict[str, WrenchFrame]:
     """Axes and points that lines of a text file give."""
     found: dict[str, WrenchFrame] = {}
-    for text in getattr(table, "said", {}).get(WRENCH, ()):
+    for text in table.said.get(WRENCH, ()):
         with within(f"line '{WRENCH}'"):
             link, frame = frame_of_link(text)
         if found.setdefault(link, frame) != frame:

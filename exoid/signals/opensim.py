@@ -154,7 +154,7 @@ def _pelvis_of(table: Table, *, split: bool) -> PelvisPose:
     numbers = np.zeros((len(table), 7))
     numbers[:, [("time", *names).index(name) for name in there]] = table.numbers(there)
     numbers = in_order(numbers, ("time", *names), table, split=split)
-    degrees = getattr(table, "in_degrees", False)
+    degrees = table.in_degrees
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))

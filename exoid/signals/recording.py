@@ -24,6 +24,7 @@ from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
 from .readers import ReadOptions
 from .readers.formats import open_table
+from .readers.loggers import with_logger
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns
@@ -431,8 +432,9 @@ class Recording(RecordingData):
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
             table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            columns, options = with_logger(table, joint_names, columns or {}, options)
             if options.get("beside"):
-                stamps = column_in(table.header, (columns or {}).get("time", "time"), "time")
+                stamps = column_in(table.header, columns.get("time", "time"), "time")
                 table = join(table, options["beside"], stamps)
             recording = cls(**read_log(table, joint_names, columns, options))
             refuse_contradictions(recording.time, recording.wrenches, recording.contacts)
