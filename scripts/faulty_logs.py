@@ -193,7 +193,9 @@ def longer(log: Log, part: float, _: np.random.Generator) -> Log:
         raise ExoidError("not a planar leg")
     offsets = log.leg.chain.offsets.copy()
     offsets[0] *= 1.0 + part
-    return log._replace(leg=replace(log.leg, chain=replace(log.leg.chain, offsets=offsets)))
+    (limb,) = log.leg.limbs
+    limb = replace(limb, chain=replace(limb.chain, offsets=offsets))
+    return log._replace(leg=replace(log.leg, machine=replace(log.leg.machine, limbs=(limb,))))
 
 
 def strapped(log: Log, stiffness: float, _: np.random.Generator) -> Log:

@@ -2,7 +2,7 @@
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
-from .attachments import Attachment, Attachments, MomentArm, MountedAttachments
+from .attachments import Attachment, Attachments, MomentArm
 from .coupling import Coupling, motor_terms
 from .drive import Drive
 from .file import read_actuators, write_actuators
@@ -20,7 +20,6 @@ __all__ = [
     "MomentArm",
     "MomentArmTable",
     "Motor",
-    "MountedAttachments",
     "SeriesElastic",
     "motor_terms",
     "read_actuators",

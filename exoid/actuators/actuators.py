@@ -142,7 +142,6 @@ class Actuators:
             assert reading is not None
             with within(source_of(recording)), within(one.name):
                 torque = one.torque(reading, recording.q[:, places], velocity[:, places], recording.sample_rate)
-                torque = torque * one.temperature_factor(recording, columns)
             new = ~recording.measured[places]  # of a coupling, some joints may have a sensor
             tau[:, np.array(places)[new]] = torque[:, new]
             joints += [recording.joint_names[place] for place in np.array(places)[new]]
@@ -229,8 +228,8 @@ class Actuators:
         for one in parts:
             places = [columns[joint] for joint in one.joints]
             with within(one.name):
-                torque = tau[:, places] / one.temperature_factor(recording, columns)
-                channels[one.channel][:, places] = one.command(torque, recording.q[:, places], velocity[:, places])
+                command = one.command(tau[:, places], recording.q[:, places], velocity[:, places])
+                channels[one.channel][:, places] = command
             tau[:, places] = np.nan
         return replace(recording, tau=tau, computed=(), **channels)
 
@@ -256,11 +255,6 @@ class Actuators:
         for one in self._parts():
             places = [self.joint_names.index(joint) for joint in one.joints]
             with within(one.name):
-                if one.needs_temperature:
-                    raise BadArgumentError(
-                        "the torque constant of the motor depends on temperature, which is not known here",
-                        remedy="take that of one temperature: motor.at_temperature(40.0)",
-                    )
                 out[:, places] = work(one, *(x[:, places] for x in arrays))
         return out
 
@@ -290,11 +284,6 @@ class _Part(NamedTuple):
         """Quantity that it needs."""
         return self.drive.channel
 
-    @property
-    def needs_temperature(self) -> bool:
-        """Whether its torque depends on temperature."""
-        return isinstance(self.drive, Motor) and self.drive.temperature_coefficient is not None
-
     def is_wanted(self, recording: Recording, columns: Mapping[str, int]) -> bool:
         """Whether the recording has its joints, and lacks the torque of one of them."""
         places = [columns[joint] for joint in self.joints if joint in columns]
@@ -307,23 +296,6 @@ class _Part(NamedTuple):
             return None
         own = values[:, [columns[joint] for joint in self.joints]]
         return None if np.isnan(own).all(axis=0).any() else own
-
-    def temperature_factor(self, recording: Recording, columns: Mapping[str, int]) -> FloatArray:
-        """Torque over that at the reference temperature, (N, k)."""
-        if not isinstance(self.drive, Motor) or not self.needs_temperature:
-            return np.ones((len(recording), len(self.joints)))
-        place = columns[self.joints[0]]
-        if recording.temperature is None or np.isnan(recording.temperature[:, place]).any():
-            name = recording.joint_names[place]
-            raise UnreadableInputError(
-                f"the motor has a temperature_coefficient, and the recording has no temperature of {name}",
-                remedy=f"record it in a column temp_{name} [°C], or take the torque constant of one temperature: "
-                "motor.at_temperature(40.0)",
-                command=f"record it in a column temp_{name} [°C], map it (--column temp_{name}=HEADER), or leave "
-                "temperature_coefficient out",
-                column=f"temp_{name}",
-            )
-        return self.drive.temperature_factor(recording.temperature[:, [place]])
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray, rate: float | None = None) -> FloatArray:
         """Torques of its joints [N·m], (N, k), from readings at a sampling rate [Hz]; None without noise."""

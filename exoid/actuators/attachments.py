@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -74,23 +74,33 @@ class MomentArm:
             Moment arms [m], (N,).
 
         Raises:
-            ExoidError: The actuator is not mounted on a leg.
+            ExoidError: The actuator is not mounted on a leg, or was not measured at these angles.
         """
-        raise BadArgumentError(
-            "the attachment points of a linear actuator have no moment arm without their leg",
-            remedy='mount it: actuator.on(leg, "left_knee"), or Actuators.of(leg, {"left_knee": actuator})',
-        )
+        raise NotImplementedError
+
+
+class SquaredLength(NamedTuple):
+    """Squared length between two points around a joint: c0 + c1 cos q + c2 sin q, or c0 + c1 q + c2 q²."""
+
+    c0: float  # [m²]
+    c1: float  # [m²], or [m] for a sliding joint
+    c2: float  # [m²], or 1 for a sliding joint
+    turns: bool  # whether the joint turns
 
 
 @dataclass(frozen=True)
 class Attachments(MomentArm):
-    """Two attachment points, on links that one joint separates.
+    """Two attachment points, on links that one joint separates: length l(q) and moment arm r(q) = dl/dq.
 
-    Either may be above the joint. See :class:`MountedAttachments` for length and moment arm.
+    Either may be above the joint. With a the point above the joint and b the one below, both in the joint's frame, and
+    u the axis of a turning joint, l² = |R(u, q) b − a|² = c₀ + c₁ cos q + c₂ sin q, where
+    c₀ = |a|² + |b|² − 2 (a·u)(b·u), c₁ = −2 (a·b − (a·u)(b·u)), c₂ = −2 a·(u × b), and r = (c₂ cos q − c₁ sin q) / 2l.
+    For a sliding joint, l² = c₀ + c₁ q + c₂ q² with c₂ = 1, and r = (c₁ + 2 c₂ q) / 2l.
 
     Attributes:
         first: One attachment point: name of the link and coordinates [m].
         second: The other.
+        squared_length: Coefficients of l² around the joint; None before :meth:`on` mounts the points there.
 
     Raises:
         ExoidError: A point is not three coordinates in metres.
@@ -104,20 +114,21 @@ class Attachments(MomentArm):
 
     first: Attachment
     second: Attachment
+    squared_length: SquaredLength | None = None
 
     def __post_init__(self) -> None:
         """Check names and coordinates."""
         for name in ("first", "second"):
             object.__setattr__(self, name, _attachment(getattr(self, name)))
 
-    def on(self, leg: Leg, joint: str) -> MountedAttachments:
+    def on(self, leg: Leg, joint: str) -> Attachments:
         """Find the geometry of both points around a joint, which separates their links."""
         model = leg.model
         moving = model.getJointId(joint)
         places = [_place(leg, attachment) for attachment in (self.first, self.second)]
         joints = [frame.parentJoint for frame in places]
         if sorted(joints) != [model.parents[moving], moving]:
-            between = _between(model, *joints)
+            between = sorted(set(model.supports[joints[0]]) ^ set(model.supports[joints[1]]))  # outwards
             named = ", ".join(str(model.names[k]) for k in between) or "no joint"
             raise BadArgumentError(
                 f"{self.first.link} and {self.second.link} are separated by {named}, and the actuator is at {joint}",
@@ -130,7 +141,7 @@ class Attachments(MomentArm):
         ]
         above, below = points if joints[1] == moving else points[::-1]
         above = model.jointPlacements[moving].actInv(above)
-        mounted = MountedAttachments(self, *_squared_length(model, moving, above, below))
+        mounted = replace(self, squared_length=_squared_length(model, moving, above, below))
         turned = np.linspace(-math.pi, math.pi, 361)
         if mounted.length(turned).min() < SHORTEST:
             raise BadArgumentError(
@@ -143,43 +154,26 @@ class Attachments(MomentArm):
             )
         return mounted
 
-
-@dataclass(frozen=True)
-class MountedAttachments(MomentArm):
-    """Length l(q) and moment arm r(q) = dl/dq between two points around one joint.
-
-    With a the point above the joint and b the one below, both in the joint's frame, and u the axis of a turning joint,
-    l² = |R(u, q) b − a|² = c₀ + c₁ cos q + c₂ sin q, where c₀ = |a|² + |b|² − 2 (a·u)(b·u),
-    c₁ = −2 (a·b − (a·u)(b·u)), c₂ = −2 a·(u × b), and r = (c₂ cos q − c₁ sin q) / 2l. For a sliding joint,
-    l² = c₀ + c₁ q + c₂ q² with c₂ = 1, and r = (c₁ + 2 c₂ q) / 2l.
-
-    Attributes:
-        attachments: Attachment points.
-        c0: Coefficient c₀ [m²].
-        c1: Coefficient c₁ [m²], or [m] for a sliding joint.
-        c2: Coefficient c₂ [m²], or 1 for a sliding joint.
-        turns: Whether the joint turns.
-    """
-
-    attachments: Attachments
-    c0: float
-    c1: float
-    c2: float
-    turns: bool
-
     def length(self, q: FloatArray) -> FloatArray:
         """L = √(c₀ + c₁ cos q + c₂ sin q)."""
-        cos, sin = (np.cos(q), np.sin(q)) if self.turns else (q, q * q)
-        return np.asarray(np.sqrt(np.maximum(self.c0 + self.c1 * cos + self.c2 * sin, 0.0)))
+        c0, c1, c2, turns = self._mounted
+        cos, sin = (np.cos(q), np.sin(q)) if turns else (q, q * q)
+        return np.asarray(np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 0.0)))
 
     def arm(self, q: FloatArray) -> FloatArray:
         """R = (c₂ cos q − c₁ sin q) / 2l."""
-        slope = self.c2 * np.cos(q) - self.c1 * np.sin(q) if self.turns else self.c1 + 2.0 * self.c2 * q
+        _, c1, c2, turns = self._mounted
+        slope = c2 * np.cos(q) - c1 * np.sin(q) if turns else c1 + 2.0 * c2 * q
         return np.asarray(0.5 * slope / np.maximum(self.length(q), SHORTEST))
 
-    def on(self, leg: Leg, joint: str) -> MountedAttachments:
-        """Mount the same points on another leg."""
-        return self.attachments.on(leg, joint)
+    @property
+    def _mounted(self) -> SquaredLength:
+        if self.squared_length is None:
+            raise BadArgumentError(
+                "the attachment points of a linear actuator have no moment arm without their leg",
+                remedy='mount it: actuator.on(leg, "left_knee"), or Actuators.of(leg, {"left_knee": actuator})',
+            )
+        return self.squared_length
 
 
 def _attachment(given: object) -> Attachment:
@@ -212,15 +206,7 @@ def _place(leg: Leg, attachment: Attachment) -> pin.Frame:
     return bodies[names.index(name)]
 
 
-def _between(model: pin.Model, one: int, other: int) -> list[int]:
-    """Joints between two links that hang on joints, outwards."""
-    above, below = set(model.supports[one]), set(model.supports[other])
-    return sorted(above ^ below)
-
-
-def _squared_length(
-    model: pin.Model, joint: int, above: FloatArray, below: FloatArray
-) -> tuple[float, float, float, bool]:
+def _squared_length(model: pin.Model, joint: int, above: FloatArray, below: FloatArray) -> SquaredLength:
     """Coefficients of l², and whether the joint turns."""
     data = model.joints[joint].createData()
     model.joints[joint].calc(data, pin.neutral(model), np.zeros(model.nv))
@@ -229,6 +215,7 @@ def _squared_length(
     if turn.any():
         along = float(above @ turn) * float(below @ turn)
         c0 = float(above @ above + below @ below) - 2.0 * along
-        return c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below)), True
+        c1, c2 = -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below))
+        return SquaredLength(c0, c1, c2, True)
     apart = below - above
-    return float(apart @ apart), 2.0 * float(apart @ slide), 1.0, False
+    return SquaredLength(float(apart @ apart), 2.0 * float(apart @ slide), 1.0, False)

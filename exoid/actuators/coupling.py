@@ -34,8 +34,7 @@ class Coupling:
         motors: Motors whose currents are logged; empty if their torques are.
 
     Raises:
-        ExoidError: The matrix is not square, singular or not finite, there are other numbers of motors, or one of them
-            depends on temperature.
+        ExoidError: The matrix is not square, singular or not finite, or there are other numbers of motors.
 
     Example:
         >>> wrist = Coupling(("roll", "pitch"), ((0.5, 0.5), (0.5, -0.5)))  # a differential
@@ -73,11 +72,6 @@ class Coupling:
         if len(motors) not in (0, count) or not all(isinstance(motor, Motor) for motor in motors):
             raise BadArgumentError(
                 f"{len(motors)} motors of a coupling of {count} joints", remedy="describe each, or none"
-            )
-        if any(motor.temperature_coefficient is not None for motor in motors):
-            raise BadArgumentError(
-                "a motor of a coupling has a temperature_coefficient",
-                remedy="take the torque constant of one temperature: motor.at_temperature(40.0)",
             )
         for name, value in (("joints", joints), ("matrix", matrix), ("motors", motors)):
             object.__setattr__(self, name, value)

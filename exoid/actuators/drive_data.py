@@ -13,7 +13,7 @@ from exoid.leg.leg import Leg
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
-from .attachments import Attachment, Attachments, MountedAttachments
+from .attachments import Attachment, Attachments
 from .coupling import Coupling
 from .drive import Drive, is_number
 from .linear import LinearActuator
@@ -153,7 +153,8 @@ def _attachments(table: Table) -> Attachments:
     for key, end in ends.items():
         if not isinstance(end, Mapping) or set(end) != {"link", "point"}:
             raise UnreadableInputError(f"{key} is {end!r}", remedy=REQUIRED[Attachments][key])
-    return Attachments(*(Attachment(end["link"], end["point"]) for end in ends.values()))
+    first, second = (Attachment(end["link"], end["point"]) for end in ends.values())
+    return Attachments(first, second)
 
 
 def _moment_arms(table: Table) -> MomentArmTable:
@@ -198,9 +199,8 @@ def _table(drive: Drive | Coupling) -> dict[str, Any]:
         limit |= {} if drive.gain == 1.0 else {"gain": UNKNOWN if drive.gain is None else float(drive.gain)}
         if isinstance(arm, MomentArmTable):
             return {"type": kind, "angle": [*arm.angle], "moment_arm": [*arm.moment_arm], **limit}
-        points = arm.attachments if isinstance(arm, MountedAttachments) else arm
-        if isinstance(points, Attachments):
-            ends = {"first": points.first, "second": points.second}
+        if isinstance(arm, Attachments):
+            ends = {"first": arm.first, "second": arm.second}
             return {
                 "type": kind,
                 **{key: {"link": end.link, "point": [*end.point]} for key, end in ends.items()},

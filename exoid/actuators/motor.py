@@ -7,15 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
 
-from .drive import Drive, UnknownConstant, check_constant, is_number, is_positive, refuse_beyond
+from .drive import Drive, UnknownConstant, check_constant, is_positive, refuse_beyond
 
 SLOW = 0.02
 """Velocity over which the efficiency changes from one direction of power to the other [rad/s]."""
-
-REFERENCE = 25.0
-"""Temperature of the torque constant where no other is given [°C]."""
 
 
 @dataclass(frozen=True)
@@ -30,9 +26,6 @@ class Motor(Drive):
     The torque accelerates the rotor too: its reflected inertia I_a = ratio² · rotor_inertia is the parameter ``Ia`` of
     :class:`exoid.Armature`. ``identify`` holds it if the rotor inertia is given.
 
-    Magnets get weaker as they warm up. With a temperature coefficient α, the torque constant is k_t (1 + α (T − T0)).
-    T is the column ``temp_<joint>`` of the recording, which has to have it then. exoid does not identify α.
-
     Attributes:
         torque_constant: Torque constant k_t [N·m/A]; None to identify it as ``kt_<joint>`` (docs/amperes.md).
         ratio: Gear ratio, motor angle per joint angle; negative if both turn in opposite directions.
@@ -40,9 +33,6 @@ class Motor(Drive):
         back_efficiency: Efficiency where the joint drives the motor, in (0, 1]; None for the same.
         rotor_inertia: Inertia of the rotor about its own axis [kg·m²]; None to identify I_a.
         max_current: Largest current [A]; None for no limit.
-        temperature_coefficient: Temperature coefficient α of the torque constant [1/K], such as −0.001; None for a
-            torque constant that does not depend on temperature.
-        reference_temperature: Temperature T0 at which the torque constant is k_t [°C]; None for :data:`REFERENCE`.
 
     Raises:
         ExoidError: A constant is not finite or has an impossible value.
@@ -60,8 +50,6 @@ class Motor(Drive):
     back_efficiency: float | None = None
     rotor_inertia: float | None = None
     max_current: float | None = None
-    temperature_coefficient: float | None = None
-    reference_temperature: float | None = None
 
     channel = "current"
     unit = "A"
@@ -81,16 +69,6 @@ class Motor(Drive):
         check_constant(
             self, "rotor_inertia", lambda value: value >= 0.0, "a number of kg·m², zero or positive, or None"
         )
-        # Magnets lose 0.05 to 0.2 % per kelvin; more than 1 % is a coefficient in percent.
-        per_kelvin = "a number per kelvin, such as -0.001 for -0.1 % per kelvin, or None"
-        check_constant(self, "temperature_coefficient", lambda value: abs(value) <= 0.01, per_kelvin)
-        celsius = "a temperature in °C, such as 25, or None"
-        check_constant(self, "reference_temperature", lambda value: -60.0 <= value <= 220.0, celsius)
-        if self.reference_temperature is not None and self.temperature_coefficient is None:
-            raise BadArgumentError(
-                "Motor with a reference_temperature and no temperature_coefficient",
-                remedy="give both, or leave the temperature out",
-            )
 
     @property
     def needs_velocity(self) -> bool:  # type: ignore[override]
@@ -101,40 +79,6 @@ class Motor(Drive):
     def armature(self) -> float | None:
         """Rotor inertia reflected to the joint, I_a = ratio² · rotor_inertia [kg·m²]; None if it is not known."""
         return None if self.rotor_inertia is None else self.ratio**2 * self.rotor_inertia
-
-    def temperature_factor(self, temperature: FloatArray) -> FloatArray:
-        """Compute the torque constant over that at the reference temperature, 1 + α (T − T0).
-
-        Args:
-            temperature: Temperatures T [°C], any shape.
-
-        Returns:
-            The factor, of the same shape; ones without a temperature coefficient.
-        """
-        alpha = 0.0 if self.temperature_coefficient is None else self.temperature_coefficient
-        reference = REFERENCE if self.reference_temperature is None else self.reference_temperature
-        return np.asarray(1.0 + alpha * (np.asarray(temperature) - reference))
-
-    def at_temperature(self, temperature: float) -> Motor:
-        """Take the torque constant of one temperature, for control and C, where none is measured.
-
-        Args:
-            temperature: The temperature [°C].
-
-        Returns:
-            The motor with that torque constant, which does not depend on temperature any more.
-
-        Raises:
-            ExoidError: The temperature is no finite number, or the torque constant is not known.
-
-        Example:
-            >>> Motor(0.1, temperature_coefficient=-0.001).at_temperature(75.0).torque_constant
-            0.095
-        """
-        if not is_number(temperature):
-            raise BadArgumentError(f"a temperature of {temperature!r}", remedy="give a number of °C")
-        constant = self.known("torque_constant") * float(self.temperature_factor(np.array(temperature)))
-        return replace(self, torque_constant=constant, temperature_coefficient=None, reference_temperature=None)
 
     @property
     def gear_factors(self) -> tuple[float, float]:

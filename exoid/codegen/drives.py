@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exoid.actuators import Actuators, Coupling, Drive, LinearActuator, Motor, MountedAttachments, SeriesElastic
-from exoid.actuators.attachments import SHORTEST
+from exoid.actuators import Actuators, Attachments, Coupling, Drive, LinearActuator, Motor, SeriesElastic
+from exoid.actuators.attachments import SHORTEST, SquaredLength
 from exoid.actuators.motor import SLOW
 from exoid.errors import ExoidError, NotSupportedError
 
@@ -57,11 +57,6 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
             raise NotSupportedError(
                 "the torque constant of a motor is not known", remedy="give torque_constant in N·m/A"
             )
-        if drive.temperature_coefficient is not None:
-            raise NotSupportedError(
-                "the torque constant of a motor depends on temperature, which C does not know",
-                remedy="take that of one temperature: motor.at_temperature(40.0)",
-            )
         current = f"{tau} / {number(drive.ratio * drive.torque_constant)}"
         if drive.needs_velocity:
             driving, driven = drive.gear_factors
@@ -72,9 +67,10 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
         return _limited(current, drive.max_current, dialect)
     if isinstance(drive, SeriesElastic):
         return f"{number(drive.ratio)} * ({q} + {tau} / {number(drive.stiffness)})"
-    if isinstance(drive, LinearActuator) and isinstance(drive.moment_arm, MountedAttachments):
+    arm = drive.moment_arm if isinstance(drive, LinearActuator) else None
+    if isinstance(drive, LinearActuator) and isinstance(arm, Attachments) and arm.squared_length is not None:
         gain = "" if drive.gain == 1.0 else f"{number(drive.known('gain'))} * "
-        gain += _arm(drive.moment_arm, q, dialect)  # its fmax() drops a NaN
+        gain += _arm(arm.squared_length, q, dialect)  # its fmax() drops a NaN
         return _limited(f"isfinite({q}) ? {tau} / ({gain}) : {number(0.0)}", drive.max_force, dialect)
     raise NotSupportedError(
         f"{type(drive).__name__} with a table of moment arms has no form in C"
@@ -84,11 +80,11 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
     )
 
 
-def _arm(arm: MountedAttachments, q: str, dialect: Dialect) -> str:
+def _arm(squared: SquaredLength, q: str, dialect: Dialect) -> str:
     """Moment arm, at least a millimetre."""
-    c0, c1, c2 = (dialect.number(value) for value in (arm.c0, arm.c1, arm.c2))
+    c0, c1, c2 = (dialect.number(value) for value in squared[:3])
     root, cos, sin = (dialect.function(name) for name in ("sqrt", "cos", "sin"))
-    if arm.turns:
+    if squared.turns:
         slope = f"{c2} * {cos}({q}) - {c1} * {sin}({q})"
         square = f"{c0} + {c1} * {cos}({q}) + {c2} * {sin}({q})"
     else:

@@ -30,9 +30,8 @@ from .floating_base import floating_mass_matrix, free_flyer_model, project_colum
 from .leg_data import Base, Contact, LegData, to_numbers, without_side
 from .link_frames import held_directions, link_frame
 from .model import build_model, with_dynamic_parameters
-from .reduction.documented import documented, documented_machine
+from .reduction.documented import documented_machine
 from .reduction.numeric import numeric
-from .reduction.planar import PlanarChain
 from .reduction.planar_machine import PlanarMachine
 from .reduction.tree_motion import tree_jacobian
 from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
@@ -160,7 +159,6 @@ class Leg(LegData):
             raise BadArgumentError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
-        chain = PlanarChain.from_model(model) if base == "fixed" else None
         floating = base == "floating"
         if floating and model.inertias[0].mass <= 0.0:
             raise UnreadableInputError(
@@ -168,10 +166,8 @@ class Leg(LegData):
                 where=description.name,
                 remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
             )
-        machine = PlanarMachine.from_model(model, floating=floating) if chain is None and base != "moving" else None
-        if chain is not None:
-            reduction = documented(chain, cumulative=cumulative)
-        elif machine is not None:
+        machine = None if base == "moving" else PlanarMachine.from_model(model, floating=floating)
+        if machine is not None:
             reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
         else:
             links = without_side([description.child_links[name] for name in list(model.names)[1:]])
@@ -185,7 +181,7 @@ class Leg(LegData):
             if kind not in get_args(Contact):
                 kinds = ", ".join(get_args(Contact))
                 raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {kinds}")
-        return cls(description, model, reduction, chain, locked, cumulative, base, machine, contacts)
+        return cls(description, model, reduction, machine, locked, cumulative, base, contacts)
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.

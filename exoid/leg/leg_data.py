@@ -18,7 +18,7 @@ from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
 from .reduction import Plane
-from .reduction.planar import PlanarChain, TorsoSamples, fill_regressor
+from .reduction.planar import PlanarChain, TorsoSamples
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
 from .reduction.reduction import Reduction
 from .reduction.tree import Tree
@@ -54,22 +54,20 @@ class LegData:
         locked: Positions of joints that do not move [rad].
         cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
         model: Pinocchio model of the moving joints; do not change it.
-        chain: Planar geometry; None if the leg is not a planar chain.
         reduction: Reduction of link parameters to :attr:`parameters`.
+        machine: Planar geometry of the limbs; None if the leg is not planar.
         base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
             more than on a fixed base. "floating" if rows of the base come before those of the joints.
-        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
         contacts: Kind of contact of links that do not rest flat.
     """
 
     description: Description
     model: pin.Model
     reduction: Reduction
-    chain: PlanarChain | None
+    machine: PlanarMachine | None
     locked: Mapping[str, float] = field(default_factory=dict)
     cumulative: bool = True
     base: Base = "fixed"
-    machine: PlanarMachine | None = None
     contacts: Mapping[str, Contact] = field(default_factory=dict)
 
     @property
@@ -84,10 +82,13 @@ class LegData:
 
     @property
     def limbs(self) -> tuple[Limb, ...]:
-        """Planar chains of the leg: one, or those of a machine; () if it is not planar."""
-        if self.chain is not None:
-            return (Limb(self.chain, slice(0, self.chain.n), "", np.zeros(2)),)
+        """Planar chains of the leg; () if it is not planar."""
         return () if self.machine is None else self.machine.limbs
+
+    @property
+    def chain(self) -> PlanarChain | None:
+        """Planar geometry of a single limb on a base that does not float; None for all other legs."""
+        return self.limbs[0].chain if len(self.limbs) == 1 and self.base == "fixed" else None
 
     @property
     def plane(self) -> Plane:
@@ -200,10 +201,7 @@ class LegData:
         Raises:
             ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
         """
-        if self.chain is not None:
-            moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
-            fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
-        elif self.machine is not None:
+        if self.machine is not None:
             within = None if torso is None else self._within_plane(torso, len(q))
             self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
         elif torso is None or self.base != "fixed":

@@ -12,6 +12,8 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.tools.extras import install_extra
 
+from .model import joint_axis
+
 SHORTEST = 0.01
 """Length below which a link is not drawn [m]."""
 
@@ -70,11 +72,7 @@ def to_mjcf(model: pin.Model, links: tuple[str, ...], numbers: JointNumbers, nam
 
 def joint_axes(model: pin.Model) -> FloatArray:
     """Find the axis of each joint in the frame of its body."""
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
-    return np.array(
-        [pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.joints[j].idx_v] for j in range(1, model.njoints)]
-    )
+    return np.array([joint_axis(model.joints[j]) for j in range(1, model.njoints)])
 
 
 def set_inertia(body: Any, inertia: pin.Inertia) -> None:  # noqa: ANN401

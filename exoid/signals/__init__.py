@@ -10,7 +10,7 @@ from .differentiation import Kinematics, motion_edge
 from .filters.low_pass import zero_phase
 from .filters.parallel import ParallelFilter
 from .link_wrenches import link_placement, wrenches_on_links
-from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
+from .opensim import read_opensim
 from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
@@ -32,7 +32,6 @@ __all__ = [
     "Kinematics",
     "MovingAverage",
     "ParallelFilter",
-    "PelvisPose",
     "Poses",
     "Preparation",
     "ReadOptions",
@@ -51,7 +50,6 @@ __all__ = [
     "motion_edge",
     "read_opensim",
     "read_opensim_forces",
-    "read_opensim_pelvis",
     "register_format",
     "register_preparation",
     "settled",

@@ -9,11 +9,12 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
 
 from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
-from .base_pose import STANDARD_GRAVITY, refuse_jumps
+from .base_pose import refuse_jumps
 
 CONCLUSIVE = 0.7
 """Least share of the power of the direction's rate that a coefficient explains, before it counts."""
@@ -59,12 +60,12 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:
     # direction f̂ is that of the vertical, which turns by d f̂/dt = −ω × f̂. A regression of both, filtered
     # alike, gives 1/57 for a gyroscope in deg/s, and −1 if the axes of one sensor have the opposite sign.
     size = float(np.median(np.linalg.norm(base.specific_force, axis=1)))
-    if not 0.6 <= size / STANDARD_GRAVITY <= 1.6:
+    if not 0.6 <= size / GRAVITY <= 1.6:
         remedy = command = "give it in m/s²"
         if 0.6 < size < 1.6:
             remedy = "it is in g: multiply by 9.80665, or give its unit: exoid.signals.Column(..., unit='g')"
             command = "it is in g, give its unit: --column base_acc_x=HEADER:g, and so for y and z"
-        elif size < 0.6 * STANDARD_GRAVITY:
+        elif size < 0.6 * GRAVITY:
             remedy = command = "give the specific force, which contains gravity: what the accelerometer reads, in m/s²"
         what = f"the accelerometer of the base reads {size:.3g} m/s² (median), and gravity alone is 9.81"
         raise UnreadableInputError(what, remedy=remedy, command=command)

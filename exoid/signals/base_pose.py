@@ -12,6 +12,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.reduction.planar import GRAVITY
 
 from . import checks, timebase
 from .timebase import Sampled
@@ -144,9 +145,6 @@ def _unit(quaternion: FloatArray) -> FloatArray:
     return np.asarray(quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True))
 
 
-STANDARD_GRAVITY = 9.81
-"""Gravity, as in the models [m/s²]."""
-
 STANDARD_CUTOFF = 10.0
 """Default cut-off frequency [Hz], above that of the filter that a recording passes later."""
 
@@ -192,7 +190,7 @@ def motion_of_pose(
         raise BadArgumentError(
             "the poses accelerate by more than 100 m/s²", remedy="give positions in m, or a lower cutoff"
         )
-    gravity = -STANDARD_GRAVITY * up / np.linalg.norm(up)
+    gravity = -GRAVITY * up / np.linalg.norm(up)
     force = np.asarray(body.inv().apply(acceleration - gravity))
     return PoseMotion(twice_imaginary(smooth, slope), force, place, smooth)
 

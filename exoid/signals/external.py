@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NoReturn, TypedDict, TypeVar
+from collections.abc import Mapping
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -32,14 +32,7 @@ class ReadOnlyDict(dict[str, V]):
         return type(self), (dict(self),)
 
 
-class External(TypedDict):
-    """Fields of a recording for what acts on its links."""
-
-    wrenches: Mapping[str, Wrench]  # measured wrenches by link
-    contacts: Mapping[str, BoolArray]  # samples at which a link is fixed to the ground, by link
-
-
-def as_external(wrenches: Any, contacts: Any, samples: int) -> External:  # noqa: ANN401 - not yet checked
+def as_external(wrenches: Any, contacts: Any, samples: int) -> dict[str, Any]:  # noqa: ANN401 - not yet checked
     """Check and freeze wrenches and contacts."""
     measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}')
     for link, wrench in measured.items():
@@ -67,16 +60,6 @@ def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: boo
                 'wrench in axes of the link (axes="link")',
                 command="add the columns base_x…z, base_qx…w of a pose, or give the wrench in axes of the link",
             )
-
-
-def each_link(
-    external: External, wrench: Callable[[Wrench], Wrench], contact: Callable[[BoolArray], BoolArray]
-) -> External:
-    """Change every wrench and every contact."""
-    return {
-        "wrenches": {link: wrench(one) for link, one in external["wrenches"].items()},
-        "contacts": {link: contact(one) for link, one in external["contacts"].items()},
-    }
 
 
 def _mapping(values: Any, argument: str, example: str) -> dict[str, Any]:  # noqa: ANN401

@@ -5,10 +5,9 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError, in_file
@@ -19,68 +18,6 @@ from .filters.low_pass import zero_phase
 from .readers import Table
 from .readers.formats import open_table
 from .source import Source, SourceLocation
-
-
-@dataclass(frozen=True, eq=False)
-class JoinedTable:
-    """Columns of the first file, and those of others at its time stamps, while all of them last."""
-
-    first: Table
-    others: Sequence[tuple[Table, FloatArray]]  # with their time stamps
-    time: FloatArray  # time stamps of the rows that all files have [s]
-    rows: slice  # these rows in the first file
-
-    @property
-    def file(self) -> str:
-        """Path of the first file."""
-        return self.first.file
-
-    @property
-    def source(self) -> Source:
-        """Names of all files, and the hash of the list of their hashes."""
-        sources = [self.first.source, *(table.source for table, _ in self.others)]
-        digest = hashlib.sha256("".join(f"{each.sha256}  {each.name}\n" for each in sources).encode()).hexdigest()
-        return Source(" + ".join(each.name for each in sources), digest)
-
-    @property
-    def header(self) -> tuple[str, ...]:
-        """Columns of the first file, then those that only the others have."""
-        tables = (self.first, *(table for table, _ in self.others))
-        return tuple(dict.fromkeys(name for table in tables for name in table.header))
-
-    @property
-    def lines(self) -> NDArray[np.int64] | None:
-        """Places of the rows in the first file."""
-        return None if self.first.lines is None else self.first.lines[self.rows]
-
-    @property
-    def row_name(self) -> str:
-        """Word of the first file."""
-        return self.first.row_name
-
-    @property
-    def in_degrees(self) -> bool:
-        """Whether the first file has its angles in degrees."""
-        return bool(getattr(self.first, "in_degrees", False))
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read columns; those of other files are interpolated, behind a low-pass where they are sampled faster."""
-        out = np.empty((len(self), len(columns)))
-        own = [k for k, name in enumerate(columns) if name in self.first.header]
-        out[:, own] = self.first.numbers([columns[k] for k in own])[self.rows]
-        left = [k for k in range(len(columns)) if k not in own]
-        for table, time in self.others:
-            here = [k for k in left if columns[k] in table.header]
-            left = [k for k in left if k not in here]
-            if here:
-                names = [columns[k] for k in here]
-                values = table.numbers(names)
-                checks.refuse_not_finite(values, names, SourceLocation(table.lines, {}, table.row_name))
-                out[:, here] = values_at(time, values, self.time, smooth=True)
-        return out
 
 
 def values_at(time: FloatArray, values: FloatArray, wanted: FloatArray, *, smooth: bool) -> FloatArray:
@@ -108,9 +45,10 @@ def in_order(numbers: FloatArray, names: Sequence[str], table: Table, *, split: 
     return numbers
 
 
-def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) -> JoinedTable:
-    """Join files of the same clock to the first one."""
-    begins, others = _time_of(first, stamps), []
+def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) -> Table:
+    """Join files of the same clock: columns of the first, and those of others at its stamps, while all of them last."""
+    begins = _time_of(first, stamps)
+    others: list[tuple[Table, FloatArray]] = []
     start, stop = begins[0], begins[-1]
     half = 0.5 * float(np.median(np.diff(begins)))
     for path in paths:
@@ -125,8 +63,35 @@ def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) 
                 )
             others.append((table, time))
         start, stop = max(start, time[0] - half), min(stop, time[-1] + half)
-    low, high = np.searchsorted(begins, start), np.searchsorted(begins, stop, side="right")
-    return JoinedTable(first, others, begins[low:high], slice(int(low), int(high)))
+    rows = slice(int(np.searchsorted(begins, start)), int(np.searchsorted(begins, stop, side="right")))
+    shared, tables = begins[rows], (first, *(table for table, _ in others))
+
+    def numbers(columns: Sequence[str]) -> FloatArray:
+        """Read columns; those of other files are interpolated, behind a low-pass where they are sampled faster."""
+        out = np.empty((len(shared), len(columns)))
+        own = [k for k, name in enumerate(columns) if name in first.header]
+        out[:, own] = first.numbers([columns[k] for k in own])[rows]
+        left = [k for k in range(len(columns)) if k not in own]
+        for table, time in others:
+            here = [k for k in left if columns[k] in table.header]
+            left = [k for k in left if k not in here]
+            if here:
+                names = [columns[k] for k in here]
+                values = table.numbers(names)
+                checks.refuse_not_finite(values, names, SourceLocation(table.lines, {}, table.row_name))
+                out[:, here] = values_at(time, values, shared, smooth=True)
+        return out
+
+    listed = "".join(f"{table.source.sha256}  {table.source.name}\n" for table in tables)
+    names = " + ".join(table.source.name for table in tables)
+    return replace(
+        first,
+        source=Source(names, hashlib.sha256(listed.encode()).hexdigest()),
+        header=tuple(dict.fromkeys(name for table in tables for name in table.header)),
+        numbers=numbers,
+        length=len(shared),
+        lines=None if first.lines is None else first.lines[rows],
+    )
 
 
 def _time_of(table: Table, stamps: Column) -> FloatArray:

@@ -41,7 +41,7 @@ def read_log(
     names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    degrees = options.get("angle_unit") == "deg" or getattr(table, "in_degrees", False)
+    degrees = options.get("angle_unit") == "deg" or table.in_degrees
     numbers = _numbers(table, names, headers, given, degrees)
     missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
@@ -109,7 +109,7 @@ def _arrays(
 def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
     """Find the payloads that were on the leg: those that were given, or those that the file names."""
     try:
-        found = tuple(Payload.from_text(text) for text in getattr(table, "said", {}).get(PAYLOAD, ()))
+        found = tuple(Payload.from_text(text) for text in table.said.get(PAYLOAD, ()))
     except ExoidError as error:
         if given is not None:  # a remark of the user's own, and the payloads
             return as_payloads(given)
@@ -232,7 +232,7 @@ def _numbers(
             refuse_silent_unit(column.header, name, degrees=degrees)
         if not column.is_plain:
             numbers[:, place] = column.read(name, numbers[:, place])
-        is_in_m = getattr(table, "in_degrees", False) and column.header.removesuffix("/value").endswith(TRANSLATIONS)
+        is_in_m = table.in_degrees and column.header.removesuffix("/value").endswith(TRANSLATIONS)
         if degrees and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
             numbers[:, place] = np.deg2rad(numbers[:, place])
     return numbers

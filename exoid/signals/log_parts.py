@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from . import checks
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .base_pose import POSE_COLUMNS, BasePose
 from .csv_writer import LogPart
-from .external import External
 from .readers import Table
 from .readers.text import BASE_POSITION, WRENCH
 from .wrench import WRENCH_PARTS, Wrench, WrenchFrame, frame_of_link
@@ -103,7 +103,7 @@ def read_base(
 
 def _said_position(table: Table) -> tuple[float, ...] | None:
     """Position that a line of a text file gives."""
-    texts = getattr(table, "said", {}).get(BASE_POSITION, ())
+    texts = table.said.get(BASE_POSITION, ())
     if not texts:
         return None
     try:
@@ -128,7 +128,7 @@ def log_of_base(base: BaseMotion) -> LogPart:
 
 def read_external(
     table: Table, columns: Mapping[str, FloatArray], given_frames: Mapping[str, WrenchFrame | str] | None
-) -> External:
+) -> dict[str, Any]:
     """Make the wrenches and contacts of a log."""
     said = _said_frames(table)
     with within("wrench_frames"):
@@ -168,7 +168,7 @@ def read_external(
 def _said_frames(table: Table) -> dict[str, WrenchFrame]:
     """Axes and points that lines of a text file give."""
     found: dict[str, WrenchFrame] = {}
-    for text in getattr(table, "said", {}).get(WRENCH, ()):
+    for text in table.said.get(WRENCH, ()):
         with within(f"line '{WRENCH}'"):
             link, frame = frame_of_link(text)
         if found.setdefault(link, frame) != frame:

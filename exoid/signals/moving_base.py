@@ -8,10 +8,11 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
-from .base_pose import POSE_COLUMNS, STANDARD_GRAVITY, twice_imaginary
+from .base_pose import POSE_COLUMNS, twice_imaginary
 from .preparation import Preparation
 from .recording import Recording
 
@@ -34,6 +35,6 @@ def base_during(recording: Recording, preparation: Preparation) -> MovingBase | 
         return at_sensor.moved(-even.base.position)
     size = np.linalg.norm(smooth[:, 3:], axis=1, keepdims=True)
     h, rate, change = (part[:, 3:] / size for part in (smooth, slope, curvature))
-    force = curvature[:, :3] + (0.0, 0.0, STANDARD_GRAVITY)
+    force = curvature[:, :3] + (0.0, 0.0, GRAVITY)
     turned = scipy.spatial.transform.Rotation.from_quat(h).apply(force, inverse=True)
     return BaseKinematics(twice_imaginary(h, rate), twice_imaginary(h, change), turned)

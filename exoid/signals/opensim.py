@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -35,18 +35,11 @@ PELVIS_PLACES = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
 
 
 class PelvisPose(NamedTuple):
-    """Pose of the pelvis in a laboratory whose z axis points up.
+    """Pose of the pelvis in a laboratory whose z axis points up; axes of the pelvis are x forward, y left and z up."""
 
-    Attributes:
-        time: Time stamps [s], (N,).
-        position: Position of its origin [m], (N, 3).
-        quaternion: Orientation (x, y, z, w), laboratory from pelvis, (N, 4). Axes of the pelvis are x forward, y left
-            and z up, those of a root link.
-    """
-
-    time: FloatArray
-    position: FloatArray
-    quaternion: FloatArray
+    time: FloatArray  # time stamps [s], (N,)
+    position: FloatArray  # position of its origin [m], (N, 3)
+    quaternion: FloatArray  # orientation (x, y, z, w), laboratory from pelvis, (N, 4)
 
 
 def read_opensim(
@@ -107,7 +100,7 @@ def read_opensim(
     recording = Recording.from_file(path, joint_names, columns, **options)
     if table is not None and recording.base is None:
         with in_file(os.fsdecode(path)):
-            pose = _pelvis_of(table, split=options.get("gaps") == "split")
+            pose = read_pelvis(table, split=options.get("gaps") == "split")
             place = (0.0, 0.0, 0.0) if at is None else at
             base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=place, cutoff=cutoff)
             if not np.array_equal(pose.time, recording.time):
@@ -118,30 +111,10 @@ def read_opensim(
     return recording
 
 
-def read_opensim_pelvis(path: str | os.PathLike[str], gaps: Literal["refuse", "split"] = "refuse") -> PelvisPose:
-    """Read the pose of the pelvis from the coordinates of OpenSim's joint between ground and pelvis.
-
-    With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right):
-
-        R = Rz(α) Rx(β) Ry(γ).
-
-    Args:
-        path: Kinematics, a ``.mot`` or ``.sto`` file with the columns pelvis_tilt, pelvis_list, pelvis_rotation,
-            pelvis_tx, pelvis_ty and pelvis_tz; of a planar model pelvis_tilt, pelvis_tx and pelvis_ty.
-        gaps: "refuse" gaps and repeated stamps, or "split" there: gaps are filled, repeated stamps dropped.
-
-    Returns:
-        The pose in axes whose z points up, evenly spaced in time.
-
-    Raises:
-        ExoidError: A column is missing, or does not hold numbers, or time stamps are not in order.
-    """
-    with in_file(os.fsdecode(path)):
-        return _pelvis_of(open_table(path), split=gaps == "split")
-
-
-def _pelvis_of(table: Table, *, split: bool) -> PelvisPose:
-    """Pose of the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
+def read_pelvis(table: Table, *, split: bool) -> PelvisPose:
+    """Read the pose of the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
+    # With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right),
+    # R = Rz(α) Rx(β) Ry(γ).
     names = PELVIS_TURNS + PELVIS_PLACES
     absent = [name for name in ("time", *names) if name not in table.header]
     if absent and sorted(absent) != ["pelvis_list", "pelvis_rotation", "pelvis_tz"]:  # those of a planar model
@@ -154,7 +127,7 @@ def _pelvis_of(table: Table, *, split: bool) -> PelvisPose:
     numbers = np.zeros((len(table), 7))
     numbers[:, [("time", *names).index(name) for name in there]] = table.numbers(there)
     numbers = in_order(numbers, ("time", *names), table, split=split)
-    degrees = getattr(table, "in_degrees", False)
+    degrees = table.in_degrees
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,16 +17,17 @@ from exoid.tools.tables import html_table
 from . import checks, timebase
 from .column import Column, column_in
 from .csv_writer import LogPart, write_parts
-from .external import each_link, refuse_contradictions
+from .external import refuse_contradictions
 from .joined import join
 from .log import read_log
 from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
 from .readers import ReadOptions
 from .readers.formats import open_table
+from .readers.loggers import with_logger
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
-from .recording_data import RecordingData, absent_columns
+from .recording_data import RecordingData, absent_columns, change_samples
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -198,12 +199,9 @@ class Recording(RecordingData):
         Raises:
             ExoidError: Fewer than 10 samples are left.
         """
-        arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
-        mask = None if self.mask is None else self.mask[start:stop]
-        base = None if self.base is None else self.base.rows(slice(start, stop))
         rows = slice(start, stop)
-        external = each_link(self._external, lambda wrench: wrench.rows(rows), lambda contact: contact[rows])
-        return replace(self, time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
+        arrays = {quantity: values[rows] for quantity, values in {"time": self.time, **self._arrays()}.items()}
+        return change_samples(self, arrays, lambda part: part.rows(rows), lambda flags: flags[rows])
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
         """Let only samples in some segments count, such as the swing phases of a walk.
@@ -304,15 +302,14 @@ class Recording(RecordingData):
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
-        arrays: dict[str, Any] = {
+        arrays = {
             field: timebase.interpolate(time, values[rows], grid, smooth=smooth[field])
             for field, values in self._arrays().items()
         }
         carried_over = partial(timebase.interpolate_mask, self.time, grid=grid)
-        mask = None if self.mask is None else carried_over(self.mask)
-        base = None if self.base is None else self.base.interpolated(time, grid, rows)
-        external = each_link(self._external, lambda wrench: wrench.interpolated(time, grid, rows), carried_over)
-        return replace(self, time=grid, mask=mask, base=base, **arrays, **external)
+        return change_samples(
+            self, {"time": grid, **arrays}, lambda part: part.interpolated(time, grid, rows), carried_over
+        )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.
@@ -431,8 +428,9 @@ class Recording(RecordingData):
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
             table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            columns, options = with_logger(table, joint_names, columns or {}, options)
             if options.get("beside"):
-                stamps = column_in(table.header, (columns or {}).get("time", "time"), "time")
+                stamps = column_in(table.header, columns.get("time", "time"), "time")
                 table = join(table, options["beside"], stamps)
             recording = cls(**read_log(table, joint_names, columns, options))
             refuse_contradictions(recording.time, recording.wrenches, recording.contacts)

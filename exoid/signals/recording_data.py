@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field, fields
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from exoid.leg.torso import TorsoMotion
 from . import checks
 from .base_checks import refuse_unfit_base
 from .base_motion import BaseMotion
-from .external import External, as_external, refuse_world_axes_without_pose
+from .external import as_external, refuse_world_axes_without_pose
 from .quantities import QUANTITIES
 from .source import Source
 from .wrench import Wrench
+
+R = TypeVar("R", bound="RecordingData")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,13 +114,26 @@ class RecordingData:
         """Name of the file, for messages."""
         return self.source.name if self.source else ""
 
-    @property
-    def _external(self) -> External:
-        return {"wrenches": self.wrenches, "contacts": self.contacts}
-
     def _arrays(self) -> dict[str, Any]:
         arrays = {each.field: getattr(self, each.field) for each in QUANTITIES}
         return {name: values for name, values in arrays.items() if values is not None}
+
+
+def change_samples(
+    recording: R,
+    arrays: Mapping[str, FloatArray],
+    part: Callable[[Any], Any],
+    flags: Callable[[BoolArray], BoolArray],
+) -> R:
+    """Give a recording other samples: arrays by field, and what becomes of base motion and wrenches, and of bools."""
+    changed: dict[str, Any] = {
+        **arrays,
+        "mask": None if recording.mask is None else flags(recording.mask),
+        "base": None if recording.base is None else part(recording.base),
+        "wrenches": {link: part(wrench) for link, wrench in recording.wrenches.items()},
+        "contacts": {link: flags(contact) for link, contact in recording.contacts.items()},
+    }
+    return replace(recording, **changed)
 
 
 def absent_columns(values: FloatArray) -> BoolArray:

@@ -16,7 +16,7 @@ from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
-from .motion import LoadedMotion, Motion, random_base, random_motion
+from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
 from .nonlinear import nonlinear_settings, with_settings
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
@@ -29,9 +29,6 @@ from .term import (
     needed_temperature,
     term_blocks,
 )
-
-BLOCK = 32768
-"""Samples whose terms are filled in at once."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,6 +16,9 @@ from exoid.leg.torso import MovingBase, TorsoMotion
 
 from .internal_state import InternalState
 
+BLOCK = 32768
+"""Samples whose torques are computed at once."""
+
 
 class Motion(NamedTuple):
     """Motion of a whole recording, or of some of its rows, from which regressors are formed.

@@ -14,10 +14,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.model import with_dynamic_parameters
 from exoid.leg.payload import Payload
 
-from .motion import Motion
-
-BLOCK = 32768
-"""Samples whose torque is computed at once."""
+from .motion import BLOCK, Motion
 
 
 def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:

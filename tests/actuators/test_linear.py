@@ -24,7 +24,7 @@ def test_the_length_is_the_distance_of_the_points_by_pinocchio(joint: str) -> No
         pin.framesForwardKinematics(model, data, q)
         ends = [
             data.oMf[model.getFrameId(end.link, pin.FrameType.BODY)].act(np.array(end.point))
-            for end in (arm.attachments.first, arm.attachments.second)
+            for end in (arm.first, arm.second)
         ]
         assert arm.length(np.array([angle]))[0] == pytest.approx(np.linalg.norm(ends[0] - ends[1]), rel=1e-12)
 

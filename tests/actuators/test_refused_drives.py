@@ -20,7 +20,6 @@ from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
 MATRIX = ((0.05, 0.05), (0.06, -0.04))
-WARM = Motor(0.1, temperature_coefficient=-1e-3)
 POINTS = Attachments(("thigh", (0.05, 0.0, -0.1)), ("shank", (0.05, 0.0, -0.06)))
 WRIST = Coupling(("hip", "knee"), MATRIX)
 ARMS = (0.04, 0.05, 0.05, 0.04)
@@ -57,9 +56,6 @@ DRIVES = {
     "back efficiency above one": motor(back_efficiency=1.1),
     "negative rotor": motor(rotor_inertia=-1.0),
     "no current": motor(max_current=0.0),
-    "coefficient in percent": motor(temperature_coefficient=-0.1),
-    "reference alone": motor(reference_temperature=25.0),
-    "reference in kelvins": motor(reference_temperature=298.15, temperature_coefficient=-0.001),
     "unknown constant in use": lambda: Motor(None, 50.0).torque(ONE, NOTHING, NOTHING),
     "spring without stiffness": lambda: SeriesElastic(0.0),
     "stiffness of text": lambda: SeriesElastic("1"),
@@ -72,9 +68,6 @@ DRIVES = {
     "matrix with a hole": lambda: Coupling(("hip", "knee"), ((1.0, 1.0), (1.0, float("nan")))),
     "matrix of text": lambda: Coupling(("hip", "knee"), "A"),
     "one motor for two": lambda: Coupling(("hip", "knee"), MATRIX, (Motor(0.1),)),
-    "warm motor in a coupling": lambda: Coupling(
-        ("hip", "knee"), MATRIX, (Motor(0.1, temperature_coefficient=-1e-3),) * 2
-    ),
     "three angles": lambda: MomentArmTable((0.0, 0.1, 0.2), (1.0, 1.0, 1.0)),
     "angles twice": lambda: MomentArmTable((0.0, 0.1, 0.1, 0.3), ARMS),
     "angles in degrees": lambda: MomentArmTable((0.0, 10.0, 20.0, 30.0), ARMS),

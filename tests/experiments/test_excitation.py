@@ -153,7 +153,7 @@ def test_a_foot_above_ground_is_kept_there():
 
 def test_clearance_of_a_planar_leg_is_that_of_any_leg():
     """Closed form against Pinocchio's forward kinematics."""
-    general = replace(BLEEX, chain=None)
+    general = replace(BLEEX, machine=None)
     q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 3))
     np.testing.assert_allclose(FOOT.margin(general, q), FOOT.margin(BLEEX, q), atol=1e-12)
 
@@ -180,7 +180,7 @@ def test_tilting_the_torso_makes_hip_stiffness_known():
 def test_a_numeric_leg_is_planned_too():
     """Whatever the parameters are called."""
     general = exoid.Leg.from_description(CUHK.description, CUHK.joint_names)
-    general = replace(general, chain=None)
+    general = replace(general, machine=None)
     plan = plan_excitation(general, (exoid.Viscous(),), noise=0.3, duration=6.0, highest=0.5, starts=1, criterion="d")
     assert np.isfinite(plan.precision.std).all()
 

@@ -53,18 +53,6 @@ def test_half_the_rate_of_the_mass_matrix_less_coriolis_is_skew(leg):
     assert np.abs(S + np.swapaxes(S, 1, 2)).max() < 1e-7 * max(1.0, np.abs(rate).max())
 
 
-def test_another_coriolis_matrix_with_the_same_torque_is_not_skew():
-    """The property above is one of the matrix, not of C v: it can fail."""
-    leg = exoid.load_leg("bleex")
-    q, v, _ = motion_of(leg)
-    rate = (leg.mass_matrix(q + STEP * v) - leg.mass_matrix(q - STEP * v)) / (2 * STEP)
-    beside = np.stack([v[:, 1], -v[:, 0], np.zeros(len(v))], axis=-1)[:, None, :]  # adds nothing to C v
-    C = leg.coriolis(q, v) + beside
-    assert_relative(np.einsum("nij,nj->ni", C, v), np.einsum("nij,nj->ni", leg.coriolis(q, v), v), 1e-12)
-    S = 0.5 * rate - C
-    assert np.abs(S + np.swapaxes(S, 1, 2)).max() > 0.1
-
-
 @LEGS
 def test_inertia_coriolis_and_gravity_add_up_to_the_inverse_dynamics(leg):
     q, v, a = motion_of(leg)
@@ -252,27 +240,16 @@ def test_labels_are_the_names_where_the_side_is_not_the_same_for_all(names):
 def test_a_leg_with_other_parameters_has_their_torques(built_in_leg):
     rng = np.random.default_rng(10)
     new = built_in_leg.parameters * rng.uniform(0.7, 1.3, len(built_in_leg.parameters))
+    before = dynamic_parameters(built_in_leg.model)
     changed = built_in_leg.with_parameters(new)
+    np.testing.assert_array_equal(dynamic_parameters(built_in_leg.model), before)
+    np.testing.assert_allclose(dynamic_parameters(changed.model)[::10], before[::10], rtol=1e-15)
     motion = motion_of(built_in_leg)
     np.testing.assert_allclose(changed.parameters, new, rtol=1e-13)
     assert_relative(changed.inverse_dynamics(*motion), built_in_leg.regressor(*motion) @ new, 1e-12)
     assert_relative(changed.regressor(*motion), built_in_leg.regressor(*motion), 1e-15)
     torso = TorsoMotion(0.3, 0.2, 0.1, (0.5, -0.5))
     assert_relative(changed.inverse_dynamics(*motion, torso), built_in_leg.regressor(*motion, torso) @ new, 1e-12)
-
-
-def test_other_parameters_leave_the_masses_and_the_old_leg_alone(built_in_leg):
-    before = dynamic_parameters(built_in_leg.model)
-    changed = built_in_leg.with_parameters(2.0 * built_in_leg.parameters)
-    np.testing.assert_array_equal(dynamic_parameters(built_in_leg.model), before)
-    np.testing.assert_allclose(dynamic_parameters(changed.model)[::10], before[::10], rtol=1e-15)
-    assert changed.joint_names == built_in_leg.joint_names
-    assert not np.allclose(changed.parameters, built_in_leg.parameters)
-
-
-def test_the_same_parameters_give_the_same_leg(built_in_leg):
-    same = built_in_leg.with_parameters(built_in_leg.parameters)
-    np.testing.assert_allclose(dynamic_parameters(same.model), dynamic_parameters(built_in_leg.model), atol=1e-14)
 
 
 def test_parameters_cannot_be_changed_in_place():

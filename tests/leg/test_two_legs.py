@@ -70,7 +70,7 @@ def test_payloads_on_torso_and_legs_take_pinocchios_forces(robot):
         body = 0 if load.joint == root else bodies.getJointId(load.joint)
         own = load.mass * load.gyration**2 * np.eye(3)
         bodies.inertias[body] += type(bodies.inertias[0])(load.mass, np.array(load.position), own)
-    loaded = Leg(leg.description, bodies, leg.reduction, leg.chain, base="floating", machine=leg.machine)
+    loaded = Leg(leg.description, bodies, leg.reduction, leg.machine, base="floating")
     expected = loaded.inverse_dynamics(*flight.joints, flight.base) - leg.inverse_dynamics(*flight.joints, flight.base)
     assert_relative(payload_torque(leg, loads, motion), expected, 1e-10)
 

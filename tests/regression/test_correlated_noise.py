@@ -67,14 +67,6 @@ def test_intervals_hold_whatever_the_memory_of_the_noise(swing, estimator, prepa
     assert worst >= 0.76
 
 
-@pytest.mark.slow
-def test_intervals_for_white_noise_must_fail_where_it_is_not_white(swing):
-    mean, _ = coverage(Swing(swing.leg, 200.0), 20, noise="white", preparation=EXACT)
-    assert mean < 0.4
-    mean, _ = coverage(swing, 20, noise="white")
-    assert mean < 0.88
-
-
 def problem_of(swing, seed, terms=TERMS, **changes):
     return Problem((Group("", TorqueModel(swing.leg, terms), [noisy(swing, seed, **changes)], EXACT),))
 

@@ -15,7 +15,7 @@ from exoid.leg.torso import TorsoMotion
 from exoid.regression import rows as rows_module
 from exoid.regression.every_row import make_rows
 from exoid.regression.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
-from exoid.signals import FiniteDifference, MovingAverage, ParallelFilter, Poses, ZeroPhase
+from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
 from exoid.torques import TorqueModel
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 60.0)
@@ -102,15 +102,6 @@ def test_rows_come_in_several_stretches_that_cover_the_recording(short_stretches
     np.testing.assert_allclose(tau, whole.tau, rtol=0, atol=1e-11 * np.abs(whole.tau).max())
     W = np.concatenate([block.rows.W for block in half])
     np.testing.assert_allclose(W, whole.W, rtol=0, atol=1e-11 * np.abs(whole.W).max())
-
-
-def test_too_little_overlap_must_show(short_stretches, monkeypatch):
-    """Without the reach of the filter on both sides the estimate is another one."""
-    whole = identify(SWING.leg, recording(), TERMS)
-    short_stretches(1.0)
-    monkeypatch.setattr(ParallelFilter, "reach", 30)
-    parts = identify(SWING.leg, recording(), TERMS)
-    assert np.abs(parts.values - whole.values).max() > 1e-7
 
 
 def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):

@@ -155,20 +155,6 @@ def test_intervals_contain_the_truth_as_often_as_they_say(preparation, estimator
     assert (scatter < 1.2).all()
 
 
-@pytest.mark.slow
-def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow():
-    """Without the noise bandwidth of the filter, 95 % intervals contain the truth far less often."""
-
-    class Naive(ZeroPhase):
-        def independent_fraction(self, rate):
-            return 1.0
-
-    swing = Swing(exoid.load_leg("bleex", inertias="identified"), seconds=12.0, base=0.15)
-    estimates = replicates(swing, 40, NOISE, preparation=Naive(), noise="white")
-    inside = [(low <= swing.truth) & (swing.truth <= high) for low, high in (e.interval().T for e in estimates)]
-    assert np.mean(inside) < 0.75
-
-
 @pytest.mark.nightly
 def test_weighting_beats_ordinary_least_squares_where_joints_differ_in_noise():
     """Hip torque errs ten times as much as the others'; parameters of knee and ankle gain by it."""

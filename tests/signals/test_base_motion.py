@@ -80,21 +80,6 @@ def test_poses_of_motion_capture_give_what_an_imu_measures():
     assert np.abs(base.specific_force - true.specific_force_at(IMU))[50:-50].max() < 0.05
 
 
-def test_a_laboratory_may_have_another_vertical_and_another_body():
-    walked = walk()
-    position, turn = walked.pose
-    lab, body = Rotation.from_euler("x", -90, degrees=True), Rotation.from_euler("z", 90, degrees=True)
-    usual = BaseMotion.from_pose(position, turn.as_quat(), walked.time)
-    other = BaseMotion.from_pose(
-        lab.apply(position),
-        (lab * turn * body).as_quat(),
-        walked.time,
-        up=lab.apply([0.0, 0.0, 1.0]),
-        rotation=body.as_matrix(),
-    )
-    assert np.allclose(other.columns, usual.columns, atol=1e-9)
-
-
 # --- Recordings -----------------------------------------------------------------------------------------------------
 
 

@@ -151,7 +151,7 @@ def test_the_header_tells_the_format_where_one_joint_is_asked_for(fixture, name,
 
 
 def test_sign_and_zero_of_an_encoder_are_the_users(dephy):
-    column = Column("q_knee", scale=-1.0, zero=0.25)
+    column = Column("ank_ang", scale=-1.0 / 16384, zero=0.25 * 16384 / (2.0 * math.pi), unit="rev")
     log = Recording.from_file(dephy, columns={"q_knee": column}, format="dephy:knee")
     np.testing.assert_allclose(log.q[:, 0], 0.25 - ANGLE, atol=math.pi / 16384)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid.signals.cutoff import GAIN, robust_std, white_noise
+from exoid.signals.cutoff import robust_std, white_noise
 
 
 def test_outliers_hardly_change_the_robust_standard_deviation():
@@ -18,7 +18,3 @@ def test_white_noise_is_found_beside_a_motion():
     noise = sizes * np.random.default_rng(1).standard_normal((len(time), 2))
     motion = np.column_stack([np.sin(6.0 * time), 9.81 + 3.0 * np.cos(9.0 * time)])
     np.testing.assert_allclose(white_noise(motion + noise), sizes, rtol=0.05)
-
-
-def test_gain_of_fourth_differences_is_the_sum_of_their_squared_weights():
-    assert np.sum(np.diff(np.eye(9), 4, axis=0) ** 2, axis=1) == pytest.approx(GAIN)

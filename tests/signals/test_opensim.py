@@ -10,7 +10,7 @@ from log_writers import write_opensim
 import exoid
 from exoid import ExoidError, Recording
 from exoid.leg.catalog import urdf_folder
-from exoid.signals import Column, read_opensim, read_opensim_forces, read_opensim_pelvis, wrenches_on_links
+from exoid.signals import Column, read_opensim, read_opensim_forces, wrenches_on_links
 
 TIME = np.arange(200) / 100.0
 ANGLE = 30.0 * np.sin(TIME)
@@ -198,6 +198,12 @@ def pelvis_columns(tilt=0.0, list_=0.0, rotation=0.0, place=(0.0, 0.9, 0.0)):
     return {name: value * ones for name, value in zip(names, (tilt, list_, rotation, *place), strict=True)}
 
 
+def pelvis_of(path, columns):
+    """Pose of the pelvis in a file of these columns."""
+    write_opensim(path, TIME, {"knee": ANGLE, **columns}, degrees=True)
+    return read_opensim(path, {"q_knee": "knee"}).base.pose
+
+
 @pytest.mark.parametrize(
     ("angles", "axis", "direction"),
     [
@@ -207,8 +213,7 @@ def pelvis_columns(tilt=0.0, list_=0.0, rotation=0.0, place=(0.0, 0.9, 0.0)):
     ],
 )
 def test_each_angle_of_the_pelvis_turns_it_as_in_opensim(tmp_path, angles, axis, direction):
-    write_opensim(tmp_path / "ik.mot", TIME, pelvis_columns(**angles), degrees=True)
-    pose = read_opensim_pelvis(tmp_path / "ik.mot")
+    pose = pelvis_of(tmp_path / "ik.mot", pelvis_columns(**angles))
     np.testing.assert_allclose(pose.position[0], [0.0, 0.0, 0.9], atol=1e-12)
     turn = pin.Quaternion(*pose.quaternion[0][[3, 0, 1, 2]]).toRotationMatrix()
     np.testing.assert_allclose(turn[:, axis], direction, atol=1e-12)
@@ -216,8 +221,7 @@ def test_each_angle_of_the_pelvis_turns_it_as_in_opensim(tmp_path, angles, axis,
 
 def test_angles_of_the_pelvis_follow_each_other_about_turned_axes(tmp_path):
     """R = Rz(tilt) Rx(list) Ry(rotation), by Pinocchio's rotations about axes, turned such that z is up."""
-    write_opensim(tmp_path / "ik.mot", TIME, pelvis_columns(20.0, -35.0, 50.0), degrees=True)
-    pose = read_opensim_pelvis(tmp_path / "ik.mot")
+    pose = pelvis_of(tmp_path / "ik.mot", pelvis_columns(20.0, -35.0, 50.0))
     tilt, list_, rotation = np.deg2rad([20.0, -35.0, 50.0])
     opensim = pin.utils.rotate("z", tilt) @ pin.utils.rotate("x", list_) @ pin.utils.rotate("y", rotation)
     up = pin.utils.rotate("x", np.pi / 2)
@@ -291,28 +295,21 @@ def test_a_trial_says_what_is_missing(tmp_path):
 
 def test_a_repeated_stamp_and_a_gap_are_refused_with_their_line_or_split(tmp_path):
     """One stamp twice and 0.3 s missing: the pelvis is as without, but for the gap."""
-    columns = {"knee": ANGLE, **pelvis_columns(tilt=10.0 * np.sin(3.0 * TIME))}
+    columns = pelvis_columns(tilt=10.0 * np.sin(3.0 * TIME))
     rows = np.r_[0:50, 49, 50:120, 150:200]
-    whole = read_opensim_pelvis_of(tmp_path / "whole.mot", TIME, columns)
+    whole = pelvis_of(tmp_path / "whole.mot", columns)
+    columns["knee"] = ANGLE
     for name, kept, words in (
         ("twice.mot", np.r_[0:50, 49, 50:200], r"twice.mot, line \d+: time is repeated: 0.49 s"),
         ("gap.mot", np.r_[0:120, 150:200], r"gap.mot, line \d+: a gap of 0.31 s"),
         ("both.mot", rows, r"both.mot, line \d+: time is repeated"),
     ):
         write_opensim(tmp_path / name, TIME[kept], {key: x[kept] for key, x in columns.items()}, degrees=True)
-        for read in (read_opensim_pelvis, lambda path: read_opensim(path, {"q_knee": "knee"})):
-            with pytest.raises(ExoidError, match=words):
-                read(tmp_path / name)
-        pose = read_opensim_pelvis(tmp_path / name, gaps="split")
-        np.testing.assert_allclose(pose.time, TIME, atol=1e-9)
-        far = np.abs(TIME - 1.345) > 0.2
-        np.testing.assert_allclose(pose.quaternion[far], whole.quaternion[far], atol=1e-6)
+        with pytest.raises(ExoidError, match=words):
+            read_opensim(tmp_path / name, {"q_knee": "knee"})
         recording = read_opensim(tmp_path / name, {"q_knee": "knee"}, gaps="split")
+        np.testing.assert_allclose(recording.time, TIME, atol=1e-9)
+        far = np.abs(TIME - 1.345) > 0.3
+        np.testing.assert_allclose(recording.base.pose.quaternion[far], whole.quaternion[far], atol=1e-6)
         assert recording.mask is None or not recording.mask[100:170].any()
         assert len(recording.base) == len(recording) == 200
-
-
-def read_opensim_pelvis_of(path, time, columns):
-    """Pelvis of a file of these columns."""
-    write_opensim(path, time, columns, degrees=True)
-    return read_opensim_pelvis(path)

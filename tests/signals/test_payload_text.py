@@ -53,16 +53,6 @@ def test_a_line_that_is_no_payload_does_no_harm_where_payloads_are_given(tmp_pat
     assert Recording.from_csv(path, payloads=()).payloads == ()
 
 
-def test_a_header_in_a_comment_may_stand_above_a_payload(tmp_path):
-    path = tmp_path / "log.csv"
-    recording().to_csv(path)
-    header, *rows = path.read_text().splitlines()
-    path.write_text("\n".join([f"# {header}", f"# payload: {PAYLOAD}", *rows]))
-    read = Recording.from_csv(path)
-    assert read.payloads == (PAYLOAD,)
-    assert np.array_equal(read.tau, recording().tau)
-
-
 def test_parts_of_a_recording_keep_the_payload():
     whole = recording(payloads=PAYLOAD)
     parts = (whole.slice(0, 20), whole.select(("hip",)), whole.resampled(100.0), whole.segments([(0.0, 0.5)]))

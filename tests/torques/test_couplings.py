@@ -341,8 +341,3 @@ def test_a_rotor_over_two_joints_is_regrouped_beside_the_rotor_of_the_second():
     assert "Ia_hip_knee" in TorqueModel(LEG, (two,)).names
     three = CouplingInertia(joints=("hip", "knee", "ankle"), ratios=(1.0, 0.4, -0.5))
     assert "Ia_hip_knee_ankle" in TorqueModel(LEG, (Armature(), three)).names
-
-
-def test_without_the_couplings_the_residual_is_many_times_the_noise(estimate):
-    plain = identify(LEG, swing_with_couplings(1), (Coulomb(), Viscous()))
-    assert (plain.residual_rms[:2] > 5.0 * estimate.residual_rms[:2]).all()

@@ -1,4 +1,4 @@
-"""Friction and torque constants that depend on temperature, in every part of exoid that meets them."""
+"""Friction that depends on temperature, in every part of exoid that meets it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,9 @@ from swings import Swing
 
 import exoid
 from exoid import Coulomb, Viscous
-from exoid.actuators import Actuators, Motor, read_actuators, write_actuators
-from exoid.codegen.dialect import Dialect
-from exoid.codegen.drives import commands_in_c
 from exoid.codegen.forms import c_form
 from exoid.estimate import predict_motion
-from exoid.torques import Motion, TemperatureFriction, TorqueModel
-from exoid.torques.payloads import payload_torque
+from exoid.torques import TemperatureFriction, TorqueModel
 
 LEG = exoid.load_leg("cuhk")
 SWING = Swing(LEG, rate=50.0, seconds=40.0)
@@ -133,46 +129,3 @@ def test_what_has_no_temperature_refuses_it_by_name(estimate, tmp_path):
         exoid.identify(LEG, recording(), TERMS, estimator="ml")
     with pytest.raises(exoid.ExoidError, match="needs the temperature of"):
         TorqueModel(LEG, TERMS).regressor(Q, V, A)
-
-
-def test_the_torque_constant_follows_the_temperature(tmp_path):
-    """Currents of a motor whose magnets get weaker by 2 % give the torque that was there."""
-    drives = {"hip": Motor(0.07, ratio=50.0, temperature_coefficient=-0.001), "knee": Motor(0.05)}
-    actuators = Actuators.of(LEG, drives)
-    measured = recording(std=0.0)
-    read = actuators.readings(measured)
-    assert read.tau is None
-    np.testing.assert_allclose(actuators.torque(read).tau, measured.tau, rtol=1e-9)
-    fixed = Actuators.of(LEG, {**drives, "hip": Motor(0.07, ratio=50.0)})
-    ratio = fixed.torque(read).tau[:, 0] / measured.tau[:, 0]
-    np.testing.assert_allclose(ratio, 1.0 / (1.0 - 0.001 * (TEMPERATURE[:, 0] - 25.0)), rtol=1e-9)
-    write_actuators(actuators, tmp_path / "drives.toml")
-    again = read_actuators(tmp_path / "drives.toml", LEG)
-    assert again.drives["left_hip"].temperature_coefficient == -0.001
-    with pytest.raises(exoid.ExoidError, match="no temperature of left_hip"):
-        actuators.torque(dataclasses.replace(read, temperature=None))
-    with pytest.raises(exoid.ExoidError, match="at_temperature"):
-        actuators.command([[1.0, 1.0]], [[0.0, 0.0]], [[0.0, 0.0]])
-    warm = Actuators.of(LEG, {"hip": drives["hip"].at_temperature(45.0)})
-    assert warm.drives["left_hip"].torque_constant == pytest.approx(0.98 * 0.07)
-    with pytest.raises(exoid.ExoidError, match="temperature"):
-        exoid.actuators.Coupling(("hip", "knee"), ((0.5, 0.5), (0.5, -0.5)), (drives["hip"], Motor(0.05)))
-    with pytest.raises(exoid.ExoidError, match="C does not know"):
-        commands_in_c(actuators, Dialect())
-
-
-def test_an_unknown_torque_constant_is_found_beside_its_known_coefficient():
-    payload = exoid.Payload("knee", 3.0, (0.0, 0.0, -0.3))
-    load = payload_torque(LEG, (payload,), Motion(Q, V, A))
-    logs = [recording(seed=1), recording(seed=2)]
-    logs[1] = dataclasses.replace(logs[1], tau=logs[1].tau + load, payloads=(payload,))
-    motors = {"hip": Motor(0.07, ratio=50.0), "knee": Motor(0.06, ratio=50.0)}
-    motors = {joint: dataclasses.replace(motor, temperature_coefficient=-0.004) for joint, motor in motors.items()}
-    currents = [Actuators.of(LEG, motors).readings(log) for log in logs]
-    unknown = {joint: dataclasses.replace(motor, torque_constant=None) for joint, motor in motors.items()}
-    found = exoid.identify(LEG, currents, TERMS, actuators=unknown, check=False)
-    for joint, motor in motors.items():
-        assert found.actuators.drives[f"left_{joint}"].torque_constant == pytest.approx(motor.torque_constant, rel=1e-3)
-    constant = {j: dataclasses.replace(motor, temperature_coefficient=None) for j, motor in unknown.items()}
-    ignored = exoid.identify(LEG, currents, TERMS, actuators=constant, check=False)
-    assert (ignored.residual_rms > 5.0 * found.residual_rms).all()

@@ -62,14 +62,6 @@ def test_the_regressor_is_the_columns_stacked_by_hand(leg, samples):
     assert_relative(W, by_hand, 1e-15)
 
 
-def test_the_torque_is_inverse_dynamics_and_resistances_added_up(leg):
-    q, v, a = random_motion(np.random.default_rng(2), 3)
-    model = model_of(leg, Coulomb(smoothing=0.0), Viscous())
-    beta = np.concatenate([leg.parameters, [0.4, 0.5, 0.6], [0.1, 0.2, 0.3]])
-    expected = leg.inverse_dynamics(q, v, a) + np.sign(v) * [0.4, 0.5, 0.6] + v * [0.1, 0.2, 0.3]
-    assert_relative(model.regressor(q, v, a) @ beta, expected, 1e-12)
-
-
 def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
     q, v, a = random_motion(np.random.default_rng(3), 3)
     torso = TorsoMotion(0.3, 0.1, -0.2, (1.0, 2.0))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators, Attachment, LinearActuator, MomentArmTable, MountedAttachments
+from exoid.actuators import Actuators, Attachment, Attachments, LinearActuator, MomentArmTable
 from exoid.leg.leg import Leg
 
 
@@ -29,7 +29,7 @@ def arm_shapes(actuators: Actuators, leg: Leg) -> dict[int, ArmShapes]:
             arm, place = drive.moment_arm, leg.joint_names.index(joint)
             if isinstance(arm, MomentArmTable):
                 found[place] = _of_table(arm)
-            elif isinstance(arm, MountedAttachments):
+            elif isinstance(arm, Attachments):
                 found[place] = _of_points(arm, leg, joint)
     return found
 
@@ -45,18 +45,18 @@ def _of_table(arm: MomentArmTable) -> ArmShapes:
     return ArmShapes("1", "table of moment arms", shapes)
 
 
-def _of_points(arm: MountedAttachments, leg: Leg, joint: str) -> ArmShapes:
+def _of_points(arm: Attachments, leg: Leg, joint: str) -> ArmShapes:
     """Displacements, in the plane of motion, of the point that changes the arm most: the one nearer to the joint."""
-    points, step = arm.attachments, 1e-5  # [m], of finite differences
+    step = 1e-5  # [m], of finite differences
     q = np.linspace(-1.0, 1.0, 9)
     best, link, displaced = -1.0, "", []
     for name in ("first", "second"):
-        end: Attachment = getattr(points, name)
+        end: Attachment = getattr(arm, name)
         moved = []
         for axis in np.eye(3):
             x, y, z = np.add(end.point, step * axis).tolist()
-            change: dict[str, Attachment] = {name: Attachment(end.link, (x, y, z))}
-            moved.append(replace(points, **change).on(leg, joint))
+            change: dict[str, Any] = {name: Attachment(end.link, (x, y, z))}
+            moved.append(replace(arm, **change).on(leg, joint))
         sizes = [float(np.linalg.norm(each.arm(q) - arm.arm(q))) for each in moved]
         if max(sizes) > best:
             first, second = np.argsort(sizes)[:0:-1]  # the axis of the joint changes the arm least

@@ -160,10 +160,12 @@ def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
 def _length(at: _Point, j: int, _: int) -> FloatArray:
     """Derivative of the torque by the relative length of a segment."""
     leg = at.of.model.leg
-    assert leg.chain is not None
-    offsets = leg.chain.offsets.copy()
+    assert leg.machine is not None
+    (limb,) = leg.limbs
+    offsets = limb.chain.offsets.copy()
     offsets[j] *= 1.0 + STEP
-    longer = replace(leg, chain=replace(leg.chain, offsets=offsets))
+    changed = replace(limb, chain=replace(limb.chain, offsets=offsets))
+    longer = replace(leg, machine=replace(leg.machine, limbs=(changed,)))
     return (at.planar_torque(longer, at.motion) - at.of_leg) / STEP
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from exoid.estimate.model_error import AlternativeFriction
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
-from exoid.signals.external import each_link
+from exoid.signals.recording_data import change_samples
 from exoid.torques import Motion, TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
@@ -101,12 +100,7 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     def of_groups(samples: BoolArray) -> BoolArray:
         return np.asarray(samples[:count].reshape(-1, size).all(axis=1))  # all samples of a group count
 
-    mask = None if one.mask is None else of_groups(one.mask)
-    base = None if one.base is None else one.base.averaged(size)
-    external = each_link(
-        {"wrenches": one.wrenches, "contacts": one.contacts}, lambda wrench: wrench.averaged(size), of_groups
-    )
-    return replace(one, **means, mask=mask, base=base, **external)
+    return change_samples(one, means, lambda part: part.averaged(size), of_groups)
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:

@@ -70,11 +70,6 @@ class PlanarChain:
         return len(self.signs)
 
     @classmethod
-    def from_model(cls, model: pin.Model) -> PlanarChain | None:
-        """Read the geometry from a model."""
-        return cls.of_joints(model, range(1, model.njoints))
-
-    @classmethod
     def of_joints(cls, model: pin.Model, joints: range) -> PlanarChain | None:
         """Read the geometry of some joints of a model."""
         parents, freedoms = ([list(x)[j] for j in joints] for x in (model.parents, model.nvs))

@@ -12,7 +12,6 @@ from exoid.tools.reader_process.bounds import reading
 from exoid.tools.registry import Registry
 
 from .arrays import read_mat, read_npz
-from .loggers import in_si
 from .opensim import read_opensim_table
 from .options import ReadRequest
 from .parquet import read_parquet
@@ -143,7 +142,7 @@ def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None,
             f"the reader of the format {kind!r} returned {type(table).__name__}",
             remedy="let it return exoid.signals.readers.ArrayTable(file, Source.of(Path(file)), columns)",
         )
-    return in_si(table, request)
+    return table
 
 
 def kind_of(path: Path) -> str:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import numpy as np
-
 from exoid.errors import UnreadableInputError
 
 from .options import ReadRequest
-from .table import refuse_columns
-from .text import TextTable, read_text, refuse_repeated, split_lines
+from .table import Table, refuse_columns
+from .text import TextCells, read_text, refuse_repeated, split_lines
 
 ROWS, COLUMNS = ("nrows", "datarows"), ("ncolumns", "datacolumns")
 """Entries of the header that state the size, of OpenSim and of SIMM."""
@@ -26,7 +24,7 @@ SENTENCE = re.compile(r"angles are in (degrees|radians)", re.IGNORECASE)
 """What older files say instead of ``inDegrees``."""
 
 
-def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
+def read_opensim_table(file: str, request: ReadRequest) -> Table:
     """Read a motion or storage file of OpenSim, or of SIMM."""
     # The header states `nRows` and `nColumns` (`datarows` and `datacolumns` of SIMM; OpenSim 4 leaves both out)
     # and `inDegrees`. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs
@@ -46,9 +44,8 @@ def read_opensim_table(file: str, request: ReadRequest) -> TextTable:
     rows = content[end + 2 :]
     _refuse_other_size(entries, COLUMNS, len(header), "columns follow")
     _refuse_other_size(entries, ROWS, len(rows), "rows follow")
-    lines = np.array([number for number, _ in rows], dtype=np.int64)
-    cells = ["\t".join(line.split()) for _, line in rows]
-    return TextTable(file, source, tuple(header), cells, lines, "\t", in_degrees=degrees)
+    cells = [(number, "\t".join(line.split())) for number, line in rows]
+    return TextCells.of(header, cells, "\t").table(file, source, in_degrees=degrees)
 
 
 def _cells(line: str) -> list[str]:

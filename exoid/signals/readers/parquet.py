@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
@@ -18,43 +16,29 @@ from exoid.tools.reader_process.bounds import reading, refuse_expansion
 from exoid.tools.reader_process.child import Content, read_in_child
 
 from .options import ReadRequest
-from .table import as_column, needs, refuse_columns
+from .table import Table, as_column, needs, refuse_columns
 
 REMEDY = "check that the writer closed it; write it again"
 
 
-@dataclass(frozen=True, eq=False)
-class ParquetTable:
-    """A Parquet file, of which only the requested columns are read; attributes as those of ``Table``."""
-
-    file: str
-    source: Source
-    header: tuple[str, ...]
-    length: int  # number of rows
-    lines: NDArray[np.int64] | None = None
-    row_name: str = "row"
-
-    def __len__(self) -> int:
-        return self.length
-
-    def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read columns; empty cells become NaN."""
-        with reading("Parquet", REMEDY):
-            refuse_expansion(8 * self.length * len(columns), Path(self.file))
-            arrays = read_in_child(parquet_columns, self.file, names=list(columns)).arrays
-            table = np.column_stack([arrays[name] for name in columns])
-        if len(table) != self.length:
-            raise UnreadableInputError(f"{len(table)} rows, but {self.length} before", remedy="read it again")
-        return table
-
-
-def read_parquet(file: str, request: ReadRequest) -> ParquetTable:
-    """Read the header of a Parquet file."""
+def read_parquet(file: str, request: ReadRequest) -> Table:
+    """Read the header of a Parquet file, of which only the requested columns are read; empty cells become NaN."""
     if find_spec("polars") is None:
         raise needs("polars", "Parquet")
     with reading("Parquet", REMEDY):
         facts = read_in_child(parquet_header, file).facts
-        return ParquetTable(file, Source.of(Path(file)), tuple(facts["names"]), int(facts["rows"]))
+        source, length = Source.of(Path(file)), int(facts["rows"])
+
+    def numbers(columns: Sequence[str]) -> FloatArray:
+        with reading("Parquet", REMEDY):
+            refuse_expansion(8 * length * len(columns), Path(file))
+            arrays = read_in_child(parquet_columns, file, names=list(columns)).arrays
+            table = np.column_stack([arrays[name] for name in columns])
+        if len(table) != length:
+            raise UnreadableInputError(f"{len(table)} rows, but {length} before", remedy="read it again")
+        return table
+
+    return Table(file, source, tuple(facts["names"]), numbers, length)
 
 
 def parquet_header(file: str) -> Content:

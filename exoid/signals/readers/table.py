@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.signals.source import Source
 from exoid.tools.extras import install_extra
@@ -31,92 +31,74 @@ def refuse_columns(count: int) -> None:
         )
 
 
-@runtime_checkable
-class Table(Protocol):
-    """Columns of a log file, not yet checked."""
-
-    @property
-    def file(self) -> str:
-        """Path as the caller gave it, for messages."""
-        ...
-
-    @property
-    def source(self) -> Source:
-        """Name and SHA-256 of the file."""
-        ...
-
-    @property
-    def header(self) -> tuple[str, ...]:
-        """Column names in the order of the file."""
-        ...
-
-    @property
-    def lines(self) -> NDArray[np.int64] | None:
-        """Number of each row in the file, (N,); None where rows count from 0."""
-        ...
-
-    @property
-    def row_name(self) -> str:
-        """Word for a row: "line", "row" or "message"."""
-        ...
-
-    def __len__(self) -> int: ...
-
-    def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read columns; NaN and infinity are allowed.
-
-        Args:
-            columns: Names of k columns.
-
-        Returns:
-            Numbers, (N, k).
-
-        Raises:
-            ExoidError: A column does not hold numbers.
-        """
-        ...
-
-
 @dataclass(frozen=True, eq=False)
-class ArrayTable:
-    """A table whose columns are in memory; attributes as those of :class:`Table`.
+class Table:
+    """Columns of a log file, not yet checked.
 
     Attributes:
-        columns: The columns by name, all of one length, (N,).
-
-    Raises:
-        ExoidError: Columns are not of one length.
+        file: Path as the caller gave it, for messages.
+        source: Name and SHA-256 of the file.
+        header: Column names in the order of the file.
+        numbers: Function that reads k columns by name, (N, k); NaN and infinity are allowed.
+        length: Number of rows, N.
+        lines: Number of each row in the file, (N,); None where rows count from 0.
+        row_name: Word for a row: "line" of a text file, "row" or "message".
+        in_degrees: Whether the file says that its angles are in degrees, as OpenSim's do.
+        said: Texts of lines above the data, behind each beginning that is read.
     """
 
     file: str
     source: Source
-    columns: Mapping[str, NDArray[Any]]
+    header: tuple[str, ...]
+    numbers: Callable[[Sequence[str]], FloatArray]
+    length: int
     lines: NDArray[np.int64] | None = None
     row_name: str = "row"
+    in_degrees: bool = False
+    said: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        columns = {name: np.asarray(values) for name, values in self.columns.items()}
-        shapes = {values.shape for values in columns.values()}
+    def __len__(self) -> int:
+        return self.length
+
+
+class ArrayTable(Table):
+    """A table whose columns are in memory; dates become seconds since the first one."""
+
+    def __init__(
+        self,
+        file: str,
+        source: Source,
+        columns: Mapping[str, ArrayLike],
+        lines: NDArray[np.int64] | None = None,
+        row_name: str = "row",
+    ) -> None:
+        """Make the table.
+
+        Args:
+            file: See :class:`Table`.
+            source: See :class:`Table`.
+            columns: The columns by name, all of one length, (N,).
+            lines: See :class:`Table`.
+            row_name: See :class:`Table`.
+
+        Raises:
+            ExoidError: Columns are not of one length.
+        """
+        arrays = {name: np.asarray(values) for name, values in columns.items()}
+        shapes = {values.shape for values in arrays.values()}
         if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
-            found = ", ".join(f"{name} {values.shape}" for name, values in list(columns.items())[:20])
+            found = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20])
             raise UnreadableInputError(
                 f"columns are not of one length: {found}", remedy="give each one number a sample"
             )
-        object.__setattr__(self, "columns", columns)
+        length = len(next(iter(arrays.values()), ()))
 
-    @property
-    def header(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return tuple(self.columns)
+        def numbers(names: Sequence[str]) -> FloatArray:
+            if Path(file).exists():
+                refuse_expansion(8 * length * len(names), Path(file))
+            return np.column_stack([as_column(arrays[name], name) for name in names])
 
-    def __len__(self) -> int:
-        return len(next(iter(self.columns.values()), ()))
-
-    def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read columns; dates become seconds since the first one."""
-        if Path(self.file).exists():
-            refuse_expansion(8 * len(self) * len(columns), Path(self.file))
-        return np.column_stack([as_column(self.columns[name], name) for name in columns])
+        super().__init__(file, source, tuple(arrays), numbers, length, lines, row_name)
 
 
 def as_column(values: NDArray[Any], name: str) -> FloatArray:

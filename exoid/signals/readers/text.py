@@ -6,9 +6,10 @@ import csv
 import hashlib
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.signals.source import Source
 
 from .options import ReadRequest
-from .table import MOST_BLANK_LINES, refuse_columns
+from .table import MOST_BLANK_LINES, Table, refuse_columns
 
 # Beginnings of lines above the data that are read
 PAYLOAD = "# payload:"  # a payload, such as `# payload: knee:3.0@0,0,-0.3`
@@ -31,21 +32,23 @@ BLOCK = 2**20
 
 
 @dataclass(frozen=True)
-class TextTable:
-    """Header and data lines of a delimited text file; attributes as those of ``Table``."""
+class TextCells:
+    """Header and data lines of a delimited text file."""
 
-    file: str
-    source: Source
     header: tuple[str, ...]
     rows: Sequence[str]  # data lines, N of them
     lines: NDArray[np.int64]  # line number of each data line, from 1, (N,)
     delimiter: str
-    said: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # text behind each beginning in `SAID`
-    in_degrees: bool = False  # whether the file says that its angles are in degrees, as OpenSim's do
-    row_name: str = "line"
 
-    def __len__(self) -> int:
-        return len(self.rows)
+    @classmethod
+    def of(cls, header: Sequence[str], numbered: Sequence[tuple[int, str]], delimiter: str) -> TextCells:
+        """Take data lines with their line numbers."""
+        lines = np.array([number for number, _ in numbered], dtype=np.int64)
+        return cls(tuple(header), [line for _, line in numbered], lines, delimiter)
+
+    def table(self, file: str, source: Source, **said: Any) -> Table:  # noqa: ANN401 - what the file says above the data
+        """Make a table that parses its columns when they are asked for."""
+        return Table(file, source, self.header, self.numbers, len(self.rows), self.lines, "line", **said)
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Parse columns; other columns may hold text. A column without any entry is NaN throughout."""
@@ -105,7 +108,7 @@ class TextTable:
         return filled
 
 
-def read_text_table(file: str, request: ReadRequest) -> TextTable:
+def read_text_table(file: str, request: ReadRequest) -> Table:
     """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab; numbers alone also by spaces."""
     # Blank lines and lines that start with `#` are skipped. A byte-order mark and any line ending are accepted. If the
     # first line has only numbers, the `#` line before it with the same number of cells is the header.
@@ -139,7 +142,6 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
         content = content[1:]
     refuse_columns(len(header))
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
-    lines = np.array([number for number, _ in rows], dtype=np.int64)
     said = {}
     if any(word in text for word in SAID):
         data_line = rows[0][0] if rows else number
@@ -147,7 +149,7 @@ def read_text_table(file: str, request: ReadRequest) -> TextTable:
         said = {
             word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID
         }
-    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, said)
+    return TextCells.of(header, rows, delimiter).table(file, source, said=said)
 
 
 def refuse_repeated(header: Sequence[str]) -> None:

@@ -40,7 +40,9 @@ def test_a_wrong_length_is_named():
     leg, log = clean()
     offsets = leg.chain.offsets.copy()
     offsets[0] *= 1.1
-    longer = dataclasses.replace(leg, chain=dataclasses.replace(leg.chain, offsets=offsets))
+    (limb,) = leg.limbs
+    limb = dataclasses.replace(limb, chain=dataclasses.replace(limb.chain, offsets=offsets))
+    longer = dataclasses.replace(leg, machine=dataclasses.replace(leg.machine, limbs=(limb,)))
     finding = of_kind(exoid.check(longer, log), "segment-length")
     assert finding.joint == leg.joint_names[0]
     assert finding.value == pytest.approx(1.0 / 1.1 - 1.0, abs=0.03)

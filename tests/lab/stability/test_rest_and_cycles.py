@@ -111,7 +111,7 @@ def test_a_leg_that_is_not_planar_is_regulated_one_run_after_the_other(monkeypat
     """Forced here for a planar one, whose runs must be the same."""
     together = regulate(PLANT, KP, KD, TARGET, [0.1, -0.1], shares=(1.0,), duration=0.3)
     numeric = Plant(**{name: getattr(PLANT, name) for name in PLANT.__dataclass_fields__})
-    object.__setattr__(numeric, "leg", replace(LEG, chain=None))
+    object.__setattr__(numeric, "leg", replace(LEG, machine=None))
     monkeypatch.setattr(type(LEG), "regressor", None)
     apart = regulate(numeric, KP, KD, TARGET, [0.1, -0.1], shares=(1.0,), duration=0.3)
     for one, other in zip(together.runs, apart.runs, strict=True):

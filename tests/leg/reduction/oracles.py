@@ -1,12 +1,11 @@
-"""The documents' equations typed out term by term, repaired, and with every repair undone on request.
+"""The documents' equations typed out term by term, with their misprints repaired where a comment says so.
 
-They share nothing with the library: neither complex numbers nor regressors nor Pinocchio. A repair is named after the
-equation it mends; ``printed`` lists those that are to stay as printed.
+They share nothing with the library: neither complex numbers nor regressors nor Pinocchio.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,10 +14,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 G = 9.81
-
-BLEEX_REPAIRS = ("(11) θ6", "(12) θ6", "(12) parentheses")
-CUHK_EQUATION_REPAIRS = ("(7) m_s L_t²", "(7) sign of h_Gs", "(7) bracket", "(8) θ̇h²")
-CUHK_MATRIX_REPAIRS = ("Table I J_t", "(21) θk", "(21) sign of Y2")
 
 
 class Link(NamedTuple):
@@ -55,19 +50,8 @@ def bleex_parameters(thigh: Link, shank: Link, foot: Link, L_t: float, L_s: floa
     }
 
 
-def bleex_torques(
-    p: Mapping[str, float],
-    L_t: float,
-    L_s: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    *,
-    printed: Collection[str] = (),
-    theta_6: Callable[[Array, Array, Array], Array] = lambda t1, t2, t3: t2,
-) -> Array:
-    """Eqs. (10)-(12), (N, 3). ``theta_6`` is what the scan's θ6 stands for where it is left as printed."""
-    assert set(printed) <= set(BLEEX_REPAIRS)
+def bleex_torques(p: Mapping[str, float], L_t: float, L_s: float, q: Array, v: Array, a: Array) -> Array:
+    """Eqs. (10)-(12), (N, 3): the θ6 of (11) and (12) is θ2, and (12) has parentheses after g."""
     X1, Y1, J1, X2, Y2, J2, X3, Y3, J3 = (p[k] for k in ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3"))
     t1, t2, t3 = q.T
     w1, w2, w3 = v.T
@@ -75,8 +59,6 @@ def bleex_torques(
     t12, t23, t123 = t1 + t2, t2 + t3, t1 + t2 + t3
     w12, w123 = w1 + w2, w1 + w2 + w3
     sin, cos = np.sin, np.cos
-    six_11 = theta_6(t1, t2, t3) if "(11) θ6" in printed else t2
-    six_12 = theta_6(t1, t2, t3) if "(12) θ6" in printed else t2
     T3 = (
         (J3 + L_s * (X3 * cos(t3) - Y3 * sin(t3)) + L_t * (X3 * cos(t23) - Y3 * sin(t23))) * a1
         + (J3 + L_s * (X3 * cos(t3) - Y3 * sin(t3))) * a2
@@ -95,12 +77,11 @@ def bleex_torques(
         * a1
         + (J2 + 2 * L_s * (X3 * cos(t3) - Y3 * sin(t3))) * a2
         + (J3 + L_s * (X3 * cos(t3) - Y3 * sin(t3))) * a3
-        + L_t * (X2 * sin(six_11) + Y2 * cos(six_11)) * w1**2
+        + L_t * (X2 * sin(t2) + Y2 * cos(t2)) * w1**2
         + L_t * (X3 * sin(t23) + Y3 * cos(t23)) * w1**2
         + L_s * (X3 * sin(t3) + Y3 * cos(t3)) * (w12**2 - w123**2)
         + G * (X2 * sin(t12) + Y2 * cos(t12) + X3 * sin(t123) + Y3 * cos(t123))
     )
-    first, rest = X1 * sin(t1), Y1 * cos(t1) + X2 * sin(t12) + Y2 * cos(t12) + X3 * sin(t123) + Y3 * cos(t123)
     T1 = (
         (
             J1
@@ -117,10 +98,10 @@ def bleex_torques(
         )
         * a2
         + (J3 + L_s * (X3 * cos(t3) - Y3 * sin(t3)) + L_t * (X3 * cos(t23) - Y3 * sin(t23))) * a3
-        + L_t * (X2 * sin(six_12) + Y2 * cos(six_12)) * (w1**2 - w12**2)
+        + L_t * (X2 * sin(t2) + Y2 * cos(t2)) * (w1**2 - w12**2)
         + L_t * (X3 * sin(t23) + Y3 * cos(t23)) * (w1**2 - w123**2)
         + L_s * (X3 * sin(t3) + Y3 * cos(t3)) * (w12**2 - w123**2)
-        + (G * first + rest if "(12) parentheses" in printed else G * (first + rest))
+        + G * (X1 * sin(t1) + Y1 * cos(t1) + X2 * sin(t12) + Y2 * cos(t12) + X3 * sin(t123) + Y3 * cos(t123))
     )
     return np.column_stack([T1, T2, T3])
 
@@ -128,38 +109,27 @@ def bleex_torques(
 # ------------------------------------------------------------------------------------------- document 2
 
 
-def cuhk_parameters(
-    thigh: Link, shank: Link, L_t: float, L_s: float, *, printed: Collection[str] = ()
-) -> dict[str, float]:
+def cuhk_parameters(thigh: Link, shank: Link, L_t: float, L_s: float) -> dict[str, float]:
     """Table I, whose last J_2 must be J_t."""
     m_t, m_s, J_t, J_s = thigh.m, shank.m, thigh.inertia, shank.inertia
     L_Gt, h_Gt = L_t + thigh.z, thigh.x
     L_Gs, h_Gs = L_s + shank.z, shank.x
     J2 = m_s * ((L_s - L_Gs) ** 2 + h_Gs**2) + J_s
-    last = J2 if "Table I J_t" in printed else J_t
     return {
         "X1": m_t * (L_t - L_Gt) + m_s * L_t,
         "Y1": m_t * h_Gt,
-        "J1": m_t * ((L_t - L_Gt) ** 2 + h_Gt**2) + m_s * L_t**2 + last,
+        "J1": m_t * ((L_t - L_Gt) ** 2 + h_Gt**2) + m_s * L_t**2 + J_t,
         "X2": m_s * (L_s - L_Gs),
         "Y2": m_s * h_Gs,
         "J2": J2,
     }
 
 
-def cuhk_equations(
-    thigh: Link,
-    shank: Link,
-    L_t: float,
-    L_s: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    *,
-    printed: Collection[str] = (),
-) -> Array:
-    """Eqs. (7) and (8) without friction, (N, 2)."""
-    assert set(printed) <= set(CUHK_EQUATION_REPAIRS)
+def cuhk_equations(thigh: Link, shank: Link, L_t: float, L_s: float, q: Array, v: Array, a: Array) -> Array:
+    """Eqs. (7) and (8) without friction, (N, 2).
+
+    Repaired in (7): m_s L_t², the sign of h_Gs, and the bracket, which L_t and (θ̇k − 2 θ̇h) multiply whole; in (8): θ̇h².
+    """
     m_t, m_s, J_t, J_s = thigh.m, shank.m, thigh.inertia, shank.inertia
     L_Gt, h_Gt = L_t + thigh.z, thigh.x
     L_Gs, h_Gs = L_s + shank.z, shank.x
@@ -168,32 +138,25 @@ def cuhk_equations(
     ah, ak = a.T
     delta = k - h
     sin, cos = np.sin, np.cos
-    carried = 0.0 if "(7) m_s L_t²" in printed else m_s * L_t**2
-    sign = -1.0 if "(7) sign of h_Gs" in printed else 1.0
-    if "(7) bracket" in printed:  # as printed, L_t multiplies the sine alone, and it alone misses (θ̇k − 2 θ̇h)
-        speed = L_t * (m_s * (L_s - L_Gs) * sin(k)) * wk - m_s * h_Gs * cos(k) * (wk - 2 * wh) * wk
-    else:
-        speed = L_t * (m_s * (L_s - L_Gs) * sin(k) - m_s * h_Gs * cos(k)) * (wk - 2 * wh) * wk
     tau_h = (
         (
             m_t * ((L_t - L_Gt) ** 2 + h_Gt**2)
             + J_t
-            + carried
+            + m_s * L_t**2
             + m_s * ((L_s - L_Gs) ** 2 + h_Gs**2)
             + J_s
             + 2 * L_t * (m_s * (L_s - L_Gs) * cos(k) + m_s * h_Gs * sin(k))
         )
         * ah
-        - (m_s * ((L_s - L_Gs) ** 2 + h_Gs**2) + J_s + L_t * (m_s * (L_s - L_Gs) * cos(k) + sign * m_s * h_Gs * sin(k)))
-        * ak
-        + speed
+        - (m_s * ((L_s - L_Gs) ** 2 + h_Gs**2) + J_s + L_t * (m_s * (L_s - L_Gs) * cos(k) + m_s * h_Gs * sin(k))) * ak
+        + L_t * (m_s * (L_s - L_Gs) * sin(k) - m_s * h_Gs * cos(k)) * (wk - 2 * wh) * wk
         + (m_t * (L_t - L_Gt) * sin(h) + m_t * h_Gt * cos(h)) * G
         + (m_s * L_t * sin(h) - m_s * (L_s - L_Gs) * sin(delta) + m_s * h_Gs * cos(delta)) * G
     )
     tau_k = (
         (-m_s * ((L_s - L_Gs) ** 2 + h_Gs**2) - J_s - L_t * (m_s * (L_s - L_Gs) * cos(k) + m_s * h_Gs * sin(k))) * ah
         + (m_s * ((L_s - L_Gs) ** 2 + h_Gs**2) + J_s) * ak
-        + L_t * (m_s * (L_s - L_Gs) * sin(k) - m_s * h_Gs * cos(k)) * (wh if "(8) θ̇h²" in printed else wh**2)
+        + L_t * (m_s * (L_s - L_Gs) * sin(k) - m_s * h_Gs * cos(k)) * wh**2
         + (m_s * (L_s - L_Gs) * sin(delta) - m_s * h_Gs * cos(delta)) * G
     )
     return np.column_stack([tau_h, tau_k])
@@ -211,11 +174,8 @@ class CuhkMatrices(NamedTuple):
         return np.einsum("nij,nj->ni", self.M, a) + np.einsum("nij,nj->ni", self.C, v) + self.G
 
 
-def cuhk_matrices(
-    p: Mapping[str, float], L_t: float, q: Array, v: Array, *, printed: Collection[str] = ()
-) -> CuhkMatrices:
-    """Eqs. (14)-(21)."""
-    assert set(printed) <= set(CUHK_MATRIX_REPAIRS)
+def cuhk_matrices(p: Mapping[str, float], L_t: float, q: Array, v: Array) -> CuhkMatrices:
+    """Eqs. (14)-(21): (21) has no θk of its own, and takes Y2 away."""
     X1, Y1, J1, X2, Y2, J2 = (p[key] for key in ("X1", "Y1", "J1", "X2", "Y2", "J2"))
     h, k = q.T
     wh, wk = v.T
@@ -228,8 +188,6 @@ def cuhk_matrices(
     C12 = L_t * (X2 * sin(k) - Y2 * cos(k)) * (wk - wh)
     C21 = L_t * (X2 * sin(k) - Y2 * cos(k)) * wh
     G_h = (X1 * sin(h) + Y1 * cos(h) - X2 * sin(delta) + Y2 * cos(delta)) * G
-    stray = k if "(21) θk" in printed else 0.0
-    sign = 1.0 if "(21) sign of Y2" in printed else -1.0
-    G_k = (X2 * sin(delta) + stray + sign * Y2 * cos(delta)) * G
+    G_k = (X2 * sin(delta) - Y2 * cos(delta)) * G
     matrix = [np.stack(rows, axis=-1) for rows in ([M11, M12, M12, M22], [C11, C12, C21, np.zeros_like(k)])]
     return CuhkMatrices(*(entries.reshape(-1, 2, 2) for entries in matrix), np.column_stack([G_h, G_k]))

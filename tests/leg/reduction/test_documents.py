@@ -1,4 +1,4 @@
-"""The documents' own equations against the library: repaired they agree to 1e-12, as printed they do not."""
+"""The documents' own equations, repaired, against the library: they agree to 1e-12."""
 
 from pathlib import Path
 
@@ -13,8 +13,6 @@ import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
 
 TOLERANCE = 1e-12
-WRONG = 1e-3
-"""A misprint changes the torque by at least this fraction of the largest."""
 
 BLEEX_LENGTHS = (0.43, 0.43)
 CUHK_LENGTHS = (0.4165, 0.4182)
@@ -78,38 +76,6 @@ def test_bleex_regressor_is_the_coefficients_of_equations_10_to_12(bleex):
         assert_relative(W[:, :, column], oracles.bleex_torques(unit, *BLEEX_LENGTHS, q, v, a), TOLERANCE)
 
 
-def test_equation_12_without_its_parentheses_is_wrong(bleex):
-    leg, parameters = bleex
-    q, v, a = motion(3)
-    torque = leg.inverse_dynamics(q, v, a)
-    misprint = oracles.bleex_torques(parameters, *BLEEX_LENGTHS, q, v, a, printed=["(12) parentheses"])
-    assert np.abs(misprint - torque)[:, 0].max() > WRONG * np.abs(torque).max()
-    assert_relative(misprint[:, 1:], torque[:, 1:], TOLERANCE)
-
-
-@pytest.mark.parametrize(("repair", "joint"), [("(11) θ6", 1), ("(12) θ6", 0)])
-def test_theta_6_can_only_be_read_as_theta_2(bleex, repair, joint):
-    leg, parameters = bleex
-    q, v, a = motion(3)
-    torque = leg.inverse_dynamics(q, v, a)
-    readings = {
-        "θ1": lambda t1, t2, t3: t1,
-        "θ2": lambda t1, t2, t3: t2,
-        "θ3": lambda t1, t2, t3: t3,
-        "θ12": lambda t1, t2, t3: t1 + t2,
-        "θ13": lambda t1, t2, t3: t1 + t3,
-        "θ23": lambda t1, t2, t3: t2 + t3,
-        "θ123": lambda t1, t2, t3: t1 + t2 + t3,
-        "0": lambda t1, t2, t3: 0.0 * t1,
-    }
-    fit = []
-    for name, reading in readings.items():
-        misprint = oracles.bleex_torques(parameters, *BLEEX_LENGTHS, q, v, a, printed=[repair], theta_6=reading)
-        if np.abs(misprint - torque)[:, joint].max() < WRONG * np.abs(torque).max():
-            fit.append(name)
-    assert fit == ["θ2"]
-
-
 # ------------------------------------------------------------------------------------------- document 2
 
 
@@ -129,17 +95,6 @@ def test_cuhk_torques_are_those_of_equations_7_and_8_as_repaired(cuhk):
     assert_relative(leg.inverse_dynamics(q, v, a), expected, TOLERANCE)
 
 
-@pytest.mark.parametrize("repair", oracles.CUHK_EQUATION_REPAIRS)
-def test_each_misprint_of_equations_7_and_8_is_wrong_on_its_own(cuhk, repair):
-    leg, links = cuhk
-    q, v, a = motion(2)
-    torque = leg.inverse_dynamics(q, v, a)
-    error = np.abs(oracles.cuhk_equations(*links, *CUHK_LENGTHS, q, v, a, printed=[repair]) - torque).max(axis=0)
-    wrong, right = (1, 0) if repair.startswith("(8)") else (0, 1)
-    assert error[wrong] > WRONG * np.abs(torque).max()
-    assert error[right] < TOLERANCE * np.abs(torque).max()
-
-
 def test_cuhk_matrices_are_those_of_equations_14_to_21_as_repaired(cuhk):
     leg, links = cuhk
     q, v, a = motion(2)
@@ -148,34 +103,3 @@ def test_cuhk_matrices_are_those_of_equations_14_to_21_as_repaired(cuhk):
     assert_relative(leg.coriolis(q, v), document.C, TOLERANCE)
     assert_relative(leg.gravity(q), document.G, TOLERANCE)
     assert_relative(leg.inverse_dynamics(q, v, a), document.torques(v, a), TOLERANCE)
-
-
-@pytest.mark.parametrize("repair", ["(21) θk", "(21) sign of Y2"])
-def test_each_misprint_of_equation_21_is_wrong_on_its_own(cuhk, repair):
-    leg, links = cuhk
-    q, v, _ = motion(2)
-    parameters = oracles.cuhk_parameters(*links, *CUHK_LENGTHS)
-    gravity = leg.gravity(q)
-    misprint = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v, printed=[repair]).G
-    assert np.abs(misprint - gravity)[:, 1].max() > WRONG * np.abs(gravity).max()
-    assert_relative(misprint[:, 0], gravity[:, 0], TOLERANCE)
-
-
-def test_table_1_with_its_printed_last_term_is_wrong(cuhk):
-    leg, links = cuhk
-    q, v, a = motion(2)
-    torque = leg.inverse_dynamics(q, v, a)
-    parameters = oracles.cuhk_parameters(*links, *CUHK_LENGTHS, printed=["Table I J_t"])
-    assert parameters["J1"] != pytest.approx(leg.parameters[2], rel=WRONG)
-    misprint = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v).torques(v, a)
-    assert np.abs(misprint - torque).max() > WRONG * np.abs(torque).max()
-
-
-def test_a_cumulative_j1_does_not_fit_document_2(cuhk):
-    """The two documents define J1 differently: doc. 1's in doc. 2's equations counts the shank twice."""
-    leg, _ = cuhk
-    names, J = leg.parameter_names, exoid.Leg.from_description(leg.description, leg.joint_names, cumulative=True)
-    q, v, a = motion(2)
-    parameters = dict(zip(names, J.parameters, strict=True))
-    wrong = oracles.cuhk_matrices(parameters, CUHK_LENGTHS[0], q, v).torques(v, a)
-    assert np.abs(wrong - leg.inverse_dynamics(q, v, a)).max() > 0.05 * np.abs(wrong).max()

@@ -69,20 +69,28 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
     assert str(again) == str(estimate)
 
 
+def with_plates(log, rng, late=0):
+    """Record the wrenches, too, with the noise of plates, and so many samples late."""
+    noisy = {
+        link: Wrench(
+            *(
+                np.roll(part + size * rng.standard_normal(part.shape), late, axis=0)
+                for part, size in ((wrench.force, 3.0), (wrench.moment, 0.3))
+            )
+        )
+        for link, wrench in log.wrenches.items()
+    }
+    return replace(log.recording, wrenches=noisy)
+
+
 @pytest.mark.slow
 def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, estimate):
     rng = np.random.default_rng(1)
     recordings = []
     for log in stance:
-        wrenches = {
-            link: Wrench(
-                w.force + 3.0 * rng.standard_normal(w.force.shape), w.moment + 0.3 * rng.standard_normal(w.moment.shape)
-            )
-            for link, w in log.wrenches.items()
-        }
         open_switch = np.zeros(len(log.recording), dtype=bool)
-        switches = {link: log.recording.contacts.get(link, open_switch) for link in wrenches}
-        recordings.append(replace(log.recording, wrenches=wrenches, contacts=switches))
+        switches = {link: log.recording.contacts.get(link, open_switch) for link in log.wrenches}
+        recordings.append(replace(with_plates(log, rng), contacts=switches))
     found = identify(exo, recordings, TERMS)
     assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
@@ -293,20 +301,6 @@ def test_validation_of_another_motion(exo, estimate, feet):
     found = exoid.validate(estimate, log.recording)
     assert (found.nrmse < 0.06).all()
     assert found.verdict == "predicts"
-
-
-def with_plates(log, rng, late=0):
-    """Record the wrenches, too, with the noise of plates, and so many samples late."""
-    noisy = {
-        link: Wrench(
-            *(
-                np.roll(part + size * rng.standard_normal(part.shape), late, axis=0)
-                for part, size in ((wrench.force, 3.0), (wrench.moment, 0.3))
-            )
-        )
-        for link, wrench in log.wrenches.items()
-    }
-    return replace(log.recording, wrenches=noisy)
 
 
 @pytest.mark.slow

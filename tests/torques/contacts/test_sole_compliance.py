@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import SWAP, standing
+from standing import mirrored, standing
 
 import exoid
 from exoid import Coulomb, Viscous
@@ -48,20 +48,14 @@ def soft_logs(exo, soft, seed):
     for k, feet in enumerate(("both", "left", "left")):
         log = standing(exo, feet, seconds=20.0, seed=20 * seed + k, noise=NOISE, encoder=ENCODER, friction=friction)
         ideal = standing(exo, feet, seconds=20.0, seed=20 * seed + k, friction=friction)
-        recording = log.recording
         if soft:
             # the same angles on a base that tilts: the rows of the leg differ by those of the two motions of the base
             bases = [standing_base(exo, ideal.recording, "left_foot", c) for c in (0.0, soft)]
             more = _rows(exo, ideal, bases[1]) - _rows(exo, ideal, bases[0])
-            recording = replace(recording, tau=recording.tau + _carried(exo, recording, more))
-        found.append(recording)
-    mirrored = replace(
-        found[2],
-        q=found[2].q[:, SWAP],
-        tau=found[2].tau[:, SWAP],
-        contacts={"right_foot": found[2].contacts["left_foot"]},
-    )
-    return [found[0], found[1], mirrored]
+            tau = log.recording.tau + _carried(exo, log.recording, more)
+            log = log._replace(recording=replace(log.recording, tau=tau))
+        found.append(log)
+    return [found[0].recording, found[1].recording, mirrored(found[2]).recording]
 
 
 def _rows(exo, log, base):
