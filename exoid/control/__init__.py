@@ -3,7 +3,6 @@
 from . import wearer as wearer
 from .adaptive import adaptive
 from .admittance import admittance
-from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
@@ -53,7 +52,6 @@ __all__ = [
     "Weights",
     "adaptive",
     "admittance",
-    "assist_as_needed",
     "command_table",
     "compare_laws",
     "computed_torque",
