@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from ground_machines import spatial_plant
 from planar_chains import random_chain
 from rigs import BLEEX, POSE, Hold, Swing, zeros
 
@@ -147,7 +146,6 @@ REFUSED = {
         ("40 rad", lambda: worn(intention=Hold(np.array([[40.0], [20.0]])), feedforward=False)),
         ("finite", lambda: worn(intention=Hold(np.array([[np.nan], [0.2]])), feedforward=False)),
         ("3, 1", lambda: worn(intention=Hold(np.zeros((3, 1))), feedforward=False)),
-        ("rail", lambda: stand(rail=True, spring=HELD)),
         ("zero", lambda: stand(begin=0.5)),
         ("stiffness", lambda: stand(gains=JointGains((1.0,) * 4, 1.0))),
         ("damping", lambda: stand(gains=JointGains(1.0, -1.0))),
@@ -170,7 +168,6 @@ REFUSED = {
     NotSupportedError: [
         ("PinocchioStepper", lambda: PlanarStepper(Plant.build(spatial_leg()), POSE, np.zeros((3, 1)), 1e-3)),
         ("anthropometry", lambda: limb_of(arm())),
-        ("plane", lambda: stand(plant=spatial_plant(), rail=True)),
         ("floating base", lambda: GroundPlant.build(exoid.load_exo("bleex"), BLEEX_SOLES)),
     ],
     ExoidError: [  # what other rooms refuse

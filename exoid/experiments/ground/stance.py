@@ -42,9 +42,9 @@ class Stance:
     Attributes:
         height: Mean height of the root link's origin above the ground [m].
         squat: Amplitude of the height [m].
-        shift: Amplitude of the centre of mass forward [m]; without effect on a rail.
-        bow: Amplitude of the pitch of the torso [rad]; without effect on a rail.
-        lean: Mean pitch [rad]; negative leans forward. A rail keeps the torso upright.
+        shift: Amplitude of the centre of mass forward [m].
+        bow: Amplitude of the pitch of the torso [rad].
+        lean: Mean pitch [rad]; negative leans forward.
         swing: Amplitude of the joints of a leg that does not stand [rad].
         frequency: Main frequency [Hz]; the others are from a third of it to twice as high.
     """
@@ -58,39 +58,8 @@ class Stance:
     frequency: float = 0.5
 
 
-ON_RAIL = Stance(squat=0.06)
-"""Squats of a leg on a rail."""
-
 ON_ONE_FOOT = Stance(shift=0.01, bow=0.05)
 """Motion on one foot."""
-
-
-def rail_squats(
-    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = ON_RAIL, seed: int = 0, rates: Rates = RATES
-) -> GroundRun:
-    """Let a leg squat while a vertical rail holds the torso, which neither moves forward nor pitches.
-
-    Args:
-        plant: Torso and one leg, or two.
-        duration: Duration of the log [s].
-        stance: Size and frequency of the squats.
-        seed: Seed of the phases.
-        rates: Rates and step of the simulation.
-
-    Returns:
-        The run, with the wrench of the rail on the torso.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
-            followed.
-    """
-    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
-    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
-    base = np.column_stack([np.zeros_like(time), height, np.zeros_like(time)])
-    q = np.zeros((len(time), len(plant.leg.joint_names)))
-    _stand(q, legs, base, legs[0].hip.real)
-    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time), held=True)
-    return follow(plant, motion, GAINS, rates, rail=True)
 
 
 def squats_and_shifts(
