@@ -23,15 +23,8 @@ from exoid.torques.catalog import term_to_json
 
 from .noise import Noise
 from .protocol import Protocol
-from .tracking_task import TrackingTask
 
 SCHEMA = "exoid-study-1"
-
-WITHOUT_MODEL = "pd"
-"""Controller that needs no model of the leg."""
-
-TRUTH = "truth"
-"""True parameters, as the source of a controller's model."""
 
 
 class LegText(NamedTuple):
@@ -72,13 +65,6 @@ class LegText(NamedTuple):
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
 
 
-class TrackingCase(NamedTuple):
-    """A controller, and the source of its parameters."""
-
-    law: str  # name of the controller
-    knows: str  # source of the parameters: an estimator, "truth", or "nothing" for PD
-
-
 class Chunk(NamedTuple):
     """Some replicates of one protocol under one noise."""
 
@@ -109,7 +95,6 @@ class Study:
         followed: "exactly" (motion as commanded, so all errors are due to noise), or "by a rig" (simulated with servo,
             stiction and encoder, so model errors appear as bias).
         chunk: Number of replicates of a chunk; a rig's are simulated in parallel.
-        course: Tracking task of controllers that use the estimates on the same leg; None for none.
     """
 
     leg: LegText
@@ -124,7 +109,6 @@ class Study:
     cutoff: float = 8.0
     followed: str = "exactly"
     chunk: int = 20
-    course: TrackingTask | None = None
 
     def __post_init__(self) -> None:
         """Check the settings before anything runs."""
@@ -164,8 +148,6 @@ class Study:
         for applies, what, remedy in rules:
             if applies:
                 raise BadArgumentError(what, remedy=remedy)
-        if self.course is not None:
-            self.course.check_leg(self.model, np.array(self.truth))
 
     @property
     def model(self) -> TorqueModel:
@@ -180,13 +162,6 @@ class Study:
             Chunk(protocol, noise, first, min(self.chunk, self.replicates - first))
             for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
         )
-
-    @cached_property
-    def tracking_cases(self) -> tuple[TrackingCase, ...]:
-        """Runs of the tracking task: each controller with the true parameters and with those of each estimator."""
-        laws = () if self.course is None else self.course.laws
-        sources = {law: ("nothing",) if law == WITHOUT_MODEL else (TRUTH, *self.estimators) for law in laws}
-        return tuple(TrackingCase(law, source) for law in laws for source in sources[law])
 
     def information(self, protocol: int, noise: int) -> FloatArray:
         """Compute the Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions.
@@ -228,7 +203,6 @@ class Study:
             "protocols": [protocol.to_json() for protocol in self.protocols],
             **attributes(self, "noises", "estimators", "replicates", "seed", "rate", "cutoff", "followed"),
             "piece": self.chunk,
-            **({} if self.course is None else {"course": self.course.to_json()}),
         }
 
     @property

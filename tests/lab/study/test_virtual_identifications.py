@@ -323,7 +323,7 @@ def test_any_damaged_chunk_is_run_again(result, tmp_path):
         assert found is None or found.values.shape == good.values.shape
     assert unread > 100
     for wrong in (np.full(good.values.shape, "x"), good.values.astype(complex), good.values.astype(object)):
-        np.savez(file, values=wrong, std=good.std, inside=good.inside, tracking=good.tracking, allow_pickle=True)
+        np.savez(file, values=wrong, std=good.std, inside=good.inside, allow_pickle=True)
         assert folder.read(0) is None
     (tmp_path / "kept" / f".{file.name}.{os.getpid()}.part").write_bytes(b"left over")
     assert same(run_study(study(), tmp_path / "kept"), result)
