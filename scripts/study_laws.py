@@ -65,7 +65,8 @@ def main() -> None:
                 cells = (f"{x:.3f}" for x in (exact[j], own.mean(), own.std(ddof=1), own.max(), own.mean() - exact[j]))
                 rows.append((name if j == 0 else "", label, *cells))
         headers = ("controller", "joint", "with the truth [°]", "with estimates", "std", "worst", "excess")
-        print(f"\n{protocol.name}, {given.replicates} estimates, rms tracking error\n\n{to_text(make_table(headers, rows))}")
+        print(f"\n{protocol.name}, {given.replicates} estimates, rms tracking error\n")
+        print(to_text(make_table(headers, rows)))
 
 
 if __name__ == "__main__":

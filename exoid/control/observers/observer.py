@@ -73,7 +73,7 @@ class TorqueObserver(ABC):
     """
 
     source: ModelSource
-    bandwidth: ArrayLike | None
+    bandwidth: ArrayLike
     rate: float
     _: KW_ONLY
     cutoff: float | None = None
@@ -280,8 +280,7 @@ class TorqueObserver(ABC):
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
             # where it causes a bias: with 10 Hz, ten minutes of fast unworn motion raised alarms, with 20 Hz none.
-            wanted = 30.0 if self.bandwidth is None else max(20.0, float(self.bandwidths.max()))
-            cutoff = min(wanted, 0.2 * self.rate)
+            cutoff = min(max(20.0, float(self.bandwidths.max())), 0.2 * self.rate)
         if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
             raise BadArgumentError(
                 f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
@@ -292,7 +291,7 @@ class TorqueObserver(ABC):
     @cached_property
     def bandwidths(self) -> FloatArray:
         """−3 dB frequency of each joint [Hz], (n,)."""
-        given = for_joints(np.nan if self.bandwidth is None else self.bandwidth, self.model.n, "bandwidths")
+        given = for_joints(self.bandwidth, self.model.n, "bandwidths")
         if not ((given > 0.0) & np.isfinite(given)).all():
             raise BadArgumentError(f"a bandwidth of {self.bandwidth!r}", remedy="give positive numbers in Hz")
         return given
