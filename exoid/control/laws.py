@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .friction import AHEAD, PASSIVE, SMOOTH, FrictionCompensation, PassiveFriction, model_to_compensate
 from .law import RATE, gains
@@ -205,12 +205,7 @@ def gravity_support(
         >>> np.allclose(law.torque(state, None), 0.6 * leg.gravity([0.5, 0.8])[0])
         True
     """
-    shares = np.array(share, dtype=np.float64)
-    if shares.ndim > 1 or not ((shares >= 0.0) & (shares <= 1.0)).all():
-        raise BadArgumentError(
-            f"support of {share!r} times the weight",
-            remedy="give shares from 0 to 1; to carry the limb too, give a model that includes it",
-        )
+    shares = checked(share, "the share of the weight", least=0.0, most=1.0)  # to carry the limb too, give its model
     return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,11 @@ class Sensors:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        positive = ("angle_noise", "velocity_noise", "torque_noise", "interaction_noise")
-        check_numbers(self, positive)
-        check_numbers(self, ("torque_offset", "interaction_offset"), signed=True)
-        if not self.encoder_counts > 0.0:
-            raise BadArgumentError(
-                f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf"
-            )
+        for name in ("angle_noise", "velocity_noise", "torque_noise", "interaction_noise"):
+            checked(getattr(self, name), name, least=0.0)
+        for name in ("torque_offset", "interaction_offset"):
+            checked(getattr(self, name), name)
+        checked(self.encoder_counts, "encoder_counts", above=0.0, infinite=True)
         if self.delay != int(self.delay) or self.delay < 0:
             raise BadArgumentError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
 
@@ -88,12 +86,3 @@ def noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> F
 def _column(value: ArrayLike) -> FloatArray:
     """Shape one value, or one a joint, as a column that broadcasts over rigs."""
     return np.asarray(value, dtype=np.float64).reshape(-1, 1)
-
-
-def check_numbers(sensors: object, names: Iterable[str], *, signed: bool = False) -> None:
-    """Refuse numbers of sensors that are not finite, or negative."""
-    for name in names:
-        values = np.asarray(getattr(sensors, name), dtype=np.float64)
-        if not np.isfinite(values).all() or (not signed and (values < 0.0).any()):
-            remedy = "give finite SI numbers ≥ 0"
-            raise BadArgumentError(f"{name} of the sensors is {getattr(sensors, name)}", remedy=remedy)

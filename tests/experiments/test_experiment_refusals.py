@@ -86,7 +86,7 @@ def fit(count, *shape, last=4.0, period=5.0, value=0.0):
 REFUSED = {
     BadArgumentError: [
         ("too short", lambda: plan(duration=2.0)),
-        ("positive", lambda: plan(duration=-1.0)),
+        ("duration", lambda: plan(duration=-1.0)),
         ("24 Hz", lambda: plan(rate=10.0)),
         ("best", lambda: plan(criterion="best")),
         ("starts", lambda: plan(starts=0)),
@@ -132,10 +132,9 @@ REFUSED = {
         ("shape", lambda: follow(joints=3)),
         *(("duration", lambda x=x: follow(duration=x)) for x in (0.0, np.nan)),
         ("step", lambda: follow(control=333.0)),
-        *(
-            ("positive", lambda x=x: StaticProtocol(**x))
-            for x in ({"travel": 0.0}, {"wait": -1.0}, {"distance": np.nan})
-        ),
+        ("travel", lambda: StaticProtocol(travel=0.0)),
+        ("wait", lambda: StaticProtocol(wait=-1.0)),
+        ("distance", lambda: StaticProtocol(distance=np.nan)),
         ("readings", lambda: StaticProtocol(readings=0)),
         ("left_hip", lambda: static([[3.0, 0.5]])),
         ("the approach asks", lambda: static(travel=0.01)),

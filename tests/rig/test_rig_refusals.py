@@ -84,10 +84,14 @@ def arm():
 
 REFUSED = {
     BadArgumentError: [
-        *(("positive", lambda limit=x: IdealTorque(limit)) for x in (0.0, np.nan)),
-        *(("DcMotor", lambda x=x: DcMotor(*x)) for x in ((-0.07, 50.0), (0.07, np.inf), (0.07, 50.0, -1e-4))),
-        ("DcMotor", lambda: DcMotor(0.07, 50.0, current_limit=0.0)),
-        *(("Hydraulic", lambda x=x: HydraulicServo(*x)) for x in ((0.0,), (5e3, -0.01), (5e3, 0.01, np.nan))),
+        *(("limit", lambda limit=x: IdealTorque(limit)) for x in (0.0, np.nan)),
+        ("torque_constant", lambda: DcMotor(-0.07, 50.0)),
+        ("ratio", lambda: DcMotor(0.07, np.inf)),
+        ("rotor_inertia", lambda: DcMotor(0.07, 50.0, -1e-4)),
+        ("current_limit", lambda: DcMotor(0.07, 50.0, current_limit=0.0)),
+        ("stiffness", lambda: HydraulicServo(0.0)),
+        ("leakage", lambda: HydraulicServo(5e3, -0.01)),
+        ("valve_gain", lambda: HydraulicServo(5e3, 0.01, np.nan)),
         (
             "leakage",
             lambda: run(
@@ -131,7 +135,7 @@ REFUSED = {
         *(("a wearer of", lambda x=x: Wearer.build(CUHK, *x)) for x in ((175.0,), (1.7, 7e4), (-1.7,), (1.7, np.nan))),
         ("cuff_stiffness", lambda: Wearer.build(CUHK, cuff_stiffness=-1.0)),
         *(("cuff_damping", lambda x=x: Wearer.build(CUHK, cuff_damping=x)) for x in ((1.0, -2.0), "soft")),
-        ("each of 2 joints", lambda: Wearer.build(CUHK, cuff_stiffness=(1.0, 2.0, 3.0))),
+        ("each of 2", lambda: Wearer.build(CUHK, cuff_stiffness=(1.0, 2.0, 3.0))),
         ("muscle_damping", lambda: Wearer.build(CUHK, muscle_damping=np.nan)),
         ("intention", lambda: Wearer.build(CUHK, muscle_stiffness=10.0)),
         ("muscles", lambda: Wearer(CUHK, intention=GAIT, feedforward=False)),

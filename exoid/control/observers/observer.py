@@ -19,6 +19,7 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
 from .alignment import Alignment, AlignmentMemory, JointFilters
 from .momentum import MomentumModel
@@ -273,9 +274,7 @@ class TorqueObserver(ABC):
         n, delays = self.model.n, self.torque_delay
         if delays is None:
             delays = self.source.torque_delays if isinstance(self.source, Estimate) else 0.0
-        lags = np.stack([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)])
-        if not np.isfinite(lags).all():
-            raise BadArgumentError("a delay is not finite", remedy="give seconds")
+        lags = checked([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)], "a delay", ndim=2)
         cutoff = self.cutoff
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
@@ -291,10 +290,7 @@ class TorqueObserver(ABC):
     @cached_property
     def bandwidths(self) -> FloatArray:
         """−3 dB frequency of each joint [Hz], (n,)."""
-        given = for_joints(self.bandwidth, self.model.n, "bandwidths")
-        if not ((given > 0.0) & np.isfinite(given)).all():
-            raise BadArgumentError(f"a bandwidth of {self.bandwidth!r}", remedy="give positive numbers in Hz")
-        return given
+        return checked(for_joints(self.bandwidth, self.model.n, "bandwidths"), "bandwidth [Hz]", above=0.0)
 
     def __repr__(self) -> str:
         """Write bandwidth, rate and delay in one line."""

@@ -270,7 +270,7 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
 def test_studies_that_make_no_sense_are_refused(changes, words):
     with pytest.raises(ExoidError, match=words):
         study(**changes)
-    with pytest.raises(ExoidError, match="between 0 and 1"):
+    with pytest.raises(ExoidError, match="share"):
         Noise("n", STD, share=2.0)
     with pytest.raises(ExoidError, match="at least one"):
         run_study(study(), workers=0)
