@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.closed_loop import simulate_law, simulate_many
 from exoid.control.friction import FrictionCompensation
-from exoid.control.law import RATE, Law, gains
+from exoid.control.law import RATE, gains
 from exoid.control.laws import gravity_friction_pd
-from exoid.control.side_by_side import SideBySide
+from exoid.control.side_by_side import compare_laws
 from exoid.control.tracking import Tracking
 from exoid.errors import BadArgumentError
 from exoid.experiments import Hold
@@ -154,40 +153,22 @@ def regulate(
     start = aim + np.asarray(away, dtype=np.float64).reshape(-1)
     zero = np.zeros_like(plant.coulomb)
     smooth = replace(plant, coulomb=zero, static=zero, viscous=zero)
-    names = ("no friction", *(f"× {share:g}" for share in shares))
-    plants = (smooth, *(plant for _ in shares))
-    laws: list[Law] = [gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)]
-    laws += [
-        gravity_friction_pd(plant, stiffness, damping, friction=FrictionCompensation(width=0.0, scale=share), rate=rate)
-        for share in shares
-    ]
+    laws = {"no friction": gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)}
+    for share in shares:
+        sharp = FrictionCompensation(width=0.0, scale=share)
+        laws[f"× {share:g}"] = gravity_friction_pd(plant, stiffness, damping, friction=sharp, rate=rate)
+    plants = dict.fromkeys(laws, plant) | {"no friction": smooth}
     log = rate * ceil(100.0 / rate)
-    reference = Hold(aim[:, None])
-    if plant.leg.chain is not None:  # planar legs in one run, others one by one
-        runs = simulate_many(
-            Plant.concatenate(plants),
-            SideBySide(tuple(laws)),
-            reference,
-            duration,
-            start=start[:, None],
-            log_rate=log,
-            names=names,
-            progress=progress,
-        )
-    else:
-        runs = tuple(
-            simulate_law(each, law, reference, duration, start=start, log_rate=log, name=name)
-            for each, law, name in zip(plants, laws, names, strict=True)
-        )
+    runs = compare_laws(plants, laws, Hold(aim[:, None]), duration, start=start, log_rate=log, progress=progress)
     return Regulations(
         tuple(
             Regulation(
                 name,
                 run,
-                find_equilibrium(each, law, aim),
+                find_equilibrium(plants[name], laws[name], aim),
                 find_limit_cycle(run, 0.25),  # share of the run, at its end, that is searched for oscillations
             )
-            for name, run, each, law in zip(names, runs, plants, laws, strict=True)
+            for name, run in runs.items()
         ),
         stiffness,
         damping,
