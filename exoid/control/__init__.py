@@ -13,7 +13,6 @@ from .laws import (
     gravity_friction_pd,
     gravity_support,
     impedance,
-    p,
     pd,
     transparent,
 )
@@ -62,7 +61,6 @@ __all__ = [
     "impedance",
     "lqr",
     "mean_pose",
-    "p",
     "pd",
     "replay_law",
     "self_tuning",

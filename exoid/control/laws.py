@@ -18,7 +18,7 @@ def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
 
     Args:
         kp: Kp [N·m/rad], a number or one for each joint.
-        kd: Kd [N·m·s/rad].
+        kd: Kd [N·m·s/rad]; 0 for P control without damping (doc. 2, sec. III, sign corrected).
         rate: Sampling rate [Hz]; 30 in document 2.
 
     Returns:
@@ -36,22 +36,6 @@ def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
         array([ 2.2, 11.2])
     """
     return TrackingLaw("none", gains(kp, "kp"), gains(kd, "kd"), rate=rate)
-
-
-def p(kp: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
-    """Make P control without damping, τ = Kp (θ_d − θ) (doc. 2, sec. III, sign corrected).
-
-    Args:
-        kp: Kp [N·m/rad], a number or one for each joint.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        The controller.
-
-    Raises:
-        ExoidError: A gain is negative or not finite, or the rate is not positive.
-    """
-    return pd(kp, 0.0, rate=rate)
 
 
 def gravity_friction_pd(

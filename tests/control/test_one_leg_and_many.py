@@ -21,7 +21,6 @@ from exoid.control import (
     gravity_support,
     impedance,
     lqr,
-    p,
     pd,
     self_tuning,
     sensitivity_amplification,
@@ -45,7 +44,6 @@ SOURCES = {"est": exact_estimate(), "rig": cuhk_plant(), "leg": exoid.load_leg("
 
 
 LAWS = {
-    "p": lambda source: p(20.0),
     "pd": lambda source: pd(20.0, 2.0),
     "feedforward": lambda source: feedforward_pd(source, 20.0, 2.0),
     "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
