@@ -18,6 +18,7 @@ from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.tools.json_values import attributes, json_value, named
+from exoid.tools.numbers import checked
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
 
@@ -112,42 +113,23 @@ class Study:
 
     def __post_init__(self) -> None:
         """Check the settings before anything runs."""
+        checked(self.replicates, "replicates", least=2, most=1e7)
+        checked(self.chunk, "replicates of a chunk", least=1)
+        checked(self.seed, "seed", least=0)
         unknown = [name for name in self.estimators if name not in ESTIMATORS]
+        if unknown or not self.estimators or len(set(self.estimators)) < len(self.estimators):
+            remedy = f"name each once, out of {', '.join(ESTIMATORS)}"
+            raise BadArgumentError(f"estimators {', '.join(self.estimators) or 'none'}", remedy=remedy)
+        if self.followed not in ("exactly", "by a rig"):
+            raise BadArgumentError(f"motions followed {self.followed!r}", remedy="use one of exactly, by a rig")
         names, joints = self.model.names, len(self.leg.joints)
-        few = self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises
-        rules = (
-            (
-                bool(unknown) or not self.estimators,
-                f"no estimator {', '.join(unknown) or 'at all'}",
-                f"use some of {', '.join(ESTIMATORS)}",
-            ),
-            (
-                len(set(self.estimators)) < len(self.estimators),
-                f"estimators {', '.join(self.estimators)}",
-                "name each once",
-            ),
-            (
-                self.followed not in ("exactly", "by a rig"),
-                f"motions followed {self.followed!r}",
-                "use one of exactly, by a rig",
-            ),
-            (self.replicates > 10**7, f"{self.replicates} replicates", "ask for at most 1e+07"),
-            (
-                few,
-                f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
-                f"{len(self.protocols)} protocols, {len(self.noises)} noises",
-                "at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
-            ),
-            (
-                len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises),
-                f"{len(self.truth)} true parameters and noise of {', '.join(str(len(n.std)) for n in self.noises)} "
-                f"joints for a leg of {joints}",
-                f"give one value for each of {', '.join(names)} and noise for each joint",
-            ),
-        )
-        for applies, what, remedy in rules:
-            if applies:
-                raise BadArgumentError(what, remedy=remedy)
+        if not self.protocols or not self.noises or {len(noise.std) for noise in self.noises} != {joints}:
+            sizes = ", ".join(str(len(noise.std)) for noise in self.noises) or "no"
+            what = f"{len(self.protocols)} protocols, and noise of {sizes} joints for a leg of {joints}"
+            raise BadArgumentError(what, remedy="give at least one protocol, and one noise for each joint")
+        if len(self.truth) != len(names):
+            remedy = f"give one value for each of {', '.join(names)}"
+            raise BadArgumentError(f"{len(self.truth)} true parameters", remedy=remedy)
 
     @property
     def model(self) -> TorqueModel:

@@ -259,9 +259,9 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"estimators": ("best",)}, "no estimator best"),
-        ({"replicates": 1}, "at least two replicates"),
-        ({"replicates": 10**12}, "1000000000000 replicates.*at most"),
+        ({"estimators": ("best",)}, "estimators best"),
+        ({"replicates": 1}, "replicates is 1"),
+        ({"replicates": 10**12}, "replicates is 1000000000000"),
         ({"truth": (1.0,)}, "1 true parameters"),
         ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
         ({"followed": "somehow"}, "motions followed 'somehow'"),
