@@ -20,7 +20,7 @@ from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
 from .law import RATE
-from .other_term import OtherTerm
+from .other_term import OtherTerm, torque_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,7 @@ class ControlModel:
             Torque [N·m], of the same shape.
         """
         torque = self._bodies(q, v, a) + self.springs(q)
-        return np.asarray(torque + self.others_beyond_rest(q, a=a) if self._inertial else torque)
+        return np.asarray(torque + self._others_beyond_rest(q, a=a) if self._inertial else torque)
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
         """Compute r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and other terms that depend on velocity.
@@ -205,7 +205,7 @@ class ControlModel:
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
         c0, d = (self.coulomb, self.viscous) if v.ndim == 1 else (self.coulomb[:, None], self.viscous[:, None])
         torque = c0 * sign + d * v
-        return np.asarray(torque + self.others_beyond_rest(q, v=v, load=self.gravity(q)) if self.others else torque)
+        return np.asarray(torque + self._others_beyond_rest(q, v=v, load=self.gravity(q)) if self.others else torque)
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Compute M(q) with rotors and other terms that depend on accelerations.
@@ -230,7 +230,7 @@ class ControlModel:
         found = np.tile(np.diag(self.armature), (len(q), 1, 1))
         if self._inertial:
             for joint, one in enumerate(np.eye(self.n)):
-                found[..., joint] += self.others_beyond_rest(q.T, a=np.tile(one[:, None], len(q))).T
+                found[..., joint] += self._others_beyond_rest(q.T, a=np.tile(one[:, None], len(q))).T
         return found
 
     def with_friction(self, scale: float) -> ControlModel:
@@ -300,25 +300,13 @@ class ControlModel:
         torque = first
         for coefficient in rest:
             torque = torque * q + coefficient
-        return np.asarray(torque + self.torque_of_others(q) if self.others else torque)
+        return np.asarray(torque + torque_of(self.others, q) if self.others else torque)
 
-    def torque_of_others(
+    def _others_beyond_rest(
         self, q: FloatArray, v: FloatArray | None = None, a: FloatArray | None = None, load: FloatArray | None = None
     ) -> FloatArray:
-        """Sum up the torques of the other terms, (n,) or (n, B); what is None is zero."""
-        torque = np.zeros(np.shape(q))
-        motion = [
-            np.zeros((self.n, torque.size // self.n)) if x is None else x.reshape(self.n, -1) for x in (q, v, a, load)
-        ]
-        for other in self.others:
-            torque[list(other.joints)] += other.torque(*motion).reshape(-1, *torque.shape[1:])
-        return torque
-
-    def others_beyond_rest(
-        self, q: FloatArray, v: FloatArray | None = None, a: FloatArray | None = None, load: FloatArray | None = None
-    ) -> FloatArray:
-        """Compute what motion adds to the torques of the other terms."""
-        return np.asarray(self.torque_of_others(q, v, a, load) - self.torque_of_others(q, load=load))
+        """What motion adds to the torques of the other terms."""
+        return torque_of(self.others, q, v, a, load) - torque_of(self.others, q, load=load)
 
 
 def default_gains(source: ModelSource, pose: FloatArray, rate: float = RATE) -> tuple[FloatArray, FloatArray]:
