@@ -349,7 +349,6 @@ def _() -> Any:  # noqa: ANN401
 def _() -> Any:  # noqa: ANN401
     laws = {
         "admittance": control.admittance(estimate("cuhk"), 0.5, 2.0, 10.0, reach=0.8),
-        "assist": control.assist_as_needed(estimate("cuhk"), 80.0, 4.0, learning=40.0),
         "limited": control.Limited(control.gravity_friction_pd(estimate("cuhk"), **PD), limit=(30.0, 12.0), slew=400.0),
     }
     gait, torques_of = healthy_gait(period=2.0), {}
@@ -457,7 +456,6 @@ def _() -> Any:  # noqa: ANN401
 LAWS_IN_C: Mapping[str, Callable[[Any], Any]] = {
     **{name: make for name, make in LAWS.items() if name not in ("adaptive", "self_tuning")},  # these have no C
     "admittance": lambda known: control.admittance(known, 0.5, 2.0, 10.0, reach=0.8),
-    "assist_as_needed": lambda known: control.assist_as_needed(known, 80.0, 4.0, learning=40.0),
     "limited": lambda known: control.Limited(control.gravity_friction_pd(known, **PD), (30.0, 12.0), 400.0),
     "momentum observer": lambda known: control.MomentumObserver(known, 8.0, 100.0, noise=SENSED, torque_delay=0.0),
     "kalman observer": lambda known: control.KalmanObserver(known, 8.0, 100.0, noise=SENSED, torque_delay=0.0),

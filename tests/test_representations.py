@@ -9,7 +9,6 @@ from exoid import Offset, TorsoMotion, Viscous
 from exoid.experiments import Approach, Hold, bleex, healthy_gait
 from exoid.experiments.excitation import MotionLimits
 from exoid.experiments.excitation.limits import Clearance
-from exoid.lab.stability import check_properties
 from exoid.rig import Plant
 from exoid.signals import Approaches, FiniteDifference, Poses, Recording
 from exoid.torques import TorqueModel
@@ -40,7 +39,6 @@ PLANTS = Plant.concatenate([Plant.build(BLEEX, FRICTION), Plant.build(BLEEX, {**
         (Approaches(POSES, POSES), f"Approaches(below={POSES!r}, above={POSES!r})"),
         (FiniteDifference().kinematics(MOTION), "Kinematics(5000 samples, 2 joints, valid: 1 to 4999)"),
         (PLANTS, "Plant(2 × bleex.urdf (left_hip, left_knee, left_ankle))"),
-        (check_properties(PLANTS.take([0])), "ModelProperties(1: True, 2: True, 3: False)"),
         (Hold(np.zeros((3, 1))), "Hold(3 joints, 1 rig)"),
         (Approach(np.zeros((2, 40)), np.ones((2, 40)), 4.0), "Approach(2 joints, 40 rigs in 4 s)"),
         (healthy_gait(period=10.0), "Harmonics(2 joints, 1 rig: 6 sinusoids up to 0.6 Hz)"),

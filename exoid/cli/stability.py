@@ -1,4 +1,4 @@
-"""``exoid stability``: test of document 2's stability proof on a leg."""
+"""``exoid stability``: where a leg comes to rest under PD control with friction compensation, and its gain margins."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def stability(
     ] = None,
     rate: Annotated[float, Option(metavar="HZ", help="Sampling rate of the controller.")] = 100.0,
     duration: Annotated[float, Option(metavar="S", help="Duration of each run.")] = 20.0,
-    figure: Annotated[Text, Option(metavar="FILE.PNG", help="Draw V and the gain margins.")] = None,
+    figure: Annotated[Text, Option(metavar="FILE.PNG", help="Draw errors and gain margins.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins.
+    """Regulate with partial and excessive friction compensation, and find the gain margins.
 
     Example: exoid stability cuhk --duration 5
     """
@@ -54,7 +54,6 @@ def stability(
     stiffness = joint_values(kp, "--kp", joints)
     damping = 0.1 * stiffness if kd is None else joint_values(kd, "--kd", joints)
     aim, start = (np.deg2rad(joint_values(*each, joints)) for each in ((target, "--target"), (away, "--away")))
-    properties = checks.check_properties(plant)
     with progress_bar("regulating") as progress:
         runs = checks.regulate(plant, stiffness, damping, aim, start, rate=rate, duration=duration, progress=progress)
 
@@ -65,7 +64,7 @@ def stability(
     margins = checks.gain_margins(plant, law, aim)
     if figure is not None:
         save_figure(figure, _draw(runs, margins))
-    results: dict[str, Any] = {"properties": properties, "regulation": runs, "gain_margins": margins}
+    results: dict[str, Any] = {"regulation": runs, "gain_margins": margins}
     data = {name: each.to_json() for name, each in results.items()}
     print_result("\n\n".join(map(str, results.values())), as_json=as_json, data=data)
 
@@ -100,9 +99,8 @@ def _draw(runs: Regulations, margins: GainMargins) -> Figure:
     from exoid.lab import stability as checks  # noqa: PLC0415
 
     with exoid.view.paper():
-        drawing = Figure(figsize=(7.0, 5.0))
-        axes = drawing.subplot_mosaic([["error", "error"], ["energy", "margins"]])
+        drawing = Figure(figsize=(7.0, 2.5))
+        axes = drawing.subplot_mosaic([["error", "margins"]])
         checks.plot_regulation_errors(axes["error"], runs.runs, 0, runs.runs[0].run.joint_names[0])
-        checks.plot_lyapunov(axes["energy"], [run.lyapunov for run in runs.runs], [run.name for run in runs.runs])
         checks.plot_gain_margins(axes["margins"], margins)
     return drawing

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 from typer import Option
 
-from exoid.control import ControlModel
-from exoid.errors import BadArgumentError, ExoidError
-from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.errors import BadArgumentError
 from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.lab import study as studies
-from exoid.lab.study import Protocol, TrackingTask
+from exoid.lab.study import Protocol
 from exoid.leg.leg import Leg
 from exoid.tools.files import make_folder
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
@@ -28,10 +25,6 @@ from .options import ANY_LEG, FIXED_BASE, AsJson, LegName, LegOptions, TermNames
 from .options import TorqueNoise as NoiseLevel
 from .outputs import print_result
 from .progress import progress_bar
-from .refusals import refuse
-
-SCALE, PERIOD = 0.8, 10.0
-"""Factor of the amplitudes and period [s] of the gait that controllers follow, as in ``exoid track``."""
 
 COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
@@ -53,18 +46,12 @@ def study(
     rate: Annotated[float, Option(metavar="HZ", help="Rate of the log.")] = 100.0,
     cutoff: Annotated[float, Option(metavar="HZ", help="Cut-off of the zero-phase low-pass.")] = 8.0,
     followed: Annotated[Literal["exactly", "rig"], Option(help="How motions are followed.")] = "exactly",
-    laws: Annotated[Text, Option(metavar="A,B", help="Controllers to run: pd, lqr, computed_torque or others")] = None,
-    course: Annotated[Literal["gait", "planned"] | None, Option(help="Motion of --laws; default gait.")] = None,
-    kp: Annotated[Text, Option(metavar="A,B", help="Kp [N·m/rad]; default of exoid track.")] = None,
-    kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; default kp/10.")] = None,
     seed: Annotated[int, Option(min=0, help="Seed of all random numbers.")] = 0,
     workers: Annotated[int, Option(min=1, help="Processes on this machine.")] = 1,
     parameters: Annotated[bool, Option("--parameters", help="Print a line for each parameter, too.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.
-
-    With --laws, controllers also use the estimates on the same leg.
 
     Example: exoid study cuhk --replicates 10 --protocols document --duration 10
     """
@@ -75,12 +62,9 @@ def study(
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
-    if laws is None:
-        refuse({"--course": course, "--kp": kp, "--kd": kd}, "there are no --laws")
     truth = studies.plausible_truth(model, scales.typical_torque)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     planning = {"noise": std, "duration": duration, "rate": rate}
-    task = None if laws is None else _tracking_task(laws, course or "gait", model, truth, (kp, kd), planning)
     design = studies.Study(
         leg=studies.LegText.of(found),
         terms=chosen,
@@ -93,7 +77,6 @@ def study(
         rate=rate,
         cutoff=cutoff,
         followed="exactly" if followed == "exactly" else "by a rig",
-        course=task,
     )
     with progress_bar("identifying") as progress:
         result = studies.run_study(design, folder, None if workers == 1 else workers, progress)
@@ -108,30 +91,6 @@ def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[st
     if name == "document":
         return studies.document(leg, planning["duration"])
     raise BadArgumentError(f"--protocols {name}", remedy="use some of planned, document")
-
-
-def _tracking_task(
-    laws: str,
-    motion: str,
-    model: TorqueModel,
-    truth: tuple[float, ...],
-    gains: tuple[str | None, str | None],
-    planning: Mapping[str, Any],
-) -> TrackingTask:
-    """Make a tracking task by its name: a gait as in ``exoid track``, or a plan that differs from the protocol's."""
-    kp, kd = (parse_numbers(text, option) for text, option in zip(gains, ("--kp", "--kd"), strict=True))
-    names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
-    if motion == "gait":
-        try:
-            gait = gait_for_leg(model.leg, healthy_gait(SCALE, PERIOD))
-        except ExoidError as error:
-            raise BadArgumentError(
-                error.what, where=error.where, remedy=f"{error.remedy}, or --course planned"
-            ) from None
-        return TrackingTask.of(names, gait, PERIOD, known, kp, kd)
-    # Seed of a planned tracking task; that of a planned protocol is 0.
-    plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": 1}).motions[0]
-    return TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
 
 
 def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:

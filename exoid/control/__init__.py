@@ -3,7 +3,6 @@
 from . import wearer as wearer
 from .adaptive import adaptive
 from .admittance import admittance
-from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
@@ -14,7 +13,6 @@ from .laws import (
     gravity_friction_pd,
     gravity_support,
     impedance,
-    p,
     pd,
     transparent,
 )
@@ -53,7 +51,6 @@ __all__ = [
     "Weights",
     "adaptive",
     "admittance",
-    "assist_as_needed",
     "command_table",
     "compare_laws",
     "computed_torque",
@@ -64,7 +61,6 @@ __all__ = [
     "impedance",
     "lqr",
     "mean_pose",
-    "p",
     "pd",
     "replay_law",
     "self_tuning",

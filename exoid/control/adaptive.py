@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import UnreadableInputError
 from exoid.leg.joint_numbers import for_joints
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .law import RATE, State, acceleration, gains, refuse_rate
 from .model import ModelSource
@@ -60,11 +61,8 @@ class Adaptive:
         refuse_rate(self.rate)
         for name in ("kp", "kd", "dead_zone", "still"):
             object.__setattr__(self, name, for_joints(gains(getattr(self, name), name), self.model.n, name))
-        if not (self.kp > 0.0).all() or not (self.kd > 0.0).all() or not 0.0 < self.time_constant < np.inf:
-            raise BadArgumentError(
-                f"kp = {self.kp}, kd = {self.kd}, time constant {self.time_constant:g} s",
-                remedy="give positive gains and a positive time in s; adaptation needs both gains",
-            )
+        for name in ("kp", "kd", "time_constant"):  # adaptation needs both gains
+            checked(getattr(self, name), name, above=0.0)
 
     @property
     def names(self) -> tuple[str, ...]:

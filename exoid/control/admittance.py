@@ -14,6 +14,7 @@ from exoid.codegen.law_source import ABSURD
 from exoid.codegen.templates import step_of
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import PASSIVE, PassiveFriction, wearer_friction
@@ -51,14 +52,10 @@ class Admittance:
     def __post_init__(self) -> None:
         """Check the numbers."""
         refuse_rate(self.rate)
-        freeze_gains(self, "mass", "damping", "stiffness", "frequency")
-        reach = np.array(self.reach, dtype=np.float64)
-        if not ((self.mass > 0.0).all() and (self.frequency > 0.0).all() and (reach > 0.0).all()):
-            raise BadArgumentError(
-                f"mass {self.mass!r}, frequency {self.frequency!r} and reach {self.reach!r} of an admittance",
-                remedy="give positive numbers; reach may be inf",
-            )
-        object.__setattr__(self, "reach", reach)
+        freeze_gains(self, "damping", "stiffness")
+        for name in ("mass", "frequency", "reach"):
+            value = checked(getattr(self, name), name, above=0.0, infinite=name == "reach", ndim=2)
+            object.__setattr__(self, name, value)
 
     def begin(self, state: State) -> VirtualMass:
         """Compute the memory before the first sample."""

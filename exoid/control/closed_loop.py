@@ -25,6 +25,7 @@ from exoid.rig import (
     Wearer,
 )
 from exoid.rig import simulate as simulate_rig
+from exoid.tools.numbers import checked
 
 from .law import AnyLaw, Memory, State, name_of, stateful
 from .tracking import Tracking, tracking_of
@@ -158,8 +159,7 @@ def simulate_many(
 
 def plant_step(control: float, log: float) -> float:
     """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log."""
-    if not (0.0 < control < np.inf and 0.0 < log < np.inf):
-        raise BadArgumentError(f"rates of {control:g} and {log:g} Hz", remedy="give positive rates in Hz")
+    checked([control, log], "rates [Hz]", above=0.0)
     periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]
     scale = periods[0].denominator * periods[1].denominator // gcd(periods[0].denominator, periods[1].denominator)
     common = Fraction(gcd(*(int(period * scale) for period in periods)), scale)

@@ -12,6 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .law import State
 from .model import ControlModel, ModelSource
@@ -57,11 +58,10 @@ class FrictionCompensation(Friction):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        known = self.velocity in ("measured", "desired")
-        if not (known and 0.0 <= self.width < np.inf and np.isfinite(self.scale)):
-            raise BadArgumentError(
-                f"no such friction compensation: {self}", remedy='velocity is "measured" or "desired"'
-            )
+        if self.velocity not in ("measured", "desired"):
+            raise BadArgumentError(f"friction of the velocity {self.velocity!r}", remedy="use measured or desired")
+        checked(self.width, "width", least=0.0)
+        checked(self.scale, "scale")
 
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
         """Compute the torque that compensates friction."""
@@ -97,13 +97,8 @@ class PassiveFriction(Friction):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        if not 0.0 <= self.share <= 1.0:
-            raise BadArgumentError(
-                f"compensation of {self.share:g} times the friction",
-                remedy="give a share from 0 to 1: more than all friction drives the joint",
-            )
-        if not 0.0 < self.width < np.inf:
-            raise BadArgumentError(f"a smooth sign of width {self.width:g} rad/s", remedy="give a positive width")
+        checked(self.share, "share", least=0.0, most=1.0)  # more than all friction drives the joint
+        checked(self.width, "width", above=0.0)
 
     @property
     def scale(self) -> float:  # type: ignore[override]

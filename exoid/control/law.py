@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
-
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 RATE = 100.0
 """Rate of document 2's nonlinear controller (sec. IV) [Hz]."""
@@ -146,6 +145,7 @@ def stateful(law: AnyLaw) -> StatefulLaw:
         >>> import numpy as np
         >>> from exoid.control import State, pd, stateful
         >>> from exoid.rig import Target
+    from exoid.tools.numbers import checked
         >>> law, state = stateful(pd(10.0, 1.0)), State(np.zeros(2), np.zeros(2))
         >>> torque, memory = law.step(law.begin(state), state, Target(np.ones(2), np.zeros(2)))
         >>> torque, memory
@@ -176,12 +176,8 @@ def torque_without_memory(law: AnyLaw, state: State, target: Target) -> FloatArr
 
 
 def gains(value: ArrayLike, name: str) -> FloatArray:
-    """Check gains."""
-    array = np.array(value, dtype=np.float64)
-    if array.ndim > 2 or not np.isfinite(array).all() or (array < 0.0).any():
-        raise BadArgumentError(f"{name} = {value!r}", remedy="give finite gains ≥ 0, one number or one for each joint")
-    array.flags.writeable = False
-    return array
+    """Check gains, which may differ from leg to leg."""
+    return checked(value, name, least=0.0, ndim=2)
 
 
 def freeze_gains(law: object, *names: str) -> None:
@@ -192,8 +188,7 @@ def freeze_gains(law: object, *names: str) -> None:
 
 def refuse_rate(rate: float) -> None:
     """Refuse a rate that is not positive and finite."""
-    if not 0.0 < rate < np.inf:
-        raise BadArgumentError(f"a controller at {rate:g} Hz", remedy="give a positive rate in Hz")
+    checked(rate, "the rate of a controller [Hz]", above=0.0)
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:

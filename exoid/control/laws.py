@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .friction import AHEAD, PASSIVE, SMOOTH, FrictionCompensation, PassiveFriction, model_to_compensate
 from .law import RATE, gains
@@ -18,7 +18,7 @@ def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
 
     Args:
         kp: Kp [N·m/rad], a number or one for each joint.
-        kd: Kd [N·m·s/rad].
+        kd: Kd [N·m·s/rad]; 0 for P control without damping (doc. 2, sec. III, sign corrected).
         rate: Sampling rate [Hz]; 30 in document 2.
 
     Returns:
@@ -36,22 +36,6 @@ def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
         array([ 2.2, 11.2])
     """
     return TrackingLaw("none", gains(kp, "kp"), gains(kd, "kd"), rate=rate)
-
-
-def p(kp: ArrayLike, *, rate: float = RATE) -> TrackingLaw:
-    """Make P control without damping, τ = Kp (θ_d − θ) (doc. 2, sec. III, sign corrected).
-
-    Args:
-        kp: Kp [N·m/rad], a number or one for each joint.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        The controller.
-
-    Raises:
-        ExoidError: A gain is negative or not finite, or the rate is not positive.
-    """
-    return pd(kp, 0.0, rate=rate)
 
 
 def gravity_friction_pd(
@@ -205,12 +189,7 @@ def gravity_support(
         >>> np.allclose(law.torque(state, None), 0.6 * leg.gravity([0.5, 0.8])[0])
         True
     """
-    shares = np.array(share, dtype=np.float64)
-    if shares.ndim > 1 or not ((shares >= 0.0) & (shares <= 1.0)).all():
-        raise BadArgumentError(
-            f"support of {share!r} times the weight",
-            remedy="give shares from 0 to 1; to carry the limb too, give a model that includes it",
-        )
+    shares = checked(share, "the share of the weight", least=0.0, most=1.0)  # to carry the limb too, give its model
     return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)
 
 

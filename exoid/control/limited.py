@@ -10,8 +10,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.codegen.law_in_c import law_in_c
-from exoid.errors import BadArgumentError
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .law import AnyLaw, Memory, State, spread, stateful, torque_without_memory
 
@@ -73,11 +73,7 @@ class Limited(Wrapped):
     def __post_init__(self) -> None:
         """Check the limits."""
         for name in ("limit", "slew"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.ndim > 1 or not (array > 0.0).all():
-                raise BadArgumentError(f"{name} = {getattr(self, name)!r}", remedy="give positive limits, or inf")
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, checked(getattr(self, name), name, above=0.0, infinite=True))
 
     def _changed(self, torque: FloatArray, state: State) -> FloatArray:
         """Clip a torque to the limits of its change and size."""

@@ -15,6 +15,7 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.joint_numbers import for_joints
 from exoid.leg.model import configuration
 from exoid.rig import Reference, Target
+from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import AHEAD, FrictionCompensation, model_to_compensate
@@ -51,9 +52,8 @@ class Weights(NamedTuple):
             ExoidError: A deviation is not positive, or does not fit n joints.
         """
         angle, velocity, torque = (for_joints(x, n, "weights") for x in self)
-        finite = np.isfinite(angle).all() and np.isfinite(torque).all()
-        if not (finite and (angle > 0.0).all() and (velocity > 0.0).all() and (torque > 0.0).all()):
-            raise BadArgumentError(f"weights {self}", remedy="give positive deviations of angle, velocity and torque")
+        for name, values in (("angle", angle), ("velocity", velocity), ("torque", torque)):
+            checked(values, f"acceptable {name}", above=0.0, infinite=name == "velocity")
         return np.diag(np.concatenate([angle, velocity]) ** -2.0), np.diag(torque**-2.0)
 
 
@@ -164,8 +164,7 @@ def lqr(
 
 def poses_along(reference: Reference, period: float) -> FloatArray:
     """Take angles of a reference at :data:`INSTANTS` equally spaced instants."""
-    if not 0.0 < period < np.inf:
-        raise BadArgumentError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")
+    checked(period, "the period of the reference [s]", above=0.0)
     angles = [np.asarray(reference.at(period * k / INSTANTS).q) for k in range(INSTANTS)]
     if angles[0].ndim != 2 or angles[0].shape[1] != 1:
         raise BadArgumentError(f"a reference of shape {angles[0].shape}", remedy="give that of one leg, (n, 1)")

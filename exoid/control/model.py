@@ -20,7 +20,7 @@ from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
 from .law import RATE
-from .other_term import OtherTerm
+from .other_term import OtherTerm, torque_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,7 @@ class ControlModel:
             Torque [N·m], of the same shape.
         """
         torque = self._bodies(q, v, a) + self.springs(q)
-        return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
+        return np.asarray(torque + self._others_beyond_rest(q, a=a) if self._inertial else torque)
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
         """Compute r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and other terms that depend on velocity.
@@ -205,14 +205,7 @@ class ControlModel:
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
         c0, d = (self.coulomb, self.viscous) if v.ndim == 1 else (self.coulomb[:, None], self.viscous[:, None])
         torque = c0 * sign + d * v
-        if self.others:
-            load = self.gravity(q)
-            at, rate, pull = (x.reshape(self.n, -1) for x in (q, v, load))
-            still = np.zeros_like(rate)
-            for other in self.others:
-                moving = other.torque(at, rate, still, pull) - other.torque(at, still, still, pull)
-                torque[list(other.joints)] += moving.reshape(-1, *v.shape[1:])
-        return np.asarray(torque)
+        return np.asarray(torque + self._others_beyond_rest(q, v=v, load=self.gravity(q)) if self.others else torque)
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Compute M(q) with rotors and other terms that depend on accelerations.
@@ -237,7 +230,7 @@ class ControlModel:
         found = np.tile(np.diag(self.armature), (len(q), 1, 1))
         if self._inertial:
             for joint, one in enumerate(np.eye(self.n)):
-                found[..., joint] += self._other_inertia(q.T, np.tile(one[:, None], len(q))).T
+                found[..., joint] += self._others_beyond_rest(q.T, a=np.tile(one[:, None], len(q))).T
         return found
 
     def with_friction(self, scale: float) -> ControlModel:
@@ -294,17 +287,6 @@ class ControlModel:
         )
         return np.asarray(rows.T + self.armature[:, None] * a)
 
-    def _other_inertia(self, q: FloatArray, a: FloatArray) -> FloatArray:
-        """Part of other terms that accelerations cause, at rest, (n,) or (n, B)."""
-        torque = np.zeros_like(a)
-        at, rising = q.reshape(self.n, -1), a.reshape(self.n, -1)
-        still = np.zeros_like(at)
-        for other in self.others:
-            if other.inertial:
-                part = other.torque(at, still, rising, still) - other.torque(at, still, still, still)
-                torque[list(other.joints)] += part.reshape(-1, *a.shape[1:])
-        return torque
-
     def springs(self, q: FloatArray) -> FloatArray:
         """Compute the torque s(q) of springs and offsets, by Horner's scheme.
 
@@ -318,12 +300,13 @@ class ControlModel:
         torque = first
         for coefficient in rest:
             torque = torque * q + coefficient
-        for other in self.others:
-            at = q.reshape(self.n, -1)
-            still = np.zeros_like(at)
-            torque = torque + np.zeros_like(q)
-            torque[list(other.joints)] += other.torque(at, still, still, still).reshape(-1, *q.shape[1:])
-        return np.asarray(torque)
+        return np.asarray(torque + torque_of(self.others, q) if self.others else torque)
+
+    def _others_beyond_rest(
+        self, q: FloatArray, v: FloatArray | None = None, a: FloatArray | None = None, load: FloatArray | None = None
+    ) -> FloatArray:
+        """What motion adds to the torques of the other terms."""
+        return torque_of(self.others, q, v, a, load) - torque_of(self.others, q, load=load)
 
 
 def default_gains(source: ModelSource, pose: FloatArray, rate: float = RATE) -> tuple[FloatArray, FloatArray]:

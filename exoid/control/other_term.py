@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -46,3 +47,18 @@ class OtherTerm(NamedTuple):
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
         columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
         return np.asarray(np.tensordot(self.values, columns, axes=1))
+
+
+def torque_of(
+    others: Sequence[OtherTerm],
+    q: FloatArray,
+    v: FloatArray | None = None,
+    a: FloatArray | None = None,
+    load: FloatArray | None = None,
+) -> FloatArray:
+    """Sum up the torques of terms at angles (n,) or (n, B), and at motions and loads that are zero where None."""
+    torque, angles = np.zeros(np.shape(q)), q.reshape(len(q), -1)
+    motion = [np.zeros_like(angles) if x is None else x.reshape(angles.shape) for x in (v, a, load)]
+    for other in others:
+        torque[list(other.joints)] += other.torque(angles, *motion).reshape(-1, *torque.shape[1:])
+    return torque

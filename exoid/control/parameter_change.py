@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
+from exoid.tools.numbers import checked
 
 AXES = np.array([d for d in product((-1, 0, 1), repeat=3) if np.abs(d).sum() in (1, 2)], dtype=np.float64)
 """Directions of the places of a payload, (18, 3)."""
@@ -40,8 +40,8 @@ class ExpectedChange:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if not (0.0 <= self.payload < np.inf and 0.0 <= self.friction < np.inf):
-            raise BadArgumentError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
+        for name in ("payload", "friction"):
+            checked(getattr(self, name), name, least=0.0)
 
 
 def payload_covariance(payload: float, leg: Leg) -> FloatArray:

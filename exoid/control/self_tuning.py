@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.online.advance import advance
 from exoid.online.settings import Settings
@@ -18,6 +18,7 @@ from exoid.online.solution import belief, estimate_of, started
 from exoid.online.state import State as OnlineState
 from exoid.online.state import begin as begin_online
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .known_leg import as_estimate
 from .law import RATE, State, acceleration, refuse_rate
@@ -69,11 +70,8 @@ class SelfTuning:
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        if not all(0.0 < x < np.inf for x in (self.time_constant, self.slew, self.bound)):
-            raise BadArgumentError(
-                f"time constant {self.time_constant:g} s, slew {self.slew:g}, bound {self.bound:g}",
-                remedy="give positive, finite numbers",
-            )
+        for name in ("time_constant", "slew", "bound"):
+            checked(getattr(self, name), name, above=0.0)
 
     @property
     def rate(self) -> float:

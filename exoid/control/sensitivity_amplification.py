@@ -14,6 +14,7 @@ from exoid.codegen.law_in_c import per_joint
 from exoid.codegen.templates import step_of
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
+from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import PassiveFriction, wearer_friction
@@ -132,14 +133,7 @@ class SensitivityAmplification:
 
     def __post_init__(self) -> None:
         """Check the amplification."""
-        array = np.array(self.amplification, dtype=np.float64)
-        if array.ndim > 1 or not ((array >= 1.0) & np.isfinite(array)).all():
-            raise BadArgumentError(
-                f"an amplification of {self.amplification!r}",
-                remedy="give finite numbers ≥ 1, one or one for each joint; 1 compensates the weight alone",
-            )
-        array.flags.writeable = False
-        object.__setattr__(self, "amplification", array)
+        object.__setattr__(self, "amplification", checked(self.amplification, "amplification", least=1.0))
 
     @property
     def rate(self) -> float:

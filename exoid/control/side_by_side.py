@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.rig import Plant, Reference, Sensors, Target
+from exoid.rig import Plant, Reference, Target
 
-from .closed_loop import simulate_many
+from .closed_loop import SimulationOptions, simulate_many
 from .law import AnyLaw, Memory, State, StatefulLaw, stateful
 from .tracking import Tracking
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True)
@@ -82,22 +86,18 @@ def compare_laws(
     reference: Reference,
     duration: float,
     *,
-    sensors: Sensors | None = None,
-    settle: float = 0.0,
-    seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    start: ArrayLike | None = None,
+    **options: Unpack[SimulationOptions],
 ) -> dict[str, Tracking]:
-    """Run several controllers; those of the same rate run in one simulation.
+    """Run several controllers; those of the same rate run in one simulation if the leg is planar.
 
     Args:
         plant: The true leg, one rig; or that of each controller by its name, all of the same leg.
         laws: Controllers by name, with or without memory.
         reference: Reference of one leg, which all follow.
         duration: Duration [s].
-        sensors: See :func:`exoid.control.simulate_law`; the noise differs from controller to controller.
-        settle: Time at the beginning that the metrics leave out [s].
-        seed: Seed of the sensor noise.
-        progress: Function that receives the completed share, 0 to 1.
+        start: Initial angles of all, at rest [rad], (n,); None to begin on the reference, with its velocity.
+        **options: Those of :func:`exoid.control.simulate_law`; noise differs from controller to controller.
 
     Returns:
         Result of each controller by name, in the order of ``laws``.
@@ -111,23 +111,23 @@ def compare_laws(
         raise BadArgumentError(
             f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
         )
-    groups: dict[float, list[str]] = {}
-    for name, law in laws.items():
-        groups.setdefault(law.rate, []).append(name)
+    progress, beginning = options.get("progress"), None if start is None else np.reshape(start, (-1, 1))
+    groups: dict[float | str, list[str]] = {}
+    for name, law in laws.items():  # legs that are not planar are simulated one by one
+        groups.setdefault(name if plants[name].leg.chain is None else law.rate, []).append(name)
     found: dict[str, Tracking] = {}
     for names in groups.values():
         done, share = len(found) / len(laws), len(names) / len(laws)
         part = None if progress is None else lambda x, done=done, share=share: progress(done + share * x)
+        options["progress"] = part
         runs = simulate_many(
             Plant.concatenate([plants[name] for name in names]),
             SideBySide(tuple(laws[name] for name in names)),
             reference,
             duration,
-            sensors=sensors,
-            settle=settle,
-            seed=seed,
+            start=beginning,
             names=tuple(names),
-            progress=part,
+            **options,
         )
         found |= dict(zip(names, runs, strict=True))
     return {name: found[name] for name in laws}

@@ -13,6 +13,7 @@ from exoid.estimate import Estimate
 
 from .friction import WIDTH
 from .model import ControlModel, ModelSource, completed
+from .other_term import torque_of
 from .parameter_change import ExpectedChange, payload_covariance
 
 
@@ -89,9 +90,5 @@ class SlotineLiModel:
 
     def fixed(self, q: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
         """Compute the torque of terms that are not adapted, such as friction that depends on the load."""
-        torque = np.zeros_like(q)
-        if self.model.others:
-            load = self.model.gravity(q)
-            for other in self.model.others:
-                torque[list(other.joints)] += other.torque(q, v_r, a_r, load)
-        return torque
+        others = self.model.others
+        return torque_of(others, q, v_r, a_r, self.model.gravity(q)) if others else np.zeros_like(q)

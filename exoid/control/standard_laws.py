@@ -87,17 +87,12 @@ def standard_laws(
         "adaptive": lambda: adaptive(source, kp, kd, rate=rate),
         "self_tuning": lambda: self_tuning(source, kp, kd, rate=rate),
     }
-    refuse_unknown_laws(names)
-    return {name: makers[name]() for name in names}
-
-
-def refuse_unknown_laws(names: Sequence[str]) -> None:
-    """Refuse names that are not in :data:`LAWS`."""
     unknown = [name for name in names if name not in LAWS]
     if unknown or not names:
         raise BadArgumentError(
             f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}"
         )
+    return {name: makers[name]() for name in names}
 
 
 def track(

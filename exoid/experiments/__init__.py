@@ -4,7 +4,6 @@ from . import bleex, cuhk, ground
 from .bench import Bench
 from .followed_log import follow_log
 from .gait import gait_for_leg, healthy_gait, norm_gait
-from .intentions import Stumble, Tremor
 from .references import Approach, Harmonics, Hold, fit_harmonics
 from .static import StaticProtocol, run_static
 
@@ -14,8 +13,6 @@ __all__ = [
     "Harmonics",
     "Hold",
     "StaticProtocol",
-    "Stumble",
-    "Tremor",
     "bleex",
     "cuhk",
     "fit_harmonics",

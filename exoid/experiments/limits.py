@@ -8,6 +8,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
+from exoid.tools.numbers import checked
 
 TOLERANCE = 1e-9
 """Tolerance of a limit [rad, rad/s]."""
@@ -35,8 +36,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
 
 def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float, rate: float = 100.0) -> None:
     """Refuse a motion that exceeds the limits of angle or speed."""
-    if not 0.0 < duration < np.inf:
-        raise BadArgumentError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
+    checked(duration, "the duration of the motion [s]", above=0.0)
     time = np.arange(0.0, duration + 0.5 / rate, 1.0 / rate)
     targets = [reference.at(float(t)) for t in time]
     q, v = np.array([target.q for target in targets]), np.array([target.v for target in targets])

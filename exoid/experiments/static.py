@@ -12,6 +12,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.torso import TorsoMotion
 from exoid.rig import Plant, Run, simulate
 from exoid.signals import Approaches, Poses
+from exoid.tools.numbers import checked
 
 from .bench import Bench
 from .limits import refuse_poses_beyond_limits
@@ -39,9 +40,9 @@ class StaticProtocol:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        positive = (self.distance, self.travel, self.wait)
-        if not (all(0.0 < value < np.inf for value in positive) and self.readings >= 1):
-            raise BadArgumentError(f"{self}", remedy="distance, times and the number of readings are positive")
+        for name in ("distance", "travel", "wait"):
+            checked(getattr(self, name), name, above=0.0)
+        checked(self.readings, "readings", least=1)
 
 
 def run_static(

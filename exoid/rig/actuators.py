@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 class StepTorque(NamedTuple):
@@ -85,7 +85,7 @@ class IdealTorque(Actuator):
 
     def __post_init__(self) -> None:
         """Check the limit."""
-        _refuse_unless(self.limit > 0.0, self)
+        checked(self.limit, "the limit of the torque", above=0.0, infinite=True)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
         """Limit the command [N·m]."""
@@ -115,8 +115,9 @@ class DcMotor(Actuator):
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        positive = 0.0 < self.torque_constant < np.inf and 0.0 < self.ratio < np.inf and self.current_limit > 0.0
-        _refuse_unless(positive and 0.0 <= self.rotor_inertia < np.inf, self)
+        for name in ("torque_constant", "ratio", "current_limit"):
+            checked(getattr(self, name), name, above=0.0, infinite=name == "current_limit")
+        checked(self.rotor_inertia, "rotor_inertia", least=0.0)
 
     @property
     def armature(self) -> float:
@@ -152,9 +153,9 @@ class HydraulicServo(Actuator):
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        kh, cl, Kv = (np.asarray(x, dtype=np.float64) for x in (self.stiffness, self.leakage, self.valve_gain))
-        finite = all(np.isfinite(x).all() for x in (kh, cl, Kv))
-        _refuse_unless(bool(finite and (kh > 0.0).all() and (cl >= 0.0).all() and (Kv > 0.0).all()), self)
+        checked(self.stiffness, "stiffness", above=0.0, ndim=2)
+        checked(self.valve_gain, "valve_gain", above=0.0, ndim=2)
+        checked(self.leakage, "leakage", least=0.0, ndim=2)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
         """Return the state, which is the torque."""
@@ -171,8 +172,3 @@ class HydraulicServo(Actuator):
         """Compute the torque A⁺ at the end of the step."""
         torque, damping = self.drive(state, command, dt)
         return 2.0 * (torque - damping * mean_velocity) - state
-
-
-def _refuse_unless(valid: bool, actuator: object) -> None:
-    if not valid:
-        raise BadArgumentError(f"invalid actuator: {actuator}", remedy="give finite and positive constants")

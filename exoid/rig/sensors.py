@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True)
 class Sensors:
     """Encoders or potentiometers, tachometers, torque sensors, and sensors in the cuffs of a rig.
 
-    Noise, offset and resolution are one number for all joints, or (n,).
+    Noise and offset are one number for all joints, or (n,).
 
     Attributes:
         encoder_counts: Encoder counts per turn of the joint; inf for an exact angle.
@@ -23,10 +23,7 @@ class Sensors:
         velocity_noise: Standard deviation of the velocity [rad/s].
         torque_noise: Standard deviation of the torque [N·m].
         torque_offset: Zero offset of the torque sensor [N·m].
-        torque_resolution: Quantisation step of the torque [N·m]; 0 for none.
         delay: Delay of all readings in periods of the controller.
-        noise_blocks: Number of equal blocks of rigs that receive the same noise: rig k of each block has the same
-            readings. A comparison of the blocks is then free of sampling noise.
         interaction_noise: Standard deviation of the torque of the wearer that controllers receive [N·m].
         interaction_offset: Zero offset of that torque [N·m].
 
@@ -39,32 +36,24 @@ class Sensors:
     velocity_noise: ArrayLike = 0.0
     torque_noise: ArrayLike = 0.0
     torque_offset: ArrayLike = 0.0
-    torque_resolution: ArrayLike = 0.0
     delay: int = 0
-    noise_blocks: int = 1
     interaction_noise: ArrayLike = 0.0
     interaction_offset: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        positive = ("angle_noise", "velocity_noise", "torque_noise", "torque_resolution", "interaction_noise")
-        check_numbers(self, positive)
-        check_numbers(self, ("torque_offset", "interaction_offset"), signed=True)
-        if not self.encoder_counts > 0.0:
-            raise BadArgumentError(
-                f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf"
-            )
+        for name in ("angle_noise", "velocity_noise", "torque_noise", "interaction_noise"):
+            checked(getattr(self, name), name, least=0.0)
+        for name in ("torque_offset", "interaction_offset"):
+            checked(getattr(self, name), name)
+        checked(self.encoder_counts, "encoder_counts", above=0.0, infinite=True)
         if self.delay != int(self.delay) or self.delay < 0:
             raise BadArgumentError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
-        if self.noise_blocks != int(self.noise_blocks) or self.noise_blocks < 1:
-            raise BadArgumentError(
-                f"{self.noise_blocks} blocks of rigs with the same noise", remedy="give an integer ≥ 1"
-            )
 
 
 def read_angle(sensors: Sensors, q: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Read angles of B rigs."""
-    read = q + _noise(sensors, sensors.angle_noise, q, rng) if np.any(sensors.angle_noise) else q
+    read = noisy(q, _column(sensors.angle_noise), rng) if np.any(sensors.angle_noise) else q
     if np.isinf(sensors.encoder_counts):
         return read
     count = 2.0 * np.pi / sensors.encoder_counts
@@ -73,47 +62,27 @@ def read_angle(sensors: Sensors, q: FloatArray, rng: np.random.Generator) -> Flo
 
 def read_velocity(sensors: Sensors, v: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Read velocities of B rigs."""
-    return v + _noise(sensors, sensors.velocity_noise, v, rng) if np.any(sensors.velocity_noise) else v
+    return noisy(v, _column(sensors.velocity_noise), rng) if np.any(sensors.velocity_noise) else v
 
 
 def read_torque(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Read torques of B rigs."""
-    read = tau + _column(sensors.torque_offset) + _noise(sensors, sensors.torque_noise, tau, rng)
-    step = _column(sensors.torque_resolution)
-    return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
+    return noisy(tau + _column(sensors.torque_offset), _column(sensors.torque_noise), rng)
 
 
 def read_interaction(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Read torques of the wearers of B rigs."""
-    noise = _noise(sensors, sensors.interaction_noise, tau, rng) if np.any(sensors.interaction_noise) else 0.0
-    return np.asarray(tau + _column(sensors.interaction_offset) + noise)
+    read = tau + _column(sensors.interaction_offset)
+    return (
+        noisy(read, _column(sensors.interaction_noise), rng) if np.any(sensors.interaction_noise) else np.asarray(read)
+    )
 
 
-def _noise(sensors: Sensors, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
-    joints, rigs = like.shape
-    if rigs % sensors.noise_blocks:
-        raise BadArgumentError(
-            f"{rigs} rigs in {sensors.noise_blocks} blocks with the same noise",
-            remedy="give the same number of rigs to each block",
-        )
-    drawn = rng.standard_normal((joints, rigs // sensors.noise_blocks))
-    return np.asarray(_column(std) * np.tile(drawn, sensors.noise_blocks))
+def noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Add white noise, of one size or of sizes that broadcast."""
+    return np.asarray(x + std * rng.standard_normal(x.shape))
 
 
 def _column(value: ArrayLike) -> FloatArray:
     """Shape one value, or one a joint, as a column that broadcasts over rigs."""
     return np.asarray(value, dtype=np.float64).reshape(-1, 1)
-
-
-def check_numbers(sensors: object, names: Iterable[str], *, signed: bool = False) -> None:
-    """Refuse numbers of sensors that are not finite, or negative."""
-    for name in names:
-        values = np.asarray(getattr(sensors, name), dtype=np.float64)
-        if not np.isfinite(values).all() or (not signed and (values < 0.0).any()):
-            remedy = "give finite SI numbers ≥ 0"
-            raise BadArgumentError(f"{name} of the sensors is {getattr(sensors, name)}", remedy=remedy)
-
-
-def noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Add white noise."""
-    return np.asarray(x + std * rng.standard_normal(x.shape))

@@ -15,7 +15,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Coupling
-from exoid.errors import BadArgumentError
+from exoid.leg.joint_numbers import for_joints
+from exoid.tools.numbers import checked
 
 from .pinocchio_stepper import PinocchioBodies
 from .plant import Plant
@@ -76,11 +77,8 @@ class CoupledMotors:
     def __post_init__(self) -> None:
         """Check the numbers."""
         for name in ("coulomb", "viscous", "rotor"):
-            values = np.asarray(getattr(self, name), dtype=np.float64)
-            count = len(self.coupling.joints)
-            if values.shape not in ((), (count,)) or not np.isfinite(values).all() or (values < 0.0).any():
-                raise BadArgumentError(f"{name} = {getattr(self, name)!r} of {count} motors", remedy="give numbers ≥ 0")
-            object.__setattr__(self, name, np.broadcast_to(values, (count,)))
+            values = for_joints(getattr(self, name), len(self.coupling.joints), name)
+            object.__setattr__(self, name, checked(values, name, least=0.0))
 
 
 class CoupledStepper(SmoothStepper):

@@ -11,6 +11,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
+from exoid.tools.numbers import checked
 
 from .bodies import limb_of
 from .controllers import Reference
@@ -135,14 +136,7 @@ class Wearer:
 
 def _impedance(value: ArrayLike, name: str, n: int) -> FloatArray:
     """Check numbers of each joint; (n,) becomes (n, 1)."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.full(1, np.nan)
-    if array.ndim > 2 or (array.ndim > 0 and len(array) != n) or not np.isfinite(array).all() or (array < 0.0).any():
-        raise BadArgumentError(
-            f"{name} of the wearer is {value!r}", remedy=f"give SI numbers ≥ 0, one or one for each of {n} joints"
-        )
-    column = array[:, None] if array.ndim == 1 else array
-    column.flags.writeable = False
-    return column
+    array = checked(value, f"{name} of the wearer", least=0.0, ndim=2)
+    if array.ndim > 0 and len(array) != n:
+        raise BadArgumentError(f"{name} of {len(array)} joints", remedy=f"give one number, or one for each of {n}")
+    return array[:, None] if array.ndim == 1 else array

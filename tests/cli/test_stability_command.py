@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 from pathlib import Path
 
@@ -28,19 +27,13 @@ def test_the_tables_of_the_page_are_those_of_its_command(exoid_, tmp_path):
     """But for the regulation, whose runs are cut short here, and which is tested by itself."""
     (command,) = PAGE.commands
     assert shlex.split(command)[:3] == ["exoid", "stability", "cuhk"]
-    properties, regulation, margins, _ = PAGE.shown
+    regulation, margins, _ = PAGE.shown
     code, out, err = exoid_("stability", *shlex.split(command)[2:], *QUICK)
     assert code == 0
     assert "wrote stability.png" in err
     assert Path("stability.png").read_bytes().startswith(b"\x89PNG")
-    assert without_rounding(properties) in without_rounding(out)
     assert margins in out
     assert regulation.splitlines()[1] in out
-
-
-def without_rounding(text: str) -> str:
-    """Errors near 1e-13 differ from machine to machine, and with them the width of their column."""
-    return re.sub(r"[ ─]+", " ", re.sub(r"\s+up to \S+ of", "", text))
 
 
 @pytest.mark.slow
@@ -63,8 +56,6 @@ def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(exoid_,
     code, out, _ = exoid_("stability", str(tmp_path / "est.json"), *QUICK, "--kp", "40,50", "--json")
     data = json.loads(out)
     assert code == 0
-    assert data["properties"]["bounded"] is False
-    assert data["properties"]["friction"][0] == pytest.approx(1.445 + 0.1)
     assert data["regulation"]["kd"] == pytest.approx([4.0, 5.0])
     band = np.deg2rad(data["regulation"]["runs"]["× 1"]["band_deg"])
     np.testing.assert_allclose(band, [1.445 / 40.0, 0.593 / 50.0], rtol=1e-6)
@@ -77,4 +68,4 @@ def test_friction_that_is_negative_by_chance_is_taken_as_zero_and_said_to_be(exo
     code, out, err = exoid_("stability", str(tmp_path / "est.json"), *QUICK, "--json")
     assert code == 0
     assert "d_hip = -0.001 ± 0.001 is taken as zero" in err
-    assert json.loads(out)["properties"]["friction"][0] == pytest.approx(1.445)
+    assert json.loads(out)["regulation"]["runs"]["× 1"]["band_deg"][0] == pytest.approx(np.rad2deg(1.445 / 22.1))

@@ -18,7 +18,6 @@ from exoid.control import (
     PassiveFriction,
     State,
     admittance,
-    assist_as_needed,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
@@ -74,7 +73,6 @@ def laws() -> dict[str, object]:
         "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),
         "impedance": impedance(source, KP, KD),
         "admittance": admittance(source, 0.5, 4.0, 10.0, reach=0.4),
-        "assist_as_needed": Limited(assist_as_needed(source, KP, KD, tunnel=0.1), LIMIT),
         "lqr": lqr(source, gait(), PERIOD, friction=AHEAD),
     }
 

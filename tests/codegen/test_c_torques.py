@@ -47,41 +47,23 @@ def motion_of(estimate, seed=0):
     return random_motion(np.random.default_rng(seed), len(estimate.joint_names), turns=0.5)
 
 
-def test_inverse_dynamics_are_the_torque_of_the_estimate(case):
+def test_every_function_is_that_of_pinocchio_and_the_estimate(case):
+    """The mass matrix has rotors on its diagonal; at rest the parts add up to the whole."""
     estimate, c = case
-    motion = motion_of(estimate)
-    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
-
-
-def test_the_rigid_bodies_are_pinocchios(case):
-    estimate, c = case
-    motion = motion_of(estimate)
-    assert_relative(c("rigid_bodies", *motion), dynamics.inverse_dynamics(estimate.leg.model, *motion), EXACT)
-
-
-def test_gravity_is_pinocchios(case):
-    estimate, c = case
-    q, _, _ = motion_of(estimate)
-    assert_relative(c("gravity", q), dynamics.gravity_torque(estimate.leg.model, q), EXACT)
-
-
-def test_the_mass_matrix_is_pinocchios_with_rotors_on_the_diagonal(case):
-    estimate, c = case
-    q, _, _ = motion_of(estimate)
-    names = [f"Ia_{label}" for label in estimate.leg.joint_labels]
+    q, v, a = motion_of(estimate)
+    names, model, still = [f"Ia_{label}" for label in estimate.leg.joint_labels], estimate.leg.model, np.zeros_like(q)
     rotors = np.diag([estimate.value(name) if name in estimate.names else 0.0 for name in names])
     M = c.mass_matrix(q)
-    assert_relative(M, dynamics.mass_matrix(estimate.leg.model, q) + rotors, EXACT)
     assert np.array_equal(M, np.swapaxes(M, 1, 2))
-
-
-def test_the_parts_add_up_to_the_whole(case):
-    """Mass matrix, gravity, friction and springs of a leg at rest but accelerating."""
-    estimate, c = case
-    q, _, a = motion_of(estimate, seed=1)
-    parts = np.einsum("kij,kj->ki", c.mass_matrix(q), a) + c("gravity", q)
-    parts += c("friction", np.zeros_like(q)) + c("stiffness", q)
-    assert_relative(parts, estimate.torque(q, np.zeros_like(q), a), EXACT)
+    parts = np.einsum("kij,kj->ki", M, a) + c("gravity", q) + c("friction", still) + c("stiffness", q)
+    for found, expected in (
+        (c("inverse_dynamics", q, v, a), estimate.torque(q, v, a)),
+        (c("rigid_bodies", q, v, a), dynamics.inverse_dynamics(model, q, v, a)),
+        (c("gravity", q), dynamics.gravity_torque(model, q)),
+        (M, dynamics.mass_matrix(model, q) + rotors),
+        (parts, estimate.torque(q, still, a)),
+    ):
+        assert_relative(found, expected, EXACT)
 
 
 def test_float_is_as_accurate_as_float_can_be(leg, tmp_path):

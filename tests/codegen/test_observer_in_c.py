@@ -20,7 +20,7 @@ OBSERVERS = {
     "unfiltered": MomentumObserver(model(), (5.0, 8.0, 12.0), 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
     "kalman": KalmanObserver(model(), 8.0, 200.0, noise=SensorNoise(0.05, 0.05), torque_delay=0.0),
     "walking": KalmanObserver(
-        model(), None, 100.0, drift=(40.0, 20.0, 10.0), noise=SensorNoise(0.5, 0.02), torque_delay=0.0, cutoff=np.inf
+        model(), (12.0, 9.0, 16.0), 100.0, noise=SensorNoise(0.5, 0.02), torque_delay=0.0, cutoff=np.inf
     ),
 }
 

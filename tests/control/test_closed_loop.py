@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from arms import Arm
 from controlled_legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
-from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate_law, simulate_many
+from exoid.control import ControlModel, State, compare_laws, gravity_friction_pd, pd, simulate_law, simulate_many
 from exoid.control.closed_loop import plant_step
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Sensors, Target
@@ -148,3 +149,13 @@ def test_a_result_prints_itself():
     text = str(simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, name="PD"))
     for word in ("PD at 100 Hz", "left_hip", "left_knee", "peak error [deg]", "rms torque [N·m]"):
         assert word in text
+
+
+def test_controllers_are_compared_on_a_leg_in_space():
+    """One by one: its runs are those of each controller alone."""
+    arm = Arm("ur5").leg
+    plant, hold = Plant.build(arm, end_stops=False), Hold(np.full((6, 1), 0.1))
+    laws = {"soft": pd(5.0, 0.2, rate=500.0), "stiff": pd(20.0, 0.5, rate=500.0)}
+    runs = compare_laws(plant, laws, hold, 0.2, start=np.full(6, 0.12))
+    for name, law in laws.items():
+        np.testing.assert_array_equal(runs[name].q, simulate_law(plant, law, hold, 0.2, start=np.full(6, 0.12)).q)

@@ -1,11 +1,11 @@
-"""With an exact model, feedforward equals RNEA, and computed torque gives a linear error equation."""
+"""With an exact model, computed torque gives a linear error equation."""
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
+from controlled_legs import cuhk_plant, exact_estimate
 from scipy.integrate import solve_ivp
 
-from exoid.control import SMOOTH, ControlModel, State, computed_torque, feedforward_pd, pd
+from exoid.control import SMOOTH, ControlModel, State, computed_torque
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -64,25 +64,3 @@ def test_a_wrong_model_does_not_track_exactly():
     first = column(0.0)
     time, q = follow(law, cuhk_plant(), [*first.q, *first.v])
     assert np.abs(q - np.array([column(t).q for t in time])).max() > 1e-2
-
-
-@pytest.mark.parametrize("source", [cuhk_plant(), exact_estimate()], ids=["plant", "estimate"])
-def test_feedforward_is_rnea_at_the_reference(source):
-    """Whatever the state is, when it does not differ from the reference; friction on the desired velocity."""
-    plant, target = cuhk_plant(), random_target()
-    torque = feedforward_pd(source, 22.0, 2.2).torque(State(target.q, target.v), target)
-    expected = true_torque(plant, *target) + plant.coulomb[:, 0] * np.tanh(target.v / 0.05)
-    np.testing.assert_allclose(torque, expected, atol=1e-12)
-
-
-def test_feedforward_and_feedback_add_up():
-    target, state = random_target(), State(*np.random.default_rng(3).uniform(-1.0, 1.0, (2, 2)))
-    law, alone = feedforward_pd(LEG, 22.0, 2.2), pd(22.0, 2.2)
-    ahead = law.torque(State(target.q, target.v), target)
-    np.testing.assert_allclose(law.torque(state, target), ahead + alone.torque(state, target), atol=1e-12)
-
-
-def test_without_gains_computed_torque_is_inverse_dynamics_of_what_is_wanted():
-    target, state = random_target(), State(*np.random.default_rng(3).uniform(-1.0, 1.0, (2, 2)))
-    torque = computed_torque(LEG, 0.0, 0.0, friction=None).torque(state, target)
-    np.testing.assert_allclose(torque, LEG.inverse_dynamics(state.q, state.v, target.a)[0], atol=1e-12)

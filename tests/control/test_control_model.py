@@ -11,14 +11,6 @@ from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 RNG = np.random.default_rng(3)
 
 
-def test_an_exact_estimate_gives_the_model_of_the_plant():
-    one, other = ControlModel.of(exact_estimate()), ControlModel.of(cuhk_plant())
-    for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
-        np.testing.assert_allclose(one.inverse_dynamics(q, v, a), other.inverse_dynamics(q, v, a), atol=1e-12)
-        np.testing.assert_allclose(one.friction(q, v, 0.05), other.friction(q, v, 0.05), atol=1e-14)
-        np.testing.assert_allclose(one.mass_matrix(q)[0, 1], other.mass_matrix(q)[0, 1], atol=1e-12)
-
-
 def test_inverse_dynamics_is_pinocchios_with_springs_and_rotors():
     plant = cuhk_plant(b2_hip=0.3, b1_hip=-0.7, b0_hip=1.1, b0_knee=-0.4)
     model = ControlModel.of(plant)
@@ -38,17 +30,6 @@ def test_everything_together_is_the_torque_that_the_estimate_predicts():
     for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
         whole = model.inverse_dynamics(q, v, a) + model.friction(q, v, width)
         np.testing.assert_allclose(whole, est.torque(q, v, a)[0], rtol=1e-12, atol=1e-12)
-
-
-@pytest.mark.parametrize("count", [1, 2, 5])
-def test_many_legs_at_once_give_what_each_gives_alone(count):
-    model = ControlModel.of(exact_estimate())
-    q, v, a = RNG.uniform(-1.0, 1.0, (3, 2, count))
-    for k in range(count):
-        np.testing.assert_allclose(model.statics(q)[:, k], model.statics(q[:, k]), atol=1e-12)
-        alone = model.inverse_dynamics(q[:, k], v[:, k], a[:, k])
-        np.testing.assert_allclose(model.inverse_dynamics(q, v, a)[:, k], alone, atol=1e-12)
-        np.testing.assert_allclose(model.friction(q, v, 0.0)[:, k], model.friction(q[:, k], v[:, k], 0.0), atol=1e-14)
 
 
 @pytest.mark.parametrize(

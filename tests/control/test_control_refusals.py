@@ -25,7 +25,6 @@ from exoid.control import (
     gravity_friction_pd,
     gravity_support,
     lqr,
-    p,
     pd,
     replay_law,
     self_tuning,
@@ -65,7 +64,6 @@ REFUSED = {
         for make in (
             lambda x: pd(x, 1.0),
             lambda x: pd(1.0, x),
-            p,
             lambda x: gravity_friction_pd(LEG, x, 1.0),
             lambda x: feedforward_pd(LEG, x, 1.0),
             lambda x: computed_torque(LEG, x, 1.0),

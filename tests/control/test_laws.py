@@ -23,50 +23,65 @@ KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
 
 
-def random_state(seed=1, shape=(2,)):
-    q, v = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, *shape))
-    return State(q, v)
+KNOWN, MODEL = exact_estimate(), ControlModel.of(PLANT)
+Q, V = np.random.default_rng(1).uniform(-1.0, 1.0, (2, 2))
+AIM, STILL = random_target(), np.zeros(2)
+FEEDBACK = np.array(KP) * (AIM.q - Q) + np.array(KD) * (AIM.v - V)
+VISCOUS = PLANT.viscous[:, 0]
 
 
-def feedback(state, target):
-    return np.array(KP) * (target.q - state.q) + np.array(KD) * (target.v - state.v)
+def rubbing(v, sign):
+    """Friction c0 sign + d v of the plant."""
+    return PLANT.coulomb[:, 0] * sign + VISCOUS * v
 
 
-def test_pd_is_its_equation():
-    """Doc. 2, eq. (24)."""
-    state, target = random_state(), random_target()
-    np.testing.assert_allclose(pd(KP, KD).torque(state, target), feedback(state, target))
+def rigid(q, v, a):
+    """Pinocchio's torque of the bodies with rotors and springs, without friction."""
+    return true_torque(PLANT, q, v, a) - VISCOUS * v
 
 
-@pytest.mark.parametrize(
-    ("friction", "sign"),
-    [
-        (None, lambda s, t: 0.0 * s.v),
-        (SMOOTH, lambda s, t: np.tanh(s.v / 0.05)),
-        (SHARP, lambda s, t: np.sign(s.v)),
-        (AHEAD, lambda s, t: np.tanh(t.v / 0.05)),
-    ],
-)
-@pytest.mark.parametrize("source", [PLANT, exact_estimate()], ids=["plant", "estimate"])
-def test_gravity_friction_pd_is_its_equation(source, friction, sign):
-    """Doc. 2, eq. (25), with Pinocchio's gravity."""
-    state, target, zero = random_state(), random_target(), np.zeros(2)
-    speed = target.v if friction is AHEAD else state.v
-    viscous = PLANT.viscous[:, 0] * speed if friction else zero
-    expected = feedback(state, target) + true_torque(PLANT, state.q, zero, zero)
-    expected += PLANT.coulomb[:, 0] * sign(state, target) + viscous
-    law = gravity_friction_pd(source, KP, KD, friction=friction)
-    np.testing.assert_allclose(law.torque(state, target), expected, atol=1e-12)
+SMOOTH_SIGN, WEIGHT = np.tanh(V / 0.05), rigid(Q, STILL, STILL)
+EQUATIONS = {  # name: law of a source, torque written out
+    "pd": (lambda source: pd(KP, KD), FEEDBACK),  # doc. 2, eq. (24)
+    "gravity": (lambda source: gravity_friction_pd(source, KP, KD, friction=None), FEEDBACK + WEIGHT),
+    "gravity, smooth": (  # doc. 2, eq. (25)
+        lambda source: gravity_friction_pd(source, KP, KD, friction=SMOOTH),
+        FEEDBACK + WEIGHT + rubbing(V, SMOOTH_SIGN),
+    ),
+    "gravity, sharp": (
+        lambda source: gravity_friction_pd(source, KP, KD, friction=SHARP),
+        FEEDBACK + WEIGHT + rubbing(V, np.sign(V)),
+    ),
+    "gravity, ahead": (
+        lambda source: gravity_friction_pd(source, KP, KD, friction=AHEAD),
+        FEEDBACK + WEIGHT + rubbing(AIM.v, np.tanh(AIM.v / 0.05)),
+    ),
+    "gravity, in part": (
+        lambda source: gravity_friction_pd(source, KP, KD, friction=FrictionCompensation(scale=1.5)),
+        FEEDBACK + WEIGHT + 1.5 * rubbing(V, SMOOTH_SIGN),
+    ),
+    "feedforward": (
+        lambda source: control.feedforward_pd(source, KP, KD),
+        FEEDBACK + rigid(*AIM) + rubbing(AIM.v, np.tanh(AIM.v / 0.05)),
+    ),
+    "computed torque": (
+        lambda source: control.computed_torque(source, KP, KD, friction=None),
+        rigid(Q, V, AIM.a + FEEDBACK),
+    ),
+    "impedance": (lambda source: control.impedance(source, KP, KD, friction=None), FEEDBACK + rigid(Q, V, AIM.a)),
+    "support": (lambda source: control.gravity_support(source, (0.4, 1.0)), np.array([0.4, 1.0]) * WEIGHT),
+    "transparent": (
+        control.transparent,
+        WEIGHT + np.where(rubbing(V, SMOOTH_SIGN) * V > 0.0, 0.9 * rubbing(V, SMOOTH_SIGN), 0.0),
+    ),
+}
 
 
-def test_friction_may_be_compensated_in_part():
-    state, target = random_state(), random_target()
-    torque = {
-        scale: gravity_friction_pd(PLANT, KP, KD, friction=FrictionCompensation(scale=scale)).torque(state, target)
-        for scale in (0.0, 1.0, 1.5)
-    }
-    np.testing.assert_allclose(torque[1.5] - torque[0.0], 1.5 * (torque[1.0] - torque[0.0]))
-    np.testing.assert_allclose(torque[0.0], gravity_friction_pd(PLANT, KP, KD, friction=None).torque(state, target))
+@pytest.mark.parametrize("source", [PLANT, KNOWN], ids=["plant", "estimate"])
+@pytest.mark.parametrize("name", EQUATIONS)
+def test_a_law_is_its_equation(name, source):
+    make, expected = EQUATIONS[name]
+    np.testing.assert_allclose(make(source).torque(State(Q, V), AIM), expected, atol=1e-11)
 
 
 def test_gains_cannot_be_changed_afterwards():

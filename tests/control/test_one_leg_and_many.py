@@ -15,14 +15,12 @@ from exoid.control import (
     State,
     adaptive,
     admittance,
-    assist_as_needed,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
     impedance,
     lqr,
-    p,
     pd,
     self_tuning,
     sensitivity_amplification,
@@ -46,7 +44,6 @@ SOURCES = {"est": exact_estimate(), "rig": cuhk_plant(), "leg": exoid.load_leg("
 
 
 LAWS = {
-    "p": lambda source: p(20.0),
     "pd": lambda source: pd(20.0, 2.0),
     "feedforward": lambda source: feedforward_pd(source, 20.0, 2.0),
     "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
@@ -54,7 +51,6 @@ LAWS = {
     "impedance": lambda source: impedance(source, 60.0, 5.0),
     "support": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
     "admittance": lambda source: admittance(source, 0.5, 2.0, 5.0, reach=0.5),
-    "assistance": lambda source: assist_as_needed(source, 80.0, 4.0, learning=40.0),
     "amplification": lambda source: sensitivity_amplification(source, 5.0),
     "adaptive": lambda source: adaptive(source, 20.0, 2.0),
     "self-tuning": lambda source: self_tuning(source, 20.0, 2.0),

@@ -1,4 +1,4 @@
-"""Controllers with memory: pure functions, in the closed loop and inside other controllers."""
+"""Controllers with memory, and those around other controllers: limits, drives, side by side."""
 
 from typing import NamedTuple
 
@@ -62,7 +62,22 @@ def test_one_law_object_may_run_many_times_and_on_many_rigs():
         np.testing.assert_allclose(one.tau, first.tau, atol=1e-8)
 
 
-def test_limits_act_on_a_law_with_memory():
+@pytest.mark.parametrize(
+    ("limits", "last", "torque"),
+    [
+        ({"limit": (80.0, 60.0)}, None, [80.0, -60.0]),
+        ({"slew": 500.0}, [2.0, 3.0], [7.0, -2.0]),  # 500 N·m/s for 10 ms from the torque that was commanded last
+        ({"slew": 500.0}, None, [5.0, -5.0]),  # nothing was commanded before the first
+        ({"limit": 50.0, "slew": 100.0}, [90.0, -90.0], [50.0, -50.0]),  # even where the last was beyond the limit
+    ],
+)
+def test_torque_and_its_change_stay_within_their_limits(limits, last, torque):
+    law, far = Limited(pd(1000.0, 0.0), **limits), Target(np.array([1.0, -1.0]), np.zeros(2))
+    state = REST if last is None else REST._replace(last=np.array(last))
+    np.testing.assert_allclose(law.torque(state, far), torque)
+
+
+def test_limits_act_on_a_law_with_memory_throughout_a_run():
     law = Limited(PI(), limit=2.0, slew=50.0)
     memory = law.begin(REST)
     state = REST._replace(last=np.array([1.9, -0.1]))
@@ -92,15 +107,14 @@ def test_side_by_side_each_law_keeps_its_memory():
         np.testing.assert_allclose(one.tau, simulate_law(plant, law, gait, 1.0).tau, atol=1e-8)
 
 
-def test_side_by_side_each_law_receives_its_interaction():
-    class Follow:
+def test_side_by_side_each_law_receives_its_last_torque_and_its_interaction():
+    class Both:
         rate = 100.0
 
         def torque(self, state: State, target: Target) -> FloatArray:
-            return 2.0 * state.interaction
+            return 2.0 * state.interaction + state.last
 
-    state = State(np.zeros((2, 2)), np.zeros((2, 2)), interaction=np.array([[1.0, 2.0], [3.0, 4.0]]))
+    state = State(np.zeros((2, 2)), np.zeros((2, 2)), 0.0, np.array([[1.0, 2.0], [3.0, 4.0]]), np.eye(2))
     aim = Target(np.zeros((2, 1)), np.zeros((2, 1)))
-    np.testing.assert_array_equal(
-        SideBySide((Follow(), Follow())).step(((), ()), state, aim)[0], 2.0 * state.interaction
-    )
+    torque, _ = SideBySide((Both(), Both())).step(((), ()), state, aim)
+    np.testing.assert_array_equal(torque, 2.0 * state.interaction + state.last)

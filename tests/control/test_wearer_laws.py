@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from worn_legs import GAIT, LIMB, PASSIVE, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
+from worn_legs import GAIT, LIMB, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
 
 from exoid.control import (
     ControlModel,
     PassiveFriction,
     State,
     admittance,
-    assist_as_needed,
     gravity_support,
     impedance,
     pd,
@@ -33,9 +32,6 @@ def random_state(seed=0, columns=()):
     rng = np.random.default_rng(seed)
     q, v, last, pushed = rng.uniform(-1.0, 1.0, (4, 2, *columns))
     return State(q, v, 0.1, last, pushed)
-
-
-# ------------------------------------------------------------------------------------------ every law
 
 
 # ------------------------------------------------------------------------------------------- friction
@@ -169,45 +165,6 @@ def test_a_sensor_that_drifts_does_not_carry_the_leg_beyond_its_reach():
     loose = Wearer(LIMB, cuff_stiffness=0.0, cuff_damping=0.0)
     run = simulate_law(SMOOTH, law, HOLD, 4.0, wearer=loose, sensors=Sensors(np.inf, interaction_offset=1.0))
     assert 0.25 < np.abs(run.q - POSE).max() < 0.7  # the offset is also taken for a torque on the leg
-
-
-# ---------------------------------------------------------------------------------- assistance as needed
-
-
-def test_within_the_tunnel_the_leg_is_transparent_and_beyond_it_a_spring_helps():
-    law, plain = assist_as_needed(SMOOTH, 80.0, 0.0, tunnel=0.1), transparent(SMOOTH)
-    state = State(POSE, np.zeros(2))
-    memory = law.begin(state)
-    near, _ = law.step(memory, state, Target(POSE + np.array([0.09, -0.05]), np.zeros(2)))
-    far, _ = law.step(memory, state, Target(POSE + np.array([0.3, -0.15]), np.zeros(2)))
-    np.testing.assert_allclose(near, plain.torque(state, None), rtol=1e-12)
-    np.testing.assert_allclose(far - near, [80.0 * 0.2, -80.0 * 0.05], rtol=1e-9)
-
-
-def test_learnt_assistance_grows_with_the_error_and_fades_with_success():
-    """U = g ε T_f (1 − e^{−t/T_f}), then u e^{−t/T_f}."""
-    law = assist_as_needed(SMOOTH, 0.0, 0.0, tunnel=0.1, learning=40.0, forgetting=2.0, rate=100.0)
-    state = State(POSE, np.zeros(2))
-    far, near = (Target(POSE + error, np.zeros(2)) for error in (0.3, 0.05))
-    memory = law.begin(state)
-    for _ in range(300):
-        _, memory = law.step(memory, state, far)
-    grown = 40.0 * 0.2 * 2.0 * (1.0 - np.exp(-1.5))
-    np.testing.assert_allclose(memory.torque, grown, rtol=1e-9)
-    for _ in range(300):
-        _, memory = law.step(memory, state, near)
-    np.testing.assert_allclose(memory.torque, grown * np.exp(-1.5), rtol=1e-9)
-
-
-@pytest.mark.nightly
-def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
-    """The limb's weight is beyond the support of the leg's own, so a passive limb needs help."""
-    law = assist_as_needed(SMOOTH, 150.0, 10.0, tunnel=0.1, learning=100.0, rate=500.0)
-    able = Wearer(LIMB, muscle_stiffness=600.0, muscle_damping=40.0, intention=HOLD)
-    helped, alone = (simulate_law(SMOOTH, law, HOLD, 6.0, wearer=one, settle=4.0) for one in (PASSIVE, able))
-    unhelped = simulate_law(SMOOTH, transparent(SMOOTH), HOLD, 6.0, wearer=PASSIVE, settle=4.0)
-    assert (helped.rms_deg < 0.6 * unhelped.rms_deg).all()
-    assert (alone.rms_interaction < 0.02 * helped.rms_interaction).all()
 
 
 # -------------------------------------------------------------------------- sensitivity amplification

@@ -13,7 +13,6 @@ FRICTION = {"c0_hip": 1.4, "c0_knee": 0.6, "d_hip": 0.1, "d_knee": 0.2}
 ROTORS = {"Ia_hip": 0.1, "Ia_knee": 0.1}
 SMOOTH = Plant.build(HARDWARE, ROTORS, end_stops=False)
 RUBBING = Plant.build(HARDWARE, {**ROTORS, **FRICTION})
-PASSIVE = Wearer(LIMB)
 WALKING = Wearer(LIMB, muscle_stiffness=100.0, muscle_damping=5.0, intention=GAIT)
 
 

@@ -11,8 +11,6 @@ from exoid.experiments import (
     Harmonics,
     Hold,
     StaticProtocol,
-    Stumble,
-    Tremor,
     bleex,
     cuhk,
     fit_harmonics,
@@ -27,7 +25,6 @@ from exoid.experiments.ground import (
     Gait,
     Stance,
     bleex_machine,
-    rail_squats,
     single_support,
     squats_and_shifts,
     walking,
@@ -72,9 +69,9 @@ def follow(amplitude_deg=10.0, frequency=0.1, duration=10.0, joints=2, control=5
     return run_motion(Plant.build(CUHK), motion, bench(control=control), duration, np.random.default_rng(0))
 
 
-def stumble_beyond_the_end_stops():
+def beyond_the_end_stops():
     hold = Hold(np.array([[0.5], [0.5]]))
-    wearer = Wearer.build(CUHK, intention=Stumble(hold, (0.0, 3.0), 0.2))
+    wearer = Wearer.build(CUHK, intention=healthy_gait(3.0, 1.2))
     return simulate(Plant.build(CUHK), hold, DAMPED, IdealTorque(), 1.0, wearer=wearer)
 
 
@@ -89,7 +86,7 @@ def fit(count, *shape, last=4.0, period=5.0, value=0.0):
 REFUSED = {
     BadArgumentError: [
         ("too short", lambda: plan(duration=2.0)),
-        ("positive", lambda: plan(duration=-1.0)),
+        ("duration", lambda: plan(duration=-1.0)),
         ("24 Hz", lambda: plan(rate=10.0)),
         ("best", lambda: plan(criterion="best")),
         ("starts", lambda: plan(starts=0)),
@@ -122,9 +119,7 @@ REFUSED = {
         ("no motion", lambda: fit(1, 5, 1, value=np.nan)),
         ("period", lambda: fit(1, 9, 1, period=0.0)),
         ("0 harmonics", lambda: fit(0, 9, 1)),
-        *(("tremor", lambda x=x: Tremor(GAIT, *x)) for x in ((-0.1,), (np.nan,), (0.1, 62.8), (np.ones((2, 2)),))),
-        *(("stumble", lambda x=x: Stumble(GAIT, *x)) for x in ((np.inf, 0.1), (0.1, np.nan), (0.1, 0.1, 0.0))),
-        ("left_knee", stumble_beyond_the_end_stops),
+        ("left_knee", beyond_the_end_stops),
         ("left_ankle for 57.3", lambda: refuse_poses_beyond_limits(BLEEX, [[0.0, -0.1, 1.0]])),
         ("left_knee for nan", lambda: refuse_poses_beyond_limits(BLEEX, [[0.0, -0.1, 0.0], [0.0, np.nan, 0.0]])),
         *(
@@ -137,10 +132,9 @@ REFUSED = {
         ("shape", lambda: follow(joints=3)),
         *(("duration", lambda x=x: follow(duration=x)) for x in (0.0, np.nan)),
         ("step", lambda: follow(control=333.0)),
-        *(
-            ("positive", lambda x=x: StaticProtocol(**x))
-            for x in ({"travel": 0.0}, {"wait": -1.0}, {"distance": np.nan})
-        ),
+        ("travel", lambda: StaticProtocol(travel=0.0)),
+        ("wait", lambda: StaticProtocol(wait=-1.0)),
+        ("distance", lambda: StaticProtocol(distance=np.nan)),
         ("readings", lambda: StaticProtocol(readings=0)),
         ("left_hip", lambda: static([[3.0, 0.5]])),
         ("the approach asks", lambda: static(travel=0.01)),
@@ -158,7 +152,7 @@ REFUSED = {
     NotSupportedError: [
         ("shoulder", lambda: gait_for_leg(arm(), GAIT)),
         ("planar", lambda: planar_legs(spatial_plant())),
-        ("one sole", lambda: rail_squats(ONE_JOINT, 1.0)),
+        ("one sole", lambda: squats_and_shifts(ONE_JOINT, 1.0)),
         ("one sole", lambda: stance(soles={"left_foot": BLEEX_SOLES["left_foot"]})),
         ("floating", lambda: plan_stance(BLEEX)),
     ],

@@ -1,4 +1,4 @@
-"""References: exact in their derivatives, fitted to data, on any leg, with tremor and stumbles."""
+"""References: exact in their derivatives, fitted to data, on any leg."""
 
 import hashlib
 
@@ -11,8 +11,6 @@ from exoid.errors import ExoidError
 from exoid.experiments import (
     Approach,
     Hold,
-    Stumble,
-    Tremor,
     cuhk,
     fit_harmonics,
     gait_for_leg,
@@ -25,14 +23,9 @@ from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Wearer,
 
 GAIT, WALK, LEG = healthy_gait(1.0, 1.0), healthy_gait(0.8, 1.2), exoid.load_leg("cuhk")
 START, GOAL = np.array([[0.0], [0.5]]), np.array([[0.3], [-0.5]])
-INTENTIONS = {
-    "tremor": Tremor(WALK, (0.02, 0.01), 8.0),
-    "stumble": Stumble(WALK, (0.3, -0.2), 0.5),
-    "both": Stumble(Tremor(WALK, 0.01), 0.2, 0.3, 0.6),
-}
 MOTIONS = {
     **{"gait": healthy_gait(), "swing": cuhk.swing(0), "hold": Hold(np.ones((2, 3)))},
-    **{"approach": Approach(START, GOAL, 2.0), **INTENTIONS},
+    **{"approach": Approach(START, GOAL, 2.0)},
 }
 
 
@@ -144,28 +137,10 @@ def test_the_published_norms_fit_six_harmonics_and_bleex():
     refuse_motion_beyond_limits(exoid.load_leg("bleex"), gait_for_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)
 
 
-def test_a_stumble_is_over_after_its_time():
-    motion = MOTIONS["stumble"]
-    np.testing.assert_allclose(motion.at(0.7).q - WALK.at(0.7).q, [[0.3], [-0.2]], rtol=1e-12)
-    for t in (0.0, 0.5, 0.9, 2.0):
-        for moved, plain in zip(motion.at(t), WALK.at(t), strict=True):
-            np.testing.assert_allclose(moved, plain, atol=1e-9)
-    accelerations = [np.abs(motion.at(t).a - WALK.at(t).a) for t in np.linspace(0.5, 0.9, 2001)]
-    assert np.max(accelerations) == pytest.approx(24.0 * 0.3 / 0.4**2, rel=1e-6)
-
-
-def test_a_tremor_has_its_amplitude_and_frequency():
-    times = np.arange(1000) / 500.0
-    added = np.array([MOTIONS["tremor"].at(t).q[:, 0] - WALK.at(t).q[:, 0] for t in times])
-    spectrum = np.abs(np.fft.rfft(added, axis=0)) / 500.0
-    assert np.fft.rfftfreq(1000, 1 / 500.0)[spectrum.argmax(axis=0)] == pytest.approx([8.0, 8.0])
-    np.testing.assert_allclose(spectrum.max(axis=0), [0.02, 0.01], rtol=1e-6)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("motion", INTENTIONS.values(), ids=INTENTIONS)
-def test_a_wearer_moves_so(motion):
+def test_a_wearer_moves_so():
     """Muscles with feedforward, no cuff: the limb does what is intended."""
+    motion = WALK
     wearer = Wearer.build(LEG, intention=motion, cuff_stiffness=0.0, cuff_damping=0.0)
     plant = Plant.build(LEG, end_stops=False)
     run = simulate(
@@ -179,15 +154,6 @@ def test_a_wearer_moves_so(motion):
     )
     aim = np.array([motion.at(t).q for t in run.time])
     np.testing.assert_allclose(run.limb_q, aim, atol=1e-4)
-
-
-def test_a_motion_without_accelerations_stays_without():
-    class Line:
-        def at(self, time):
-            return exoid.rig.Target(np.full((2, 1), time), np.ones((2, 1)))
-
-    assert Tremor(Line(), 0.1).at(0.3).a is None
-    assert Stumble(Line(), 0.1, 0.1).at(0.3).a is None
 
 
 @pytest.mark.parametrize("scale", [0.3, 3.0])

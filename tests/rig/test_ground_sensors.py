@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 from exoid import ExoidError, Recording, load_leg, signals
-from exoid.experiments.ground import bleex_machine, rail_squats, walking
+from exoid.experiments.ground import bleex_machine, single_support, walking
 from exoid.rig.ground import GroundSensors
 from exoid.signals import ZeroPhase
 
@@ -19,7 +19,7 @@ def walk():
 
 @pytest.fixture(scope="module")
 def squats():
-    return rail_squats(bleex_machine("left"), 3.0)
+    return single_support(bleex_machine("left"), 3.0)
 
 
 @pytest.mark.slow

@@ -116,21 +116,6 @@ def test_half_the_step_has_half_the_error_of_energy():
     assert 1.7 < errors[0] / errors[1] < 2.3
 
 
-def test_a_rail_lets_the_torso_move_up_and_down_only():
-    plant = bleex_machine("left")
-    time = np.linspace(-0.5, 1.0, 151)
-    q = np.tile([0.3, -0.6, 0.3], (151, 1)) + 0.1 * np.sin(4.0 * time)[:, None] * [1.0, -2.0, 1.0]
-    base = np.tile([0.0, 0.935, 0.0], (151, 1))
-    run = simulate_on_ground(plant, GroundMotion(time, q, 0.0 * q, base), GAINS, rail=True)
-    assert np.abs(run.position[:, 0]).max() < 1e-4
-    assert np.abs(run.rotation - np.eye(3)).max() < 1e-4
-    assert np.ptp(run.position[:, 2]) > 0.01
-    wrench = run.wrenches["torso"]
-    assert np.abs(wrench.force[:, 2]).max() < 1e-2  # it turns with the torso by less than 1e-4 rad
-    assert np.abs(wrench.moment[:, 1]).max() > 10.0
-    assert np.abs(residual(run)).max() < 1e-7
-
-
 def test_the_same_input_gives_the_same_bytes():
     runs = [simulate_on_ground(PLANT, motion(squat=0.05, seconds=0.3), GAINS) for _ in range(2)]
     for name in ("q", "v", "a", "tau", "position"):

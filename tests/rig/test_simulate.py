@@ -56,28 +56,6 @@ def test_noise_has_the_standard_deviation_asked_for():
     np.testing.assert_allclose(torque.mean(axis=1), 3.0, atol=0.05)
 
 
-def test_torque_converters_have_steps():
-    tau = np.array([[0.24], [0.26], [-1.3]])
-    read = read_torque(Sensors(torque_resolution=(0.5, 0.5, 0.0)), tau, np.random.default_rng(0))
-    np.testing.assert_allclose(read, [[0.0], [0.5], [-1.3]])
-
-
-def test_blocks_of_rigs_have_the_same_noise():
-    sensors = Sensors(
-        encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), noise_blocks=3
-    )
-    rng, zero = np.random.default_rng(0), np.zeros((2, 6))
-    for read in (read_angle(sensors, zero, rng), read_velocity(sensors, zero, rng), read_torque(sensors, zero, rng)):
-        np.testing.assert_array_equal(read[:, :2], read[:, 2:4])
-        np.testing.assert_array_equal(read[:, :2], read[:, 4:])
-        assert (read[:, 0] != read[:, 1]).all()
-    with pytest.raises(ExoidError, match="4 rigs in 3 blocks"):
-        read_angle(sensors, np.zeros((2, 4)), rng)
-    for wrong in (0, 1.5):
-        with pytest.raises(ExoidError, match="blocks of rigs with the same noise"):
-            Sensors(noise_blocks=wrong)
-
-
 @pytest.mark.parametrize("delay", [1, 4])
 def test_delayed_readings_are_those_of_earlier_control_periods(delay):
     rates = Rates(control=100.0, log=100.0, step=1e-3)

@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.control import LawReplay, Tracking
-from exoid.lab.stability import plot_gain_margins, plot_lyapunov
+from exoid.lab.stability import plot_gain_margins, plot_regulation_errors, regulate
 from exoid.lab.stability.figure import CYCLING_COLOURS
 from exoid.lab.stability.gain_margin import GainMargins
-from exoid.lab.stability.lyapunov import Lyapunov
-from exoid.rig import Energy
+from exoid.rig import Energy, Plant
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
@@ -64,9 +63,6 @@ def inside(figure, ax):
     return box.x1 <= figure.bbox.x1 + 1.0 and box.y1 <= figure.bbox.y1 + 1.0 and box.y0 >= axes.y1 - 1.0
 
 
-FALLING = Lyapunov("a law", 10.0, TIME, np.exp(-TIME), -np.exp(-TIME), -np.exp(-TIME))
-RISING = Lyapunov("another", 10.0, TIME, 1.0 + 0.1 * np.sin(9.0 * TIME), np.zeros(50), np.zeros(50))
-
 FRICTION = 0.2646 * np.sign(TIME - 2.0)
 
 PLOTS = {
@@ -75,7 +71,6 @@ PLOTS = {
         ax, POSES, np.repeat([0, 1, 2], 3), np.array([-40.0, -10.0, 20.0]), 2, "ankle"
     ),
     "friction": lambda ax: plot_friction_fit(ax, TIME - 2.0, 1.1 * FRICTION, FRICTION, "ankle"),
-    "energy": lambda ax: plot_lyapunov(ax, [FALLING, RISING], ["exact", "too much"]),
     "reference": lambda ax: plot_reference(ax, TIME, np.column_stack([TIME, -TIME]), ("hip", "knee")),
 }
 
@@ -108,8 +103,12 @@ def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
     assert inside(figure, ax)
 
 
-def test_runs_whose_energy_often_rises_have_other_colours():
-    _, ax = drawn(PLOTS["energy"])
+def test_runs_that_end_in_a_limit_cycle_have_other_colours():
+    plant = Plant.build(
+        exoid.load_leg("cuhk"), {"c0_hip": 1.4, "c0_knee": 0.6, "Ia_hip": 0.8, "Ia_knee": 0.8}, end_stops=False
+    )
+    runs = regulate(plant, (22.1, 55.6), (2.2, 5.6), (0.2, 0.7), (0.2, 0.2), shares=(1.0, 1.5), duration=8.0).runs[1:]
+    _, ax = drawn(lambda ax: plot_regulation_errors(ax, runs, 0, "hip"))
     assert ax.lines[0].get_color() == MEASURED
     assert ax.lines[1].get_color() == CYCLING_COLOURS[0]
 

@@ -11,8 +11,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control.model import ControlModel
 from exoid.control.other_term import SLIDING
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
+from exoid.tools.numbers import checked
 from exoid.torques import InternalState, Motion, TorqueModel
 from exoid.torques.with_columns import WithColumns
 
@@ -52,10 +53,8 @@ class MomentumModel:
 
     def __post_init__(self) -> None:
         """Check the terms."""
-        if not (0.0 < self.width < np.inf and 0.0 <= self.stiction < np.inf):
-            raise BadArgumentError(
-                f"width {self.width:g} rad/s, stiction {self.stiction:g}", remedy="give finite numbers, width > 0"
-            )
+        checked(self.width, "width", above=0.0)
+        checked(self.stiction, "stiction", least=0.0)
         rotors = self.model.rotors(np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.model.n)))
         if not np.allclose(rotors, rotors[0], rtol=1e-9, atol=1e-12):
             raise NotSupportedError(

@@ -9,10 +9,11 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
 from .alignment import Alignment, JointFilters
 
@@ -45,11 +46,7 @@ class SensorNoise:
     def __post_init__(self) -> None:
         """Check the numbers."""
         for name in ("torque", "velocity", "angle"):
-            values = np.asarray(getattr(self, name), dtype=np.float64)
-            if not np.isfinite(values).all() or (values < 0.0).any() or values.ndim > 1:
-                raise BadArgumentError(
-                    f"{name} noise of {getattr(self, name)}", remedy="give standard deviations ≥ 0 in SI units"
-                )
+            checked(getattr(self, name), f"{name} noise", least=0.0)
 
     @classmethod
     def of(cls, recording: Recording) -> SensorNoise:
@@ -187,8 +184,7 @@ def threshold(per_minute: float, correlation: float, rate: float) -> float:
     # A sample below the level u is followed by one above it with probability 2 T(u, √((1 − ρ)/(1 + ρ))), with T Owen's
     # function and ρ the correlation of a sample with the next. For a fine time step this is the formula of Rice (1945),
     # (σ_ẋ / 2π σ_x) exp(−u²/2), which has no limit for the observer's noise in continuous time.
-    if not 0.0 < per_minute < np.inf:
-        raise BadArgumentError(f"{per_minute} false alarms per minute", remedy="give a positive number, such as 1e-3")
+    checked(per_minute, "false alarms per minute", above=0.0)
     held = float(np.clip(correlation, -1.0 + 1e-9, 1.0 - 1e-12))
     slope = np.sqrt((1.0 - held) / (1.0 + held))
 

@@ -19,6 +19,7 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
 from .alignment import Alignment, AlignmentMemory, JointFilters
 from .momentum import MomentumModel
@@ -73,7 +74,7 @@ class TorqueObserver(ABC):
     """
 
     source: ModelSource
-    bandwidth: ArrayLike | None
+    bandwidth: ArrayLike
     rate: float
     _: KW_ONLY
     cutoff: float | None = None
@@ -273,15 +274,12 @@ class TorqueObserver(ABC):
         n, delays = self.model.n, self.torque_delay
         if delays is None:
             delays = self.source.torque_delays if isinstance(self.source, Estimate) else 0.0
-        lags = np.stack([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)])
-        if not np.isfinite(lags).all():
-            raise BadArgumentError("a delay is not finite", remedy="give seconds")
+        lags = checked([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)], "a delay", ndim=2)
         cutoff = self.cutoff
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
             # where it causes a bias: with 10 Hz, ten minutes of fast unworn motion raised alarms, with 20 Hz none.
-            wanted = 30.0 if self.bandwidth is None else max(20.0, float(self.bandwidths.max()))
-            cutoff = min(wanted, 0.2 * self.rate)
+            cutoff = min(max(20.0, float(self.bandwidths.max())), 0.2 * self.rate)
         if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
             raise BadArgumentError(
                 f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
@@ -292,10 +290,7 @@ class TorqueObserver(ABC):
     @cached_property
     def bandwidths(self) -> FloatArray:
         """−3 dB frequency of each joint [Hz], (n,)."""
-        given = for_joints(np.nan if self.bandwidth is None else self.bandwidth, self.model.n, "bandwidths")
-        if not ((given > 0.0) & np.isfinite(given)).all():
-            raise BadArgumentError(f"a bandwidth of {self.bandwidth!r}", remedy="give positive numbers in Hz")
-        return given
+        return checked(for_joints(self.bandwidth, self.model.n, "bandwidths"), "bandwidth [Hz]", above=0.0)
 
     def __repr__(self) -> str:
         """Write bandwidth, rate and delay in one line."""

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData
 from exoid.estimate.validation_checks import effective_share
 from exoid.regression.every_row import make_rows
 from exoid.regression.model import RegressorModel
 from exoid.regression.row_data import Rows
 from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,17 +38,11 @@ class Cuffs:
 
     def __post_init__(self) -> None:
         """Check the values and forbid changes."""
-        k, d, stds = self.stiffness, self.damping, (self.stiffness_std, self.damping_std)
-        if not (np.isfinite(k).all() and np.isfinite(d).all() and k.min() > 0.0 and d.min() >= 0.0):
-            what = f"cuffs of {k.tolist()} N·m/rad and {d.tolist()} N·m·s/rad"
-            raise BadArgumentError(what, remedy="give a positive stiffness, such as 1000")
-        if not all((np.isfinite(each) & (each >= 0.0)).all() for each in stds):
-            raise BadArgumentError(
-                "a relative standard deviation of the cuffs that is negative or not finite",
-                remedy="give a number such as 0.2, or 0 for cuffs that are known exactly",
-            )
-        for array in (k, d, *stds):
-            array.flags.writeable = False
+        checked(self.stiffness, "stiffness of the cuffs", above=0.0)
+        for name in ("damping", "stiffness_std", "damping_std"):
+            checked(getattr(self, name), f"{name} of the cuffs", least=0.0)
+        for name in ("stiffness", "damping", "stiffness_std", "damping_std"):
+            getattr(self, name).flags.writeable = False
 
     @classmethod
     def of(cls, joint_names: tuple[str, ...], stiffness: ArrayLike, damping: ArrayLike, std: float) -> Cuffs:

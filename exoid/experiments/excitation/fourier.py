@@ -10,6 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.references import Harmonics, States, from_coefficients
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,10 +109,7 @@ class Basis:
 
 def series(duration: float, rate: float, highest: float, samples: int) -> tuple[float, Basis]:
     """Choose seconds and harmonics of a motion whose period is about 10 s."""
-    if not (0.0 < duration < np.inf and 0.0 < rate < np.inf and 0.0 < highest < np.inf):
-        raise BadArgumentError(
-            f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"
-        )
+    checked([duration, rate, highest], "duration, rate and highest frequency of a motion", above=0.0)
     if duration * rate > 10**7:
         raise BadArgumentError(
             f"{duration:g} s at {rate:g} Hz are more than {10**7:.0e} samples",

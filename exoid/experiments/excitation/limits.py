@@ -12,6 +12,7 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
+from exoid.tools.numbers import checked
 
 MARGIN = np.deg2rad(3.0)
 """Margin to the joint limits of the URDF for overshoot of the servos [rad]."""
@@ -97,10 +98,7 @@ class MotionLimits:
                 remedy="give a lower limit below the upper one, both finite, or a smaller margin",
             )
         for name in ("velocity", "acceleration", "torque"):
-            if not (getattr(self, name) > 0.0).all():
-                raise BadArgumentError(
-                    f"a {name} limit is not positive", remedy="give positive limits, or inf for none"
-                )
+            checked(getattr(self, name), f"a {name} limit", above=0.0, infinite=True)
 
     def __repr__(self) -> str:
         """Write the limits of all joints."""

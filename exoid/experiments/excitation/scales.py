@@ -14,6 +14,7 @@ from exoid.experiments.references import States
 from exoid.leg.joint_numbers import for_joints
 from exoid.regression.diagnostics import SIZE, parameter_scale
 from exoid.regression.least_squares import factorize
+from exoid.tools.numbers import checked
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits
@@ -42,11 +43,8 @@ class TorqueNoise:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if not (all(0.0 < std < np.inf for std in self.std) and self.bandwidth > 0.0):
-            raise BadArgumentError(
-                f"torque noise of {self.std} N·m, bandwidth {self.bandwidth:g} Hz",
-                remedy="give a positive standard deviation for each joint, and a positive bandwidth",
-            )
+        checked(self.std, "torque noise", above=0.0)
+        checked(self.bandwidth, "the bandwidth of the torque noise", above=0.0, infinite=True)
 
     @classmethod
     def of(cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf) -> TorqueNoise:

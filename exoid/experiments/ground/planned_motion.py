@@ -66,10 +66,10 @@ def planned_motion(
     if feet:
         parts = [_bearing(plant, q, base, link, bearing, held=held) for link, bearing in feet.items()]
         if held:
-            rail = np.zeros((len(q), 2, b + q.shape[1]))
-            rail[:, 0, :2] = np.column_stack([np.cos(base[:, 2]), -np.sin(base[:, 2])])  # forward in the laboratory
-            rail[:, 1, 2] = 1.0
-            parts.append((rail, np.ones((len(q), 2))))
+            harness = np.zeros((len(q), 2, b + q.shape[1]))
+            harness[:, 0, :2] = np.column_stack([np.cos(base[:, 2]), -np.sin(base[:, 2])])  # forward in the laboratory
+            harness[:, 1, 2] = 1.0
+            parts.append((harness, np.ones((len(q), 2))))
         J, S = np.concatenate([x for x, _ in parts], axis=1), np.hstack([x for _, x in parts])
         A = J[:, :, :b].transpose(0, 2, 1)
         bearing = np.linalg.solve(np.einsum("nik,nk,njk->nij", A, S, A), rows[:, :b, None])
@@ -111,12 +111,11 @@ def follow(
     gains: JointGains,
     rates: Rates,
     *,
-    rail: bool = False,
     spring: Spring | None = None,
 ) -> GroundRun:
     """Let a machine follow a planned motion."""
     refuse_poses_beyond_limits(plant.leg, motion.q)
-    run = simulate_on_ground(plant, motion, gains, rail=rail, spring=spring, rates=rates)
+    run = simulate_on_ground(plant, motion, gains, spring=spring, rates=rates)
     planned = scipy.interpolate.CubicSpline(motion.time, np.column_stack([motion.base[:, 1], motion.q]))(run.time)
     far = np.abs(run.position @ plant.plane.up - planned[:, 0]) > FALLEN
     if far.any():

@@ -42,9 +42,9 @@ class Stance:
     Attributes:
         height: Mean height of the root link's origin above the ground [m].
         squat: Amplitude of the height [m].
-        shift: Amplitude of the centre of mass forward [m]; without effect on a rail.
-        bow: Amplitude of the pitch of the torso [rad]; without effect on a rail.
-        lean: Mean pitch [rad]; negative leans forward. A rail keeps the torso upright.
+        shift: Amplitude of the centre of mass forward [m].
+        bow: Amplitude of the pitch of the torso [rad].
+        lean: Mean pitch [rad]; negative leans forward.
         swing: Amplitude of the joints of a leg that does not stand [rad].
         frequency: Main frequency [Hz]; the others are from a third of it to twice as high.
     """
@@ -58,39 +58,8 @@ class Stance:
     frequency: float = 0.5
 
 
-ON_RAIL = Stance(squat=0.06)
-"""Squats of a leg on a rail."""
-
 ON_ONE_FOOT = Stance(shift=0.01, bow=0.05)
 """Motion on one foot."""
-
-
-def rail_squats(
-    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = ON_RAIL, seed: int = 0, rates: Rates = RATES
-) -> GroundRun:
-    """Let a leg squat while a vertical rail holds the torso, which neither moves forward nor pitches.
-
-    Args:
-        plant: Torso and one leg, or two.
-        duration: Duration of the log [s].
-        stance: Size and frequency of the squats.
-        seed: Seed of the phases.
-        rates: Rates and step of the simulation.
-
-    Returns:
-        The run, with the wrench of the rail on the torso.
-
-    Raises:
-        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
-            followed.
-    """
-    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
-    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
-    base = np.column_stack([np.zeros_like(time), height, np.zeros_like(time)])
-    q = np.zeros((len(time), len(plant.leg.joint_names)))
-    _stand(q, legs, base, legs[0].hip.real)
-    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time), held=True)
-    return follow(plant, motion, GAINS, rates, rail=True)
 
 
 def squats_and_shifts(
@@ -112,12 +81,7 @@ def squats_and_shifts(
         ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
             followed.
     """
-    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
-    base, target = _torso(time, stance or Stance(), rng)
-    q = np.zeros((len(time), len(plant.leg.joint_names)))
-    _balance(plant, q, legs, base, target)
-    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time))
-    return follow(plant, motion, GAINS, rates)
+    return _on_feet(plant, duration, stance or Stance(), planar_legs(plant), seed, rates)
 
 
 def single_support(
@@ -148,12 +112,26 @@ def single_support(
         ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, there is no such leg, or
             the motion cannot be followed.
     """
-    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
+    legs = planar_legs(plant)
     if not 0 <= standing < len(legs):
         raise BadArgumentError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
+    return _on_feet(plant, duration, stance, legs[standing : standing + 1], seed, rates, hand_rail)
+
+
+def _on_feet(
+    plant: GroundPlant,
+    duration: float,
+    stance: Stance,
+    stands: tuple[PlanarLeg, ...],
+    seed: int,
+    rates: Rates,
+    hand_rail: Spring | None = None,
+) -> GroundRun:
+    """Squat, shift and bow on some legs, and swing the others."""
+    rng, time = np.random.default_rng(seed), knots(duration)
     base, target = _torso(time, stance, rng)
     q = np.zeros((len(time), len(plant.leg.joint_names)))
-    stands, swings = legs[standing : standing + 1], [leg for leg in legs if leg is not legs[standing]]
+    swings = [leg for leg in planar_legs(plant) if leg.foot not in [other.foot for other in stands]]
     for leg in swings:
         sizes = ((1.0, 1.6), (1.2, 1.8), (1.0, 2.0))  # of amplitude and frequency
         waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
@@ -213,10 +191,10 @@ def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[
     return np.column_stack([np.zeros_like(time), height, pitch]), target
 
 
-def _stand(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, place: float) -> None:
-    """Set the angles of legs that stand flat, with the middle of their soles at a place."""
+def _stand(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray) -> None:
+    """Set the angles of legs that stand flat, with the middle of their soles at the origin."""
     for leg in legs:
-        q[:, leg.joints] = leg.angles(base, np.full(len(base), place + 0j), np.zeros(len(base)))
+        q[:, leg.joints] = leg.angles(base, np.zeros(len(base), dtype=np.complex128), np.zeros(len(base)))
 
 
 def _balance(
@@ -224,9 +202,9 @@ def _balance(
 ) -> None:
     """Move the torso until the centre of mass is over its target, counted from the middle of the soles."""
     for _ in range(6):
-        _stand(q, legs, base, 0.0)
+        _stand(q, legs, base)
         base[:, 0] += target - centre_of_mass(plant, base, q)
-    _stand(q, legs, base, 0.0)
+    _stand(q, legs, base)
 
 
 def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:

@@ -4,30 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import Law, State, refuse_rate
-from exoid.control.lqr import Linear, discretise, linearise
+from exoid.control.law import AnyLaw, refuse_rate
+from exoid.control.lqr import discretise, linearise
 from exoid.control.model import ControlModel
-from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.rig import Plant, Target
+from exoid.rig import Plant
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import make_table, to_text
+
+from .worn.linear_law import linear_law, loop_matrices
+from .worn.worn_leg import HeldLeg
 
 SCALES = np.geomspace(1e-2, 1e4, 121)
 """Scales of the gains among which the search finds the first unstable one."""
 
-STEP = 1e-6
-"""Step of numerical derivatives of controllers, relative to numbers above 1 [rad, rad/s]."""
-
-SMOOTH = 1e-3
-"""Largest relative difference of derivatives by one and two steps; a controller with more counts as not smooth."""
-
-LawOf = Callable[[float, float], Law]
+LawOf = Callable[[float, float], AnyLaw]
 """Function that makes a controller from a scale of the gains and a rate [Hz]."""
 
 
@@ -64,7 +59,8 @@ def gain_margins(
 ) -> GainMargins:
     """Find the largest gains at which a leg is stable about a pose, for each rate and delay.
 
-    Coulomb friction is left out: it hides small oscillations and does not stop large ones.
+    Coulomb friction of the leg and its compensation are left out: friction hides small oscillations and does not stop
+    large ones.
 
     Args:
         plant: The true leg, one rig.
@@ -77,7 +73,7 @@ def gain_margins(
         Margins by rate and delay.
 
     Raises:
-        ExoidError: A rate or delay is invalid, or the controller has no derivatives at rest.
+        ExoidError: A rate or delay is invalid, or the controller has no derivatives.
 
     Example:
         >>> from exoid.control import pd
@@ -94,19 +90,27 @@ def gain_margins(
     return GainMargins(tuple(map(float, rates)), tuple(delays), np.array(margins))
 
 
-def spectral_radius(plant: Plant, law: Law, q: ArrayLike, delay: int = 0) -> float:
-    """Compute the spectral radius of one period of the linearised closed loop, which is stable below 1."""
-    pose = np.array(q, dtype=np.float64).reshape(-1)
-    return _radius(_hold(plant, pose, law.rate), _feedback(law, pose), delay)
+def held_leg(plant: Plant, q: FloatArray, rate: float) -> HeldLeg:
+    """Linearise a leg at rest without Coulomb friction, and integrate it exactly over one period of constant torque."""
+    refuse_rate(rate)
+    still = np.zeros_like(q)
+    A, B = discretise(linearise(ControlModel.of(plant), q, still, still), 1.0 / rate)
+    return HeldLeg(A[None], B[None], np.eye(3 * len(q), 2 * len(q)))
+
+
+def spectral_radius(leg: HeldLeg, law: AnyLaw, q: FloatArray, delay: int = 0) -> float:
+    """Compute the spectral radius of one period of the closed loop, which is stable below 1."""
+    loop = loop_matrices(leg, linear_law(law, q).without_last(), delay)
+    return float(np.abs(np.linalg.eigvals(loop)).max())
 
 
 def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) -> float:
     """Find the first stable scale, then the first unstable one above it, then bisect."""
-    held = _hold(plant, q, rate)
+    held = held_leg(plant, q, rate)
 
     def stable(scale: float) -> bool:
         """Whether the loop is stable with scaled gains."""
-        return _radius(held, _feedback(law(scale, rate), q), delay) < 1.0
+        return spectral_radius(held, law(scale, rate), q, delay) < 1.0
 
     below = 0.0
     for scale in SCALES:
@@ -121,50 +125,3 @@ def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) ->
         middle = float(np.sqrt(below * above))
         below, above = (middle, above) if stable(middle) else (below, middle)
     return float(below)
-
-
-def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
-    """Linearise the leg at rest, and integrate it exactly over one period of constant torque."""
-    refuse_rate(rate)
-    still = np.zeros_like(q)
-    return discretise(linearise(ControlModel.of(plant), q, still, still), 1.0 / rate)
-
-
-def _feedback(law: Law, q: FloatArray) -> FloatArray:
-    """Derivatives of a controller's torque by angle and velocity at rest on the target, (n, 2 n)."""
-    refusal = NotSupportedError(
-        f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
-        remedy="leave out friction compensation, or use a smooth one",
-    )
-    return smooth_derivatives(partial(_derivatives, law, q), refusal)
-
-
-def smooth_derivatives(of_step: Callable[[float], FloatArray], refusal: NotSupportedError) -> FloatArray:
-    """Take the derivatives of a controller by differences of one step, if those of twice the step are alike."""
-    first, second = of_step(STEP), of_step(2.0 * STEP)
-    if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
-        raise refusal
-    return first
-
-
-def _derivatives(law: Law, q: FloatArray, step: float) -> FloatArray:
-    still = np.zeros_like(q)
-    target = Target(q, still, still)
-    columns = []
-    for unit in step * np.eye(len(q)):
-        columns.append(law.torque(State(q + unit, still), target) - law.torque(State(q - unit, still), target))
-    for unit in step * np.eye(len(q)):
-        columns.append(law.torque(State(q, unit), target) - law.torque(State(q, -unit), target))
-    return np.array(columns).T / (2.0 * step)
-
-
-def _radius(held: Linear, feedback: FloatArray, delay: int) -> float:
-    """Spectral radius for the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
-    if delay < 0 or delay != int(delay):
-        raise BadArgumentError(f"a delay of {delay} periods", remedy="give a whole number")
-    size = len(held.A)
-    loop = np.zeros(((delay + 1) * size,) * 2)
-    loop[:size, :size] = held.A
-    loop[:size, delay * size :] += held.B @ feedback
-    loop[size:, :-size] = np.eye(delay * size)
-    return float(np.abs(np.linalg.eigvals(loop)).max())

@@ -1,4 +1,4 @@
-"""Document 2's regulation problem with partial, exact and excessive friction compensation."""
+"""Regulation to a constant target with partial, exact and excessive friction compensation (doc. 2, sec. IV-B)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.closed_loop import simulate_law, simulate_many
 from exoid.control.friction import FrictionCompensation
-from exoid.control.law import RATE, Law, gains
+from exoid.control.law import RATE, gains
 from exoid.control.laws import gravity_friction_pd
-from exoid.control.side_by_side import SideBySide
+from exoid.control.side_by_side import compare_laws
 from exoid.control.tracking import Tracking
 from exoid.errors import BadArgumentError
 from exoid.experiments import Hold
@@ -22,7 +21,6 @@ from exoid.rig import Plant
 from exoid.tools.json_values import attributes, json_value
 from exoid.tools.tables import make_table, to_text
 
-from .lyapunov import TOLERANCE, Lyapunov, lyapunov
 from .rest import Equilibrium, LimitCycle, find_equilibrium, find_limit_cycle
 
 
@@ -32,7 +30,6 @@ class Regulation:
 
     name: str  # friction compensation of this run
     run: Tracking  # the run
-    lyapunov: Lyapunov  # lyapunov function along the run, at every moment of the log
     equilibrium: Equilibrium  # predicted rest position
     cycle: LimitCycle  # oscillation at the end
 
@@ -57,10 +54,7 @@ class Regulation:
 
     def to_json(self) -> dict[str, Any]:
         """Convert the results of the run to JSON types."""
-        energy = self.lyapunov.sampled()
         return {
-            "never_increases": energy.never_increases(),
-            **attributes(energy, "largest_increase", "share_increasing"),
             **attributes(self, "outcome", "final_error_deg"),
             "band_deg": json_value(np.rad2deg(self.equilibrium.band)),
             **attributes(self.cycle, "peak_to_peak_deg"),
@@ -88,7 +82,6 @@ class Regulations:
         return {
             **attributes(self, "kp", "kd"),
             "rate_hz": self.rate,
-            "tolerance": TOLERANCE,
             "runs": {run.name: run.to_json() for run in self.runs},
         }
 
@@ -101,8 +94,6 @@ class Regulations:
         rows = [
             (
                 run.name,
-                f"{run.lyapunov.sampled().largest_increase:.1e}",
-                f"{100.0 * run.lyapunov.sampled().share_increasing:.1f}",
                 run.outcome,
                 " / ".join(f"{x:.2f}" for x in run.final_error_deg),
                 " / ".join(f"{x:.2f}" for x in np.rad2deg(run.equilibrium.band)),
@@ -110,10 +101,7 @@ class Regulations:
             )
             for run in self.runs
         ]
-        headers = (
-            *("friction", "V rises ≤ [V₀]", "at [%]", "outcome"),
-            *("last error [deg]", "band [deg]", "swing [deg p-p]"),
-        )
+        headers = ("friction", "outcome", "last error [deg]", "band [deg]", "swing [deg p-p]")
         first = self.runs[0]
         away = " / ".join(f"{x:.0f}°" for x in np.rad2deg(-first.run.error[0]))
         kp, kd = (" / ".join(f"{x:g}" for x in values) for values in (self.kp, self.kd))
@@ -121,7 +109,7 @@ class Regulations:
             f"{' / '.join(first.run.joint_names)}: from {away} off the target in {first.run.time[-1]:g} s",
             f"PD with exact gravity and × friction compensation: Kp {kp} N·m/rad, Kd {kd} N·m·s/rad, {self.rate:g} Hz",
             make_table(headers, rows),
-            f"V of doc. 2, eq. (29), at the controller's samples, V₀ = {first.lyapunov.value[0]:.4g} J; band: c0 / Kp",
+            "band: c0 / Kp, in which stiction may hold the leg",
         )
 
 
@@ -135,14 +123,13 @@ def regulate(
     shares: Sequence[float] = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5),
     rate: float = RATE,
     duration: float = 20.0,
-    log_rate: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Regulations:
     """Regulate a leg to a target under PD with exact gravity compensation and several shares of friction compensation.
 
     Friction is compensated with the sign function of the measured velocity, as doc. 2, eq. (25), prints it. Doc. 2
     proves stability for exact compensation of gravity and friction, in continuous time. With stiction and exact or
-    less compensation, V falls and the leg stops within c0 / Kp of the target. With too much, it never stops.
+    less compensation, the leg stops within c0 / Kp of the target. With too much, it never stops.
 
     Args:
         plant: The true leg, one rig with friction.
@@ -153,7 +140,6 @@ def regulate(
         shares: Compensated shares of the friction.
         rate: Sampling rate of the controller [Hz].
         duration: Duration of each run [s].
-        log_rate: Rate of the log [Hz], a multiple of the rate; None for at least 100.
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -167,41 +153,22 @@ def regulate(
     start = aim + np.asarray(away, dtype=np.float64).reshape(-1)
     zero = np.zeros_like(plant.coulomb)
     smooth = replace(plant, coulomb=zero, static=zero, viscous=zero)
-    names = ("no friction", *(f"× {share:g}" for share in shares))
-    plants = (smooth, *(plant for _ in shares))
-    laws: list[Law] = [gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)]
-    laws += [
-        gravity_friction_pd(plant, stiffness, damping, friction=FrictionCompensation(width=0.0, scale=share), rate=rate)
-        for share in shares
-    ]
-    log = rate * ceil(100.0 / rate) if log_rate is None else log_rate
-    reference = Hold(aim[:, None])
-    if plant.leg.chain is not None:  # planar legs in one run, others one by one
-        runs = simulate_many(
-            Plant.concatenate(plants),
-            SideBySide(tuple(laws)),
-            reference,
-            duration,
-            start=start[:, None],
-            log_rate=log,
-            names=names,
-            progress=progress,
-        )
-    else:
-        runs = tuple(
-            simulate_law(each, law, reference, duration, start=start, log_rate=log, name=name)
-            for each, law, name in zip(plants, laws, names, strict=True)
-        )
+    laws = {"no friction": gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)}
+    for share in shares:
+        sharp = FrictionCompensation(width=0.0, scale=share)
+        laws[f"× {share:g}"] = gravity_friction_pd(plant, stiffness, damping, friction=sharp, rate=rate)
+    plants = dict.fromkeys(laws, plant) | {"no friction": smooth}
+    log = rate * ceil(100.0 / rate)
+    runs = compare_laws(plants, laws, Hold(aim[:, None]), duration, start=start, log_rate=log, progress=progress)
     return Regulations(
         tuple(
             Regulation(
                 name,
                 run,
-                lyapunov(run, each, stiffness, damping),
-                find_equilibrium(each, law, aim),
+                find_equilibrium(plants[name], laws[name], aim),
                 find_limit_cycle(run, 0.25),  # share of the run, at its end, that is searched for oscillations
             )
-            for name, run, each, law in zip(names, runs, plants, laws, strict=True)
+            for name, run in runs.items()
         ),
         stiffness,
         damping,

@@ -18,20 +18,14 @@ from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.tools.json_values import attributes, json_value, named
+from exoid.tools.numbers import checked
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
 
 from .noise import Noise
 from .protocol import Protocol
-from .tracking_task import TrackingTask
 
 SCHEMA = "exoid-study-1"
-
-WITHOUT_MODEL = "pd"
-"""Controller that needs no model of the leg."""
-
-TRUTH = "truth"
-"""True parameters, as the source of a controller's model."""
 
 
 class LegText(NamedTuple):
@@ -72,13 +66,6 @@ class LegText(NamedTuple):
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
 
 
-class TrackingCase(NamedTuple):
-    """A controller, and the source of its parameters."""
-
-    law: str  # name of the controller
-    knows: str  # source of the parameters: an estimator, "truth", or "nothing" for PD
-
-
 class Chunk(NamedTuple):
     """Some replicates of one protocol under one noise."""
 
@@ -109,7 +96,6 @@ class Study:
         followed: "exactly" (motion as commanded, so all errors are due to noise), or "by a rig" (simulated with servo,
             stiction and encoder, so model errors appear as bias).
         chunk: Number of replicates of a chunk; a rig's are simulated in parallel.
-        course: Tracking task of controllers that use the estimates on the same leg; None for none.
     """
 
     leg: LegText
@@ -124,48 +110,26 @@ class Study:
     cutoff: float = 8.0
     followed: str = "exactly"
     chunk: int = 20
-    course: TrackingTask | None = None
 
     def __post_init__(self) -> None:
         """Check the settings before anything runs."""
+        checked(self.replicates, "replicates", least=2, most=1e7)
+        checked(self.chunk, "replicates of a chunk", least=1)
+        checked(self.seed, "seed", least=0)
         unknown = [name for name in self.estimators if name not in ESTIMATORS]
+        if unknown or not self.estimators or len(set(self.estimators)) < len(self.estimators):
+            remedy = f"name each once, out of {', '.join(ESTIMATORS)}"
+            raise BadArgumentError(f"estimators {', '.join(self.estimators) or 'none'}", remedy=remedy)
+        if self.followed not in ("exactly", "by a rig"):
+            raise BadArgumentError(f"motions followed {self.followed!r}", remedy="use one of exactly, by a rig")
         names, joints = self.model.names, len(self.leg.joints)
-        few = self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises
-        rules = (
-            (
-                bool(unknown) or not self.estimators,
-                f"no estimator {', '.join(unknown) or 'at all'}",
-                f"use some of {', '.join(ESTIMATORS)}",
-            ),
-            (
-                len(set(self.estimators)) < len(self.estimators),
-                f"estimators {', '.join(self.estimators)}",
-                "name each once",
-            ),
-            (
-                self.followed not in ("exactly", "by a rig"),
-                f"motions followed {self.followed!r}",
-                "use one of exactly, by a rig",
-            ),
-            (self.replicates > 10**7, f"{self.replicates} replicates", "ask for at most 1e+07"),
-            (
-                few,
-                f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
-                f"{len(self.protocols)} protocols, {len(self.noises)} noises",
-                "at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
-            ),
-            (
-                len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises),
-                f"{len(self.truth)} true parameters and noise of {', '.join(str(len(n.std)) for n in self.noises)} "
-                f"joints for a leg of {joints}",
-                f"give one value for each of {', '.join(names)} and noise for each joint",
-            ),
-        )
-        for applies, what, remedy in rules:
-            if applies:
-                raise BadArgumentError(what, remedy=remedy)
-        if self.course is not None:
-            self.course.check_leg(self.model, np.array(self.truth))
+        if not self.protocols or not self.noises or {len(noise.std) for noise in self.noises} != {joints}:
+            sizes = ", ".join(str(len(noise.std)) for noise in self.noises) or "no"
+            what = f"{len(self.protocols)} protocols, and noise of {sizes} joints for a leg of {joints}"
+            raise BadArgumentError(what, remedy="give at least one protocol, and one noise for each joint")
+        if len(self.truth) != len(names):
+            remedy = f"give one value for each of {', '.join(names)}"
+            raise BadArgumentError(f"{len(self.truth)} true parameters", remedy=remedy)
 
     @property
     def model(self) -> TorqueModel:
@@ -180,13 +144,6 @@ class Study:
             Chunk(protocol, noise, first, min(self.chunk, self.replicates - first))
             for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
         )
-
-    @cached_property
-    def tracking_cases(self) -> tuple[TrackingCase, ...]:
-        """Runs of the tracking task: each controller with the true parameters and with those of each estimator."""
-        laws = () if self.course is None else self.course.laws
-        sources = {law: ("nothing",) if law == WITHOUT_MODEL else (TRUTH, *self.estimators) for law in laws}
-        return tuple(TrackingCase(law, source) for law in laws for source in sources[law])
 
     def information(self, protocol: int, noise: int) -> FloatArray:
         """Compute the Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions.
@@ -228,7 +185,6 @@ class Study:
             "protocols": [protocol.to_json() for protocol in self.protocols],
             **attributes(self, "noises", "estimators", "replicates", "seed", "rate", "cutoff", "followed"),
             "piece": self.chunk,
-            **({} if self.course is None else {"course": self.course.to_json()}),
         }
 
     @property

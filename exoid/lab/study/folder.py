@@ -13,7 +13,6 @@ from exoid.tools.files import write_bytes, write_whole
 
 from .design import Study
 from .replicates import Outcomes
-from .tracking_runs import MEASURES
 
 
 class Folder:
@@ -52,12 +51,11 @@ class Folder:
         """Read a chunk."""
         study, replicates = self._study, self._study.chunks[number].replicates
         shape = (len(study.estimators), replicates, len(study.truth))
-        tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
         try:
             with np.load(self._name(number), allow_pickle=False) as file:
                 outcomes = Outcomes(**file)
-            fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
-            numbers = all(array.dtype.kind == kind for array, kind in zip(outcomes, "ffbf", strict=True))
+            fits = all(array.shape == shape for array in outcomes)
+            numbers = all(array.dtype.kind == kind for array, kind in zip(outcomes, "ffb", strict=True))
             return outcomes if fits and numbers and np.isfinite(outcomes.values).all() else None
         except Exception:  # a damaged archive raises errors of many kinds; the chunk is run again
             return None

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Noise:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if not (all(0.0 < s < np.inf for s in self.std) and 0.0 <= self.share <= 1.0 and 0.0 < self.memory < np.inf):
-            raise BadArgumentError(f"{self}", remedy="deviations and memory are positive, the share is between 0 and 1")
+        checked([*self.std, self.memory], "deviations and memory of noise", above=0.0)
+        checked(self.share, "the correlated share of noise", least=0.0, most=1.0)
 
     def draw(self, rng: np.random.Generator, samples: int, rate: float) -> FloatArray:
         """Draw noise.

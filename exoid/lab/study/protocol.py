@@ -55,11 +55,10 @@ class Protocol:
         Returns:
             Description in JSON types.
         """
-        motions = [motion_to_json(motion) for motion in self.motions]
-        return {**attributes(self, "name", "seconds", "pitches"), "motions": motions}
+        return {**attributes(self, "name", "seconds", "pitches"), "motions": [*map(_motion_to_json, self.motions)]}
 
 
-def motion_to_json(motion: Harmonics) -> dict[str, Any]:
+def _motion_to_json(motion: Harmonics) -> dict[str, Any]:
     """Describe a motion of one leg completely."""
     shape = motion.amplitude.shape
     return {

@@ -1,4 +1,4 @@
-"""Replicates of one chunk of a study: recording, identification and tracking."""
+"""Replicates of one chunk of a study: recording and identification."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exoid._typing import FloatArray
-from exoid.estimate import Estimate
 from exoid.experiments import Bench
 from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.identification import identify
@@ -19,7 +18,6 @@ from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording
 
 from .design import Chunk, Study
-from .tracking_runs import MEASURES, track_cases
 
 ENCODER = 2.0**16
 """Encoder counts per turn of the rigs."""
@@ -34,7 +32,6 @@ class Outcomes(NamedTuple):
     values: FloatArray  # estimates, (E, R, P)
     std: FloatArray  # standard deviations that the estimates state, (E, R, P)
     inside: NDArray[np.bool_]  # whether 95 % intervals contain the truth, (E, R, P)
-    tracking: FloatArray  # metrics of the tracking task, see `exoid.lab.study.tracking_runs.track_cases`, (D, R, 3, n)
 
 
 def run_chunk(study: Study, number: int) -> Outcomes:
@@ -42,8 +39,6 @@ def run_chunk(study: Study, number: int) -> Outcomes:
     chunk, truth, model = study.chunks[number], np.array(study.truth), study.model
     shape = (len(study.estimators), chunk.replicates, len(truth))
     values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
-    estimates: dict[str, list[Estimate]] = {name: [] for name in study.estimators}
-    tracking = np.empty((0, chunk.replicates, len(MEASURES), len(study.leg.joints)))
     with threadpool_limits(limits=1):
         for k, recordings in enumerate(_recorded(study, chunk)):
             for e, name in enumerate(study.estimators):
@@ -51,11 +46,7 @@ def run_chunk(study: Study, number: int) -> Outcomes:
                 low, high = estimate.interval(0.95).T  # probability level of the intervals
                 values[e, k], std[e, k] = estimate.values, estimate.std
                 inside[e, k] = (low <= truth) & (truth <= high)
-                if study.course is not None:
-                    estimates[name].append(estimate)
-        if study.course is not None:
-            tracking = track_cases(study, chunk, estimates)
-    return Outcomes(values, std, inside, tracking)
+    return Outcomes(values, std, inside)
 
 
 def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:

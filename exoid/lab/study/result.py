@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -11,10 +10,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.tools.json_values import attributes, named
-from exoid.tools.tables import DataTable, make_table, to_text
+from exoid.tools.tables import make_table, to_text
 
 from .design import Study
-from .tracking_statistics import TrackingStatistics, statistics_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,15 +64,12 @@ class StudyResult:
 
     study: Study  # the study
     combinations: tuple[Combination, ...]  # statistics by protocol, noise and estimator
-    # tracking statistics by protocol, noise and case; empty without a tracking task
-    laws: tuple[TrackingStatistics, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Convert all statistics to JSON types."""
         return {
             **attributes(self.study, "sha256", "seed", "followed"),
             "combinations": [combination.to_json() for combination in self.combinations],
-            **({"laws": [each.to_json() for each in self.laws]} if self.laws else {}),
         }
 
     def __str__(self) -> str:
@@ -101,26 +96,4 @@ class StudyResult:
             f"Coverage of 95 % intervals: mean over parameters and farthest from 95; Monte-Carlo error ± {error:.1f} "
             f"of each parameter, ± {1.0 / math.sqrt(study.replicates):.2f} of bias / std."
         )
-        return to_text(head, table, closing, *self._laws_text())
-
-    def _laws_text(self) -> list[DataTable | str]:
-        """Make a table of the controllers for each protocol and noise."""
-        course = self.study.course
-        if course is None:
-            return []
-        parts: list[DataTable | str] = [""]
-        for (protocol, noise), each in itertools.groupby(self.laws, lambda one: (one.protocol, one.noise)):
-            parts.append(statistics_table(f"Controllers on the same leg: {protocol}, {noise} noise", each))
-        lost = [f"{one.law} ({one.knows}): {one.diverged}" for one in self.laws if one.diverged]
-        parts += [f"Diverged, and not counted: {', '.join(lost)}."] if lost else []
-        gains = ", ".join(
-            f"{label} {p:.3g} / {d:.3g}"
-            for label, p, d in zip(self.study.model.leg.joint_labels, course.kp, course.kd, strict=True)
-        )
-        closing = (
-            f"{course.periods} periods of {course.period:g} s at {course.rate:g} Hz, the first not counted; "
-            f"Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}. Root mean square and peak of the tracking error, rms torque: "
-            "mean, standard deviation and worst over replicates; excess of the rms error over that of the same "
-            "controller with the true parameters and the same sensor noise."
-        )
-        return [*parts, closing]
+        return to_text(head, table, closing)

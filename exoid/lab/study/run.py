@@ -14,11 +14,10 @@ from threadpoolctl import threadpool_limits
 
 from exoid.errors import BadArgumentError, NotSupportedError
 
-from .design import TRUTH, Study, TrackingCase
+from .design import Study
 from .folder import Folder
 from .replicates import Outcomes, run_chunk
 from .result import Combination, StudyResult
-from .tracking_statistics import TrackingStatistics
 
 ATTEMPTS = 5
 """Number of times in a row that all workers may die before a chunk is finished."""
@@ -42,7 +41,7 @@ def run_study(
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        Statistics of all combinations and controllers.
+        Statistics of all combinations.
 
     Raises:
         ExoidError: The folder holds another study, or workers fail.
@@ -64,7 +63,7 @@ def run_study(
         chunks[number] = outcomes
         report(len(chunks) / len(study.chunks))
     with threadpool_limits(limits=1):  # as for the chunks
-        return StudyResult(study, tuple(_combinations(study, chunks)), tuple(_laws(study, chunks)))
+        return StudyResult(study, tuple(_combinations(study, chunks)))
 
 
 def run_chunks(study: Study, numbers: Sequence[int], workers: int | None = None) -> Iterator[tuple[int, Outcomes]]:
@@ -97,7 +96,10 @@ def _run(study: Study, number: int) -> tuple[int, Outcomes]:
 
 
 def _combinations(study: Study, chunks: dict[int, Outcomes]) -> Iterator[Combination]:
-    for p, n, (values, std, inside, _) in _combined(study, chunks):
+    """Statistics of each protocol, noise and estimator, all chunks combined."""
+    for p, n in itertools.product(range(len(study.protocols)), range(len(study.noises))):
+        own = [chunks[k] for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == (p, n)]
+        values, std, inside = (np.concatenate(parts, axis=1) for parts in zip(*own, strict=True))
         bound, truth = study.bound(p, n), np.array(study.truth)
         for e, name in enumerate(study.estimators):
             errors = values[e] - truth
@@ -114,20 +116,3 @@ def _combinations(study: Study, chunks: dict[int, Outcomes]) -> Iterator[Combina
                 bound=bound,
                 replicates=len(errors),
             )
-
-
-def _laws(study: Study, chunks: dict[int, Outcomes]) -> Iterator[TrackingStatistics]:
-    cases = study.tracking_cases
-    for p, n, outcomes in _combined(study, chunks):
-        for case, runs in zip(cases, outcomes.tracking, strict=True):
-            exact = TrackingCase(case.law, TRUTH)
-            best = outcomes.tracking[cases.index(exact)] if exact in cases else None
-            about = (study.protocols[p].name, study.noises[n].name, *case, study.model.leg.joint_labels)
-            yield TrackingStatistics(*about, runs, best)
-
-
-def _combined(study: Study, chunks: dict[int, Outcomes]) -> Iterator[tuple[int, int, Outcomes]]:
-    """Indices and outcomes of each protocol and noise, all chunks combined."""
-    for pair in itertools.product(range(len(study.protocols)), range(len(study.noises))):
-        own = [chunks[k] for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == pair]
-        yield *pair, Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*own, strict=True)))

@@ -13,7 +13,7 @@ from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import require_mujoco
 
 from .motion import JointTargets, Spring
-from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name
+from .mujoco_model import build_mujoco_model, geometry_name
 from .plant import GroundPlant
 
 
@@ -39,13 +39,12 @@ class Engine:
     # angular in its own axes.
     # acceleration: Accelerations of the last step in the coordinates of `rate`, (base + n,), a view.
     # spheres: Place of the points of each sole among all of them.
-    # has_rail: Whether a rail holds the torso.
     # applied: Forces that are applied in this step, in these coordinates, a view.
 
-    def __init__(self, plant: GroundPlant, step: float, *, rail: bool = False) -> None:
+    def __init__(self, plant: GroundPlant, step: float) -> None:
         self._mujoco = require_mujoco()
         self.plant, self.base = plant, 3 if plant.is_planar else 6
-        self.model = build_mujoco_model(plant, step, rail=rail)
+        self.model = build_mujoco_model(plant, step)
         self.data = self._mujoco.MjData(self.model)
         n = len(plant.leg.joint_names)
         self.q, self.v = self.data.qpos[-n:], self.data.qvel[-n:]
@@ -57,8 +56,6 @@ class Engine:
         counts = np.cumsum([0, *(len(sole.points) for sole in plant.soles.values())])
         self.spheres = {link: slice(*ends) for link, ends in zip(plant.soles, pairwise(counts), strict=True)}
         self._first_sphere = int(self.model.geom(geometry_name(next(iter(plant.soles)), 0)).id)
-        self.has_rail = rail
-        self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
 
     def place(self, q: FloatArray, base: FloatArray) -> None:
         """Set the state at rest."""
@@ -129,16 +126,8 @@ class Engine:
 
     @property
     def constraint(self) -> FloatArray:
-        """Generalised force of ground and rail in the step, (base + n,), a view."""
+        """Generalised force of the ground in the step, (base + n,), a view."""
         return np.asarray(self.data.qfrc_constraint)
-
-    @property
-    def rail(self) -> FloatArray:
-        """Generalised force of the rail in the step, (base + n,); zero without a rail."""
-        out = np.zeros(len(self.rate))
-        if self.has_rail:
-            out[list(self._rows)] = self.data.efc_force[: self.model.neq]  # equalities are MuJoCo's first constraints
-        return out
 
     @property
     def energy(self) -> float:

@@ -9,6 +9,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,9 +96,9 @@ class Spring:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        constants = np.array([*self.stiffness, *self.damping, self.turning_stiffness, self.turning_damping])
-        if not (np.isfinite(constants) & (constants >= 0.0)).all() or not np.isfinite(self.point).all():
-            raise BadArgumentError(f"{self} is not a spring", remedy="give finite stiffness and damping ≥ 0")
+        constants = [*self.stiffness, *self.damping, self.turning_stiffness, self.turning_damping]
+        checked(constants, "stiffness or damping of a Spring", least=0.0)
+        checked(self.point, "the point of a Spring")
 
 
 def per_joint(values: tuple[float, ...] | float, n: int, name: str) -> FloatArray:
@@ -105,6 +106,4 @@ def per_joint(values: tuple[float, ...] | float, n: int, name: str) -> FloatArra
     numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
     if numbers.ndim != 1 or not len(numbers) or n % len(numbers):
         raise BadArgumentError(f"{name} has {numbers.size} values for {n} joints", remedy="give one, or one a joint")
-    if not (np.isfinite(numbers) & (numbers >= 0.0)).all():
-        raise BadArgumentError(f"{name} is {values}", remedy="give finite numbers ≥ 0")
-    return np.tile(numbers, n // len(numbers))
+    return np.tile(checked(numbers, name, least=0.0), n // len(numbers))

@@ -8,24 +8,17 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
 
 from .plant import GroundPlant, Sole
 
-RAIL_JOINTS = ("forward", "pitch")
-"""Coordinates of the base that a vertical rail holds."""
 
-
-def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -> Any:  # noqa: ANN401 - MuJoCo's class
+def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 - MuJoCo's class
     """Build MuJoCo's model of a machine: joints of the base, one body for each joint, spheres under the soles."""
     # The bodies are in Pinocchio's order: body 1 is the root link, body j + 1 that of joint j.
     mujoco = require_mujoco()
-    if rail and not plant.is_planar:
-        raise NotSupportedError(
-            "a vertical rail holds a machine that moves in a plane", remedy="hold others by a spring"
-        )
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep, option.gravity = step, plant.gravity
@@ -39,10 +32,6 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
     for link, sole in plant.soles.items():
         _add_sole(bodies, mujoco, plant, link, sole)
-    for name in RAIL_JOINTS if rail else ():
-        held = spec.add_equality(name=f"exoid rail {name}", type=mujoco.mjtEq.mjEQ_JOINT)
-        held.name1, held.solimp = _base_joint(name), (0.9999, 0.9999, 0.001, 0.5, 2.0)
-        held.solref = [0.004, 1.0]  # time constant [s], at least twice the step
     try:
         return spec.compile()
     except ValueError as error:

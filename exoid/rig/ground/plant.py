@@ -14,6 +14,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
 from exoid.leg.reduction.planar import GRAVITY
+from exoid.tools.numbers import checked
 
 LARGEST = 2.0
 """Largest distance of a point of a sole from the origin of its link [m]; larger ones are in another unit."""
@@ -46,10 +47,7 @@ class Sole:
                 f"a sole with points of shape {points.shape}",
                 remedy=f"give at least heel and toe in m, (K, 3), at most {LARGEST:g} m from the origin of the link",
             )
-        if not 0.0 < self.radius < LARGEST:
-            raise BadArgumentError(
-                f"a sole with spheres of radius {self.radius:g} m", remedy="give a few millimetres, in m"
-            )
+        checked(self.radius, "the radius of the spheres of a sole", above=0.0, most=LARGEST)
         points.flags.writeable = False
         object.__setattr__(self, "points", points)
 
@@ -162,7 +160,10 @@ class GroundPlant:
         if set(values) & set(leg.parameter_names):
             leg = leg.with_parameters(bodies)
         each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
-        _refuse_values(each, smoothing, ground_friction)
+        for symbol, numbers in each.items():
+            checked(numbers, f"{symbol} of the plant", least=0.0 if symbol in ("c0", "d", "Ia") else -np.inf)
+        checked(smoothing, "smoothing", above=0.0)
+        checked(ground_friction, "the friction of the ground", above=0.0)
         if not soles:
             raise BadArgumentError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
         for link in soles:
@@ -239,19 +240,3 @@ class GroundPlant:
         """Name the machine, its joints and its feet."""
         joints, feet = (", ".join(names) for names in (self.leg.joint_names, self.soles))
         return f"GroundPlant({self.leg.description.name}: {joints}; on {feet})"
-
-
-def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
-    for symbol, values in each.items():
-        if not np.isfinite(values).all() or (symbol in ("c0", "d", "Ia") and (values < 0.0).any()):
-            raise BadArgumentError(
-                f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0"
-            )
-    if not 0.0 < smoothing < np.inf:
-        raise BadArgumentError(
-            f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s"
-        )
-    if not 0.0 < ground_friction < np.inf:
-        raise BadArgumentError(
-            f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8"
-        )

@@ -28,13 +28,13 @@ class Audit(NamedTuple):
     """
 
     work: float  # work of the actuators [J]
-    holding: float  # work of the rail or the spring on the machine [J]
+    holding: float  # work of the spring on the machine [J]
     gain: float  # gain of mechanical energy, rotors and springs of the joints included [J]
     friction: float  # energy that friction of the joints dissipates [J]
     contact: float  # energy that the ground dissipates [J]
     turnover: float  # ∫ |power| dt of the actuators [J], the scale of errors
     ground: FloatArray  # impulse of the ground [N·s], (3,)
-    holder: FloatArray  # impulse of rail or spring [N·s], (3,)
+    holder: FloatArray  # impulse of the spring [N·s], (3,)
     weight: FloatArray  # impulse of gravity [N·s], (3,)
     momentum: FloatArray  # gain of linear momentum [N·s], (3,)
 
@@ -104,7 +104,7 @@ class GroundRun:
         base: Motion of the root link as an IMU at its origin measures it.
         position: Origin of the root link in the laboratory [m], (N, 3).
         rotation: Axes of the root link as columns, (N, 3, 3).
-        wrenches: Wrench on each foot, and on the root link where a rail or a spring holds it, in the axes of the link.
+        wrenches: Wrench on each foot, and on the root link where a spring holds it, in the axes of the link.
         feet: Load and place of each foot.
         audit: Balance of energy and momentum.
         steps: Motion of the root link at every step of the simulation.
@@ -146,7 +146,7 @@ class GroundRun:
         """Return the readings of the sensors.
 
         ``contacts`` are those of foot switches: closed while the foot bears load, also on its heel or its toe alone, so
-        that an open one means no force. A torso that a rail or a spring holds is in ``contacts`` if its wrench is not
+        that an open one means no force. A torso that a spring holds is in ``contacts`` if its wrench is not
         logged: it is unknown at all samples.
 
         Args:

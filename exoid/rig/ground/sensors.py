@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
-from exoid.rig.sensors import check_numbers, noisy
+from exoid.rig.sensors import noisy
 from exoid.signals import BaseMotion, BasePose
+from exoid.tools.numbers import checked
 
 Axes = Literal["link", "world"]
 """Axes of the logged wrenches: instrumented soles turn with the foot, force plates stand in the laboratory."""
@@ -96,16 +97,15 @@ class GroundSensors:
     def __post_init__(self) -> None:
         """Check the numbers."""
         others = ("imu_position", "imu_misalignment", "torque_noise", "wrench_axes")
-        check_numbers(self, [field.name for field in fields(self) if field.name not in others])
+        for field in fields(self):
+            if field.name not in others:
+                checked(getattr(self, field.name), field.name, least=0.0)
         for name in ("imu_position", "imu_misalignment"):
             if np.shape(getattr(self, name)) != (3,) or not np.isfinite(getattr(self, name)).all():
                 raise BadArgumentError(
                     f"{name} of the sensors is {getattr(self, name)}", remedy="give three finite numbers"
                 )
-        if not 0.0 <= self.mislabelled < 1.0:
-            raise BadArgumentError(
-                f"a share of {self.mislabelled} mislabelled samples", remedy="give one from 0 to below 1"
-            )
+        checked(self.mislabelled, "mislabelled", most=0.99)  # a switch that is never closed has no stance
         if self.wrench_axes not in get_args(Axes):
             raise BadArgumentError(
                 f"wrenches in axes {self.wrench_axes!r}", remedy=f"use one of {', '.join(get_args(Axes))}"

@@ -27,7 +27,6 @@ def simulate_on_ground(
     motion: GroundMotion,
     gains: JointGains,
     *,
-    rail: bool = False,
     spring: Spring | None = None,
     rates: Rates = RATES,
 ) -> GroundRun:
@@ -42,7 +41,6 @@ def simulate_on_ground(
         motion: Reference that begins before time zero, or at it. Its first pose, at rest, is the start; its last time
             ends the run.
         gains: Gains of the joints.
-        rail: Whether a vertical rail holds the torso, which then does not move forward and does not pitch.
         spring: Spring and damper that hold the torso, whose carriage moves as ``motion.base``; None for none.
         rates: Rates of controller and log, and step of the simulation.
 
@@ -50,11 +48,8 @@ def simulate_on_ground(
         True motion, torque and wrenches at the rate of the log, with an audit of energy and momentum.
 
     Raises:
-        ExoidError: MuJoCo is not installed, rates do not fit, a rail and a spring hold the torso, the motion is too
-            short, or the machine diverges.
+        ExoidError: MuJoCo is not installed, rates do not fit, the motion is too short, or the machine diverges.
     """
-    if rail and spring is not None:
-        raise BadArgumentError("a rail and a spring hold the torso", remedy="choose one of both")
     every_control, every_log = rates.steps()
     first, last = (round(float(t) / rates.step) for t in motion.time[[0, -1]])
     if first > 0 or last < 1:
@@ -63,7 +58,7 @@ def simulate_on_ground(
             remedy="begin at zero or before, and end after zero",
         )
     targets = motion.at(rates.step * np.arange(first, last + 1, dtype=np.float64))
-    engine = Engine(plant, rates.step, rail=rail)
+    engine = Engine(plant, rates.step)
     engine.place(targets.q[0], targets.base[0])
     holder = None if spring is None else Holder(engine, spring, targets)
     limit = plant.leg.limits.effort
@@ -111,13 +106,10 @@ class _Books:
         if ends:
             self._ends.append((engine.energy, engine.momentum))
         engine.finish()
-        rail = engine.rail
-        forces = torque, engine.constraint - rail, rail if held is None else held
+        forces = torque, engine.constraint.copy(), np.zeros_like(engine.rate) if held is None else held
         if logs:
             self._logged.append(len(self._steps))
-            plane = engine.plant.plane
-            wrench = np.array([rail[0] * plane.forward + rail[1] * plane.up, -rail[2] * plane.lateral])
-            wrench = wrench if self._holder is None else self._holder.wrench
+            wrench = np.zeros((2, 3)) if self._holder is None else self._holder.wrench
             self._samples.append((wrench, *engine.placements(), *engine.loads()))
         self._steps.append((*begun, engine.acceleration.copy(), *forces))
 
@@ -133,10 +125,9 @@ class _Books:
             for i, (link, own) in enumerate(engine.spheres.items(), start=1)
         }
         wrenches = {link: foot.wrench for link, foot in feet.items()}
-        if engine.has_rail or self._holder is not None:
-            point = (0.0, 0.0, 0.0) if self._holder is None else self._holder.spring.point
+        if self._holder is not None:
             pulled, moment = (np.einsum("nij,ni->nj", turn[kept], wrench[:, part]) for part in (0, 1))
-            wrenches[plant.root_link] = Wrench(pulled, moment, np.array(point))
+            wrenches[plant.root_link] = Wrench(pulled, moment, np.array(self._holder.spring.point))
         return GroundRun(
             plant,
             kept * dt,

@@ -156,13 +156,6 @@ def test_a_moving_average_leaves_fewer_independent_samples(cuhk_leg):
 # ------------------------------------------------------------------------------------------ refusals
 
 
-def test_a_leg_of_another_kind_is_refused():
-    with pytest.raises(ExoidError, match="hip, knee and ankle"):
-        steps.document_model(exoid.load_leg("cuhk"))
-    with pytest.raises(ExoidError, match="hip and knee"):
-        cuhk_steps.document_model(exoid.load_leg("bleex"))
-
-
 def test_joints_are_matched_by_name_not_by_place(exact, data):
     sets, measured, swings = data
     turned = measured.select(measured.joint_names[::-1])
@@ -170,43 +163,34 @@ def test_joints_are_matched_by_name_not_by_place(exact, data):
     np.testing.assert_allclose(one.values, other.values, rtol=1e-12)
 
 
-def test_poses_that_are_no_pairs_are_refused(exact, data):
-    sets, measured, _ = data
-    _, _, pairs, random = sets.split(measured)
-    with pytest.raises(ExoidError, match="not pairs"):
-        steps.ankle_offset(exact.model, SequentialEstimate(), pairs.take(slice(3)))
-    with pytest.raises(ExoidError, match="gravity does not cancel"):
-        steps.ankle_offset(exact.model, SequentialEstimate(), random.take(slice(4)))
+NOTHING = SequentialEstimate()
+REFUSED = {  # words: call with the model, sets, poses, swings and poses that are all alike
+    "hip, knee and ankle": lambda *_: steps.document_model(exoid.load_leg("cuhk")),
+    "hip and knee": lambda *_: cuhk_steps.document_model(exoid.load_leg("bleex")),
+    "not pairs": lambda m, sets, poses, *_: steps.ankle_offset(m, NOTHING, sets.split(poses)[2].take(slice(3))),
+    "gravity does not cancel": lambda m, sets, poses, *_: steps.ankle_offset(
+        m, NOTHING, sets.split(poses)[3].take(slice(4))
+    ),
+    "one number a pose": lambda m, sets, poses, *_: steps.stiffness_coefficients(
+        m, NOTHING, poses, sets.ankle_set, steps.ANKLE
+    ),
+    "X3, Y3 is known already": lambda m, sets, poses, *_: steps.mass_moments(
+        m, steps.mass_moments(m, NOTHING, sets.split(poses)[3], steps.ANKLE), poses, steps.ANKLE
+    ),
+    "do not determine X3, Y3": lambda m, sets, poses, swings, alike: steps.mass_moments(m, NOTHING, alike, steps.ANKLE),
+    "too few measurements": lambda m, sets, poses, swings, alike: steps.mass_moments(
+        m, NOTHING, alike.take(slice(2)), steps.ANKLE
+    ),
+    "no torque": lambda m, sets, poses, swings, _: steps.inertia(
+        m, NOTHING, [dataclasses.replace(swings[1][0], tau=None)], 3
+    ),
+    "no recordings": lambda m, *_: steps.inertia(m, NOTHING, [], 3),
+    "c0_knee": lambda m, sets, poses, swings, _: steps.kinetic_friction(m, NOTHING, swings[steps.ANKLE], steps.KNEE),
+}
 
 
-def test_sets_of_another_length_are_refused(exact, data):
-    sets, measured, _ = data
-    with pytest.raises(ExoidError, match="one number a pose"):
-        steps.stiffness_coefficients(exact.model, SequentialEstimate(), measured, sets.ankle_set, steps.ANKLE)
-
-
-def test_finding_a_parameter_twice_is_refused(exact, data):
-    sets, measured, _ = data
-    known = steps.mass_moments(exact.model, SequentialEstimate(), sets.split(measured)[3], steps.ANKLE)
-    with pytest.raises(ExoidError, match="X3, Y3 is known already"):
-        steps.mass_moments(exact.model, known, measured, steps.ANKLE)
-
-
-def test_poses_that_are_all_alike_are_refused(exact, data):
-    measured = data[1]
-    alike = exact.poses(np.tile(measured.q[:1], (10, 1)))
-    with pytest.raises(ExoidError, match="do not determine X3, Y3"):
-        steps.mass_moments(exact.model, SequentialEstimate(), alike, steps.ANKLE)
-    with pytest.raises(ExoidError, match="too few measurements"):
-        steps.mass_moments(exact.model, SequentialEstimate(), alike.take(slice(2)), steps.ANKLE)
-
-
-def test_recordings_without_torque_or_motion_are_refused(exact, data):
-    _, _, swings = data
-    silent = dataclasses.replace(swings[1][0], tau=None)
-    with pytest.raises(ExoidError, match="no torque"):
-        steps.inertia(exact.model, SequentialEstimate(), [silent], 3)
-    with pytest.raises(ExoidError, match="no recordings"):
-        steps.inertia(exact.model, SequentialEstimate(), [], 3)
-    with pytest.raises(ExoidError, match="c0_knee"):
-        steps.kinetic_friction(exact.model, SequentialEstimate(), swings[steps.ANKLE], steps.KNEE)
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_the_steps_cannot_use_is_refused(words, exact, data):
+    alike = exact.poses(np.tile(data[1].q[:1], (10, 1)))
+    with pytest.raises(ExoidError, match=words):
+        REFUSED[words](exact.model, *data, alike)

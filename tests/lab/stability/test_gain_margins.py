@@ -8,9 +8,9 @@ from controlled_legs import cuhk_plant, frictionless
 
 import exoid
 from exoid import ExoidError
-from exoid.control import SHARP, gravity_friction_pd, pd, simulate_law
+from exoid.control import SHARP, SMOOTH, gravity_friction_pd, pd, simulate_law
 from exoid.experiments import Hold
-from exoid.lab.stability.gain_margin import gain_margins, spectral_radius
+from exoid.lab.stability.gain_margin import gain_margins, held_leg, spectral_radius
 from exoid.rig import Plant, Sensors
 
 KP, KD = np.array([22.1, 55.6]), np.array([2.21, 5.56])
@@ -39,11 +39,12 @@ def test_fast_laws_bear_gain_in_proportion_to_their_rate(margins):
 
 def test_the_radius_is_one_at_the_margin(margins):
     for k, rate in enumerate(margins.rates):
+        held = held_leg(BARE, POSE, rate)
         for j, delay in enumerate(margins.delays):
             scale = margins.margins[k, j]
-            assert spectral_radius(BARE, law(scale, rate), POSE, delay) == pytest.approx(1.0, abs=1e-5)
-            assert spectral_radius(BARE, law(0.9 * scale, rate), POSE, delay) < 1.0
-            assert spectral_radius(BARE, law(1.1 * scale, rate), POSE, delay) > 1.0
+            assert spectral_radius(held, law(scale, rate), POSE, delay) == pytest.approx(1.0, abs=1e-5)
+            assert spectral_radius(held, law(0.9 * scale, rate), POSE, delay) < 1.0
+            assert spectral_radius(held, law(1.1 * scale, rate), POSE, delay) > 1.0
 
 
 @pytest.mark.parametrize("rate", [30.0, 100.0])
@@ -86,25 +87,19 @@ def test_a_law_that_is_unstable_at_every_gain_has_no_margin():
     assert gain_margins(weightless, pushing, POSE, rates=[30.0], delays=[1]).margins[0, 0] == 0.0
 
 
-def test_sharp_friction_compensation_is_refused_as_it_has_no_derivative():
+@pytest.mark.parametrize("friction", [SHARP, SMOOTH])
+def test_friction_compensation_is_left_out_as_friction_is(friction):
+    """Both have no slope while a joint moves."""
     plant = cuhk_plant(end_stops=False)
-    sharp = gravity_friction_pd(plant, KP, KD, friction=SHARP)
-    with pytest.raises(ExoidError, match=r"no derivatives at rest.*leave out friction compensation"):
-        spectral_radius(plant, sharp, POSE)
-
-
-def test_smooth_friction_compensation_undamps_a_leg_that_has_no_friction():
-    """c0 / width beside Kd: the linear reason for the limit cycles of over-compensation."""
-    plant = cuhk_plant(end_stops=False)
-    compensating = gravity_friction_pd(plant, KP, KD)
-    assert spectral_radius(plant, compensating, POSE) > 1.0
-    assert spectral_radius(plant, gravity_friction_pd(plant, KP, KD, friction=None), POSE) < 1.0
+    laws = (gravity_friction_pd(plant, KP, KD, friction=each) for each in (friction, None))
+    given, none = (spectral_radius(held_leg(plant, POSE, law.rate), law, POSE) for law in laws)
+    assert given == pytest.approx(none, abs=2e-3)  # viscous friction is compensated
 
 
 @pytest.mark.parametrize("delay", [-1, 0.5])
 def test_impossible_delays_are_refused(delay):
     with pytest.raises(ExoidError, match="give a whole number"):
-        spectral_radius(BARE, law(1.0, 100.0), POSE, delay)
+        spectral_radius(held_leg(BARE, POSE, 100.0), law(1.0, 100.0), POSE, delay)
 
 
 def test_the_table_and_its_json(margins):

@@ -9,7 +9,15 @@ import pytest
 from controlled_legs import LEG, cuhk_plant, exact_estimate, frictionless
 
 from exoid import ExoidError, Recording
-from exoid.control import FrictionCompensation, Tracking, gravity_friction_pd, pd, simulate_law
+from exoid.control import (
+    FrictionCompensation,
+    SideBySide,
+    Tracking,
+    gravity_friction_pd,
+    pd,
+    simulate_law,
+    simulate_many,
+)
 from exoid.experiments import Hold
 from exoid.lab.stability import find_equilibrium, find_limit_cycle, regulate
 from exoid.rig import Energy, Plant
@@ -116,3 +124,85 @@ def test_a_leg_that_is_not_planar_is_regulated_one_run_after_the_other(monkeypat
     apart = regulate(numeric, KP, KD, TARGET, [0.1, -0.1], shares=(1.0,), duration=0.3)
     for one, other in zip(together.runs, apart.runs, strict=True):
         np.testing.assert_allclose(one.run.q, other.run.q, atol=1e-9)
+
+
+# --------------------------------------------------------------------------------- regulation to a constant target
+
+AWAY = np.deg2rad([25.0, -30.0])
+
+
+@pytest.fixture(scope="module")
+def regulations():
+    """Regulation from (25°, −30°) off the target at 100 Hz."""
+    return regulate(cuhk_plant(end_stops=False), KP, KD, TARGET, AWAY, duration=15.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("share", "outcome", "swing"),
+    [
+        *((share, "stops", 0.0) for share in ("× 0", "× 0.5", "× 0.8", "× 1")),
+        *(("× 1.2", "limit cycle", 5.0), ("× 1.5", "limit cycle", 15.0)),
+    ],
+)
+def test_compensated_exactly_or_less_the_leg_stops_within_the_band_and_compensated_too_much_never(
+    regulations, share, outcome, swing
+):
+    """Stable, but not asymptotically; more than 5° peak to peak with too much."""
+    run, band = regulations[share], np.rad2deg([1.445, 0.593] / KP)
+    assert run.outcome == outcome
+    assert run.cycle.exists == (outcome != "stops")
+    np.testing.assert_allclose(np.rad2deg(run.equilibrium.band), band, rtol=1e-6)
+    if outcome == "stops":
+        assert (np.abs(run.final_error_deg) <= band).all()
+        assert np.abs(run.final_error_deg).max() > 0.1, "not on the target: stable, but not asymptotically"
+    else:
+        assert run.cycle.lasting[0]
+        assert run.cycle.peak_to_peak_deg[0] > swing
+
+
+@pytest.mark.slow
+def test_without_friction_the_leg_nears_the_target(regulations):
+    run = regulations["no friction"]
+    assert run.outcome == "still settling"
+    assert np.abs(run.final_error_deg).max() < 1.0
+    assert not run.equilibrium.band.any()
+
+
+@pytest.mark.slow
+def test_turning_round_is_not_stopping(regulations):
+    """Cut off at the very moment at which stiction holds a cycling leg, it has not stopped."""
+    cycling = regulations["× 1.2"]
+    still = np.flatnonzero((cycling.run.v == 0.0).all(axis=1))
+    moment = int(still[still > 0.8 * len(cycling.run.time)][0])
+    arrays = {name: getattr(cycling.run, name)[: moment + 1] for name in ("time", "target", "q", "v", "tau")}
+    cut = replace(cycling, run=replace(cycling.run, **arrays))
+    assert not cut.run.v[-1].any()
+    assert not cut.stopped
+    assert cut.outcome == "limit cycle"
+
+
+@pytest.mark.slow
+def test_the_table_names_every_run(regulations):
+    text = str(regulations)
+    for word in ("× 1.2", "limit cycle", "stops", "100 Hz", "no friction"):
+        assert word in text
+    with pytest.raises(ExoidError, match="no run '× 9'"):
+        regulations["× 9"]
+
+
+@pytest.mark.slow
+def test_a_smooth_sign_ends_the_cycle_only_where_it_is_smooth_enough():
+    """Over 0.05 rad/s at 1.2 times the friction but not at 1.5 times; over 0.2 rad/s at both."""
+    plant = cuhk_plant(end_stops=False)
+    sizes = {(0.05, 1.2): False, (0.05, 1.5): True, (0.2, 1.5): False}
+    laws = tuple(
+        gravity_friction_pd(plant, KP, KD, friction=FrictionCompensation(width=width, scale=scale))
+        for width, scale in sizes
+    )
+    start = (TARGET + AWAY)[:, None]
+    runs = simulate_many(plant.repeat(len(laws)), SideBySide(laws), Hold(TARGET[:, None]), 15.0, start=start)
+    for run, cycles in zip(runs, sizes.values(), strict=True):
+        found = find_limit_cycle(run, 0.25)
+        assert found.exists == cycles
+        assert (found.peak_to_peak_deg[0] > 10.0) == cycles

@@ -259,9 +259,9 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"estimators": ("best",)}, "no estimator best"),
-        ({"replicates": 1}, "at least two replicates"),
-        ({"replicates": 10**12}, "1000000000000 replicates.*at most"),
+        ({"estimators": ("best",)}, "estimators best"),
+        ({"replicates": 1}, "replicates is 1"),
+        ({"replicates": 10**12}, "replicates is 1000000000000"),
         ({"truth": (1.0,)}, "1 true parameters"),
         ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
         ({"followed": "somehow"}, "motions followed 'somehow'"),
@@ -270,7 +270,7 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
 def test_studies_that_make_no_sense_are_refused(changes, words):
     with pytest.raises(ExoidError, match=words):
         study(**changes)
-    with pytest.raises(ExoidError, match="between 0 and 1"):
+    with pytest.raises(ExoidError, match="share"):
         Noise("n", STD, share=2.0)
     with pytest.raises(ExoidError, match="at least one"):
         run_study(study(), workers=0)
@@ -323,7 +323,7 @@ def test_any_damaged_chunk_is_run_again(result, tmp_path):
         assert found is None or found.values.shape == good.values.shape
     assert unread > 100
     for wrong in (np.full(good.values.shape, "x"), good.values.astype(complex), good.values.astype(object)):
-        np.savez(file, values=wrong, std=good.std, inside=good.inside, tracking=good.tracking, allow_pickle=True)
+        np.savez(file, values=wrong, std=good.std, inside=good.inside, allow_pickle=True)
         assert folder.read(0) is None
     (tmp_path / "kept" / f".{file.name}.{os.getpid()}.part").write_bytes(b"left over")
     assert same(run_study(study(), tmp_path / "kept"), result)

@@ -16,6 +16,7 @@ from exoid.experiments.excitation.scales import STATES, Scales, reference_states
 from exoid.experiments.references import States
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.least_squares import INVOLVED, RANK
+from exoid.tools.numbers import checked
 from exoid.torques import TorqueModel
 
 from .support import StanceSupport
@@ -61,10 +62,7 @@ class GroundLimits:
     def __post_init__(self) -> None:
         """Check the numbers."""
         for field in fields(self):
-            if not 0.0 <= getattr(self, field.name) < float("inf"):
-                raise BadArgumentError(
-                    f"{field.name} is {getattr(self, field.name)}", remedy="give a finite number ≥ 0"
-                )
+            checked(getattr(self, field.name), field.name, least=0.0)
         if not (self.friction > 0.0 and self.least_load < 1.0 < self.most_load and self.doubt < 0.5):
             raise BadArgumentError(
                 f"friction {self.friction:g}, load from {self.least_load:g} to {self.most_load:g} of the weight, "

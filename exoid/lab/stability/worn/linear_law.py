@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.law import AnyLaw, Memory, State, StatefulLaw, stateful
-from exoid.errors import NotSupportedError
-from exoid.lab.stability.gain_margin import smooth_derivatives
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.rig import Target
 
 from .worn_leg import SPEED, HeldLeg
+
+STEP = 1e-6
+"""Step of numerical derivatives of controllers, relative to numbers above 1 [rad, rad/s]."""
+
+SMOOTH = 1e-3
+"""Largest relative difference of derivatives by one and two steps; a controller with more counts as not smooth."""
 
 
 class LinearLaw(NamedTuple):
@@ -40,12 +44,13 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     """Linearise a controller at a pose that is also its target."""
     # As for `LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
     # compensation is constant. Limits of torque and of its rate count as inactive.
-    full = stateful(law)
-    refusal = NotSupportedError(
-        f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
-        remedy="use a smooth controller, and a pose away from its limits",
-    )
-    found, n = smooth_derivatives(partial(_derivatives, full, q), refusal), len(q)
+    full, n = stateful(law), len(q)
+    found, again = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
+    if np.abs(found - again).max() > SMOOTH * np.abs(found).max():
+        raise NotSupportedError(
+            f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
+            remedy="use a smooth controller, and a pose away from its limits",
+        )
     torque, memory = found[:n], found[n:]
     return LinearLaw(torque[:, : 3 * n], torque[:, 3 * n :], memory[:, : 3 * n], memory[:, 3 * n :])
 
@@ -53,6 +58,8 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
 def loop_matrices(leg: HeldLeg, law: LinearLaw, delay: int) -> FloatArray:
     """Form the matrix of one period for the state (x_k, y_{k−1}, …, y_{k−d}, m_k)."""
     #     x⁺ = A x + B (F y_{k−d} + H m),      m⁺ = E y_{k−d} + N m
+    if delay < 0 or delay != int(delay):
+        raise BadArgumentError(f"a delay of {delay} periods", remedy="give a whole number")
     count, size, n = leg.B.shape
     F, H, E, N = (np.broadcast_to(each, (count, *each.shape[-2:])) for each in law)
     read = slice(None) if F[..., 2 * n :].any() or E[..., 2 * n :].any() else slice(2 * n)  # interaction or not

@@ -55,8 +55,6 @@ class WornLoop:
         """Linearise controllers, each of an amplification, and a wearer."""
         rate = laws[0].rate
         refuse_rate(rate)
-        if delay < 0 or delay != int(delay):
-            raise BadArgumentError(f"a delay of {delay} periods", remedy="give a whole number")
         at = [[linear_law(law, q) for law in laws] for q in poses]
         stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))).without_last() for row in at)
         wearers = tuple(None if wearer is None else linear_wearer(wearer, q) for q in poses)

@@ -1,0 +1,32 @@
+"""Numbers that somebody gives: finite, within bounds, and of few dimensions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import BadArgumentError
+
+
+def checked(
+    value: ArrayLike,
+    what: str,
+    *,
+    above: float = -np.inf,
+    least: float = -np.inf,
+    most: float = np.inf,
+    infinite: bool = False,
+    ndim: int = 1,
+) -> FloatArray:
+    """Convert to a read-only array; refuse what is not a number, not within the bounds, or has more dimensions."""
+    kind, bounds = "numbers" if infinite else "finite numbers", ((">", above), ("≥", least), ("≤", most))
+    remedy = f"give {kind}{' and'.join(f' {sign} {bound:g}' for sign, bound in bounds if np.isfinite(bound))}"
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadArgumentError(f"{what} is {value!r}", remedy=remedy) from None
+    good = (array > above) & (array >= least) & (array <= most) & (np.isfinite(array) | infinite)  # NaN is never good
+    if array.ndim > ndim or not good.all():
+        raise BadArgumentError(f"{what} is {array.tolist()}", remedy=remedy)
+    array.flags.writeable = False
+    return array
