@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,21 +40,6 @@ class NonlinearParameters:
     def __len__(self) -> int:
         """Number of settings."""
         return len(self.names)
-
-    def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
-        """Return the same settings with the covariance of some of them.
-
-        Args:
-            names: Names of those that are not held, (K,).
-            covariance: Their covariance, (K, K).
-
-        Returns:
-            The parameters with their covariance, zero for those that are held.
-        """
-        places = [self.names.index(name) for name in names]
-        whole = np.zeros((len(self), len(self)))
-        whole[np.ix_(places, places)] = covariance
-        return replace(self, covariance=whole)
 
     @property
     def std(self) -> FloatArray:
