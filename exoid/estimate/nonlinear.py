@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.intervals import half_width
 
-from .evidence import frozen
+from .evidence import freeze
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,7 @@ class NonlinearParameters:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count = len(self.names)
-        object.__setattr__(self, "values", frozen("values of settings", self.values, (count,)))
-        object.__setattr__(self, "covariance", frozen("covariance of settings", self.covariance, (count, count)))
+        freeze(self, {"values": (count,), "covariance": (count, count)})
 
     def __len__(self) -> int:
         """Number of settings."""
