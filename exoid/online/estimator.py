@@ -43,7 +43,6 @@ class RecursiveEstimator:
             and rotor inertia not below zero.
         false_alarms: Rate of false alarms of the detection of sudden changes, and of that of slow ones [1/h]; 0 for
             no detection.
-        window: Time constant of the change detection [s].
         epoch: Duration of the epochs whose estimates are compared to detect slow changes [s].
 
     Raises:
@@ -70,7 +69,6 @@ class RecursiveEstimator:
         torque_limits: ArrayLike | None = None,
         consistent: bool = False,
         false_alarms: float = 0.1,
-        window: float = 1.0,
         epoch: float = 60.0,
     ) -> None:
         settings = Settings(
@@ -82,7 +80,6 @@ class RecursiveEstimator:
             torque_limits=torque_limits,
             consistent=consistent,
             false_alarms=false_alarms,
-            window=window,
             epoch=epoch,
         )
         self.settings = settings

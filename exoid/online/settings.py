@@ -36,7 +36,6 @@ class Settings:
     torque_limits: ArrayLike | None = None
     consistent: bool = False
     false_alarms: float = 0.1
-    window: float = 1.0
     epoch: float = 60.0
 
     def __post_init__(self) -> None:
@@ -49,7 +48,7 @@ class Settings:
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",
                 )
-        for name in ("rate", "memory", "window", "epoch"):
+        for name in ("rate", "memory", "epoch"):
             if not 0.0 < getattr(self, name) < math.inf and not (name == "memory" and self.memory == math.inf):
                 raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
         for name in ("reversal_speed", "false_alarms"):
@@ -159,7 +158,7 @@ class Settings:
     def detection(self) -> Detection:
         """Hypotheses of the change detection, with their thresholds."""
         alarms = self.false_alarms if self.forgets else 0.0
-        return Detection.of(self.model, alarms * self.window / 36_000.0)  # at most ten independent looks in a window
+        return Detection.of(self.model, alarms / 36_000.0)  # at most ten independent looks a second
 
     @cached_property
     def drift_limit(self) -> float:

@@ -18,7 +18,7 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
-from .state import Correlation, Information, State, checkpoints_of
+from .state import Correlation, Information, State
 
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
@@ -166,5 +166,5 @@ def started(settings: Settings, state: State, start: Estimate) -> State:
         values=start.values.copy(),
         std=scale,
         weights=1.0 / np.maximum(start.residual_rms, 1e-9),
-        checkpoints=checkpoints_of(information),
+        checkpoints=(information,) * 3,
     )
