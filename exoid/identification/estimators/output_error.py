@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -41,17 +41,9 @@ class OutputError:
         loop: Controller, reference and actuator of all recordings.
     """
 
+    fits_samples: ClassVar[bool] = True  # no filter makes rows, so that neither cut-off nor preparation applies
+    name: ClassVar[str] = "output-error"
     loop: ClosedLoop | None = None
-
-    @property
-    def fits_samples(self) -> bool:
-        """True: no filter makes rows, so that neither cut-off nor preparation applies."""
-        return True
-
-    @property
-    def name(self) -> str:
-        """``"output-error"``."""
-        return "output-error"
 
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
