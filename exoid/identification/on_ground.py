@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -22,8 +21,8 @@ from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
-from .estimators import Estimator
-from .estimators.by_name import find_estimator
+from .estimators import Estimator, huber
+from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
@@ -36,28 +35,25 @@ MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-def fit_on_ground(
-    problem: Problem, estimator: Estimator, *, fit: Callable[[Problem, Estimator], Fitted], by_noise: bool, check: bool
-) -> Fitted:
+def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
     # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
     # no outliers then, which are looked for once more.
-    huber = find_estimator("huber")
     problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
     try:
-        problem = without_outliers(fit(problem, huber))
+        problem = without_outliers(fit_linear(problem, huber))
     except ExoidError as error:
         more = "let each foot stand while the other moves, and squat, shift and pitch on both"
         error.remedy = f"{error.remedy}; {more}"
         raise
-    fitted = fit(problem, estimator)
+    fitted = fit_linear(problem, estimator)
     footing = find_footing(fitted)
     if footing is None:
         return fitted
-    problem = without_outliers(fit(tilted(problem, footing), huber))
+    problem = without_outliers(fit_linear(tilted(problem, footing), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit(problem, estimator), footing) or footing
-    fitted = fit(tilted(problem, footing), estimator)
+    footing = find_footing(fit_linear(problem, estimator), footing) or footing
+    fitted = fit_linear(tilted(problem, footing), estimator)
     first, *others = fitted.problem.groups
     findings = (*first.findings, *_footing_findings(footing, fitted))
     problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))

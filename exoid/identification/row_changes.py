@@ -12,6 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, for_leg
@@ -19,7 +20,6 @@ from exoid.signals import Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 
-from .estimators.by_name import find_estimator, fit_by
 from .findings.kinds import KINDS
 from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
 from .group_rows import Group
@@ -212,7 +212,7 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading) -> FloatAr
     # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
     try:  # a passive joint has no torque of another
         problem = _with_torques(replace(problem, given=replace(problem.given, nonnegative=True)), parts, reading)
-        values = fit_by(find_estimator("wls"), problem).solution.values
+        values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None
     return np.maximum(rms_residuals(problem, parts, values), 1e-9)
