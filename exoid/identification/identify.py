@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TypedDict, Unpack, overload
 
@@ -151,7 +151,7 @@ def identify(
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
     standing = any(group.stands for group in problem.groups)
-    fit = partial(fit_on_ground, by_noise=by_noise, check=check) if standing else fit_model
+    fit = partial(fit_on_ground, by_noise=by_noise, check=check) if standing else way_to_fit(problem)
     fitted = fit(problem, chosen)
     if delay is not None:
         shifted = without_delays(problem, fitted)
@@ -165,11 +165,11 @@ def identify(
     return result.grouped(check=check)
 
 
-def fit_model(problem: Problem, estimator: Estimator) -> Fitted:
-    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection."""
+def way_to_fit(problem: Problem) -> Callable[[Problem, Estimator], Fitted]:
+    """Choose how a model is fitted in the air: at once where it is linear in all parameters, else by a search."""
     actuators = problem.groups[0].actuators
     if actuators is not None and unknown_constants(actuators):
-        return search_constants(problem, estimator, actuators)
+        return search_constants
     if any(term.nonlinear or term.loaded for term in problem.terms):
-        return VariableProjection(problem, estimator).run()
-    return fit_linear(problem, estimator)
+        return lambda problem, estimator: VariableProjection(problem, estimator).run()
+    return fit_linear
