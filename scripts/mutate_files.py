@@ -51,7 +51,6 @@ KINDS = (
     "c3d",
     "columns.toml",
     "drives.toml",
-    "state",
 )
 MESHES = ("stl", "ply", "obj", "dae", "glb")
 """Kinds that are meshes."""
@@ -82,7 +81,7 @@ def seeds(folder: Path) -> dict[str, bytes]:
     import exoid  # noqa: PLC0415
 
     leg = one_joint.write_urdf(folder / "urdf")
-    same_leg = one_joint.write_urdf(folder / "one.urdf")
+    one_joint.write_urdf(folder / "one.urdf")
     log = one_joint.swing(leg, seconds=4.0)
     estimate = exoid.identify(leg, log)
     short = log.slice(0, 40)
@@ -126,10 +125,6 @@ def seeds(folder: Path) -> dict[str, bytes]:
     (folder / "drives.toml").write_text(
         '[hip]\ntype = "motor"\ntorque_constant = 0.1\nratio = 50.0\nrotor_inertia = 2e-5\nefficiency = 0.9\n'
     )
-    running = exoid.online.RecursiveEstimator(same_leg)
-    for q, v, a, tau in zip(log.q, log.q, log.q, log.tau, strict=True):
-        running.update(q, v, a, tau)
-    running.save(folder / "state")
     return {kind: (folder / kind).read_bytes() for kind in KINDS}
 
 
@@ -176,7 +171,6 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
         "c3d": lambda path: exoid.signals.read_opensim_forces(f"{path}:+x"),
         "columns.toml": _read_by_columns,
         "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
-        "state": lambda path: exoid.online.RecursiveEstimator.resume(path, leg),
         **dict.fromkeys(MESHES, lambda path: load_mesh(path, np.ones(3))),
     }
     return readers.get(kind, exoid.Recording.from_file)

@@ -182,7 +182,7 @@ def study_simulation(name: str, sim: Simulation) -> None:
     selection = select_terms(sim.leg, train)
     spent = time.process_time() - begin
     estimate = selection.estimate
-    found = selection.validate(estimate, test).nrmse
+    found = exoid.validate(estimate, test).nrmse
     model = sim.model
     truth = exoid.identify(sim.leg, train, model.terms, preparation=ZeroPhase(8.0), known=sim.zero or None)
     best = exoid.validate(truth, test).nrmse
@@ -209,7 +209,7 @@ def study_dfki() -> None:
     selection = select_terms(data.leg, data.train)
     print(f"DFKI: {time.process_time() - begin:.1f} s of processor time, {selection.candidate.name}")
     print("  ", "; ".join(f"{joint.joint}: {joint.text}" for joint in selection.joints))
-    found = selection.validate(selection.estimate, data.test)
+    found = exoid.validate(selection.estimate, data.test)
     inner = (found.time >= data.test.time[0] + 0.48) & (found.time <= data.test.time[-1] - 0.48)
     away = np.sqrt((found.residual[inner] ** 2).mean(axis=0)) / found.measured[inner].std(axis=0)
     print("   test NRMSE", found.nrmse.round(4), "and 0.48 s away from the ends", away.round(4))

@@ -1,4 +1,4 @@
-"""``exoid select``: friction of each joint, filter and estimator that predict best."""
+"""``exoid select``: friction of each joint that predicts best."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ def select(
     test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[
-        Number, Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz.")
+        Number, Option(metavar="HZ", help="Low-pass of the torques; default: 8, less for logs below 20 Hz.")
     ] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select friction, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+    """Select the friction of each joint of LEG by blocked cross-validation inside the LOGs.
 
     Example: exoid select bleex bleex_swing:train -o est.json
     """
@@ -65,7 +65,7 @@ def select(
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
     for each in tested:
-        validation = selection.validate(estimate, each)
+        validation = exoid.validate(estimate, each)
         data["test"] = validation.to_json()
         text.append(str(validation))
     print_result("\n\n".join(text), as_json=as_json, data=data)

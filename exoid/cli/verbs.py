@@ -15,7 +15,7 @@ VERBS = {
     "check": (
         "Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."
     ),
-    "select": "Select friction, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
+    "select": "Select the friction of each joint of LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "interaction": "Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",

@@ -24,7 +24,7 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.with_columns import WithColumns
 
-from .evidence import Evidence, Support, frozen
+from .evidence import Evidence, Support, freeze
 from .finding import Finding
 from .model_error import ModelError, with_alternatives
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
@@ -103,10 +103,8 @@ class EstimateData(ParameterTable):
         count, joints = len(self.names), len(self.joint_names)
         if self.torque_delays is None:
             object.__setattr__(self, "torque_delays", np.zeros(joints))
-        shapes: dict[str, tuple[int, ...]] = {"values": (count,), "covariance": (count, count)}
-        shapes |= {"residual_rms": (joints,), "torque_delays": (joints,)}
-        for name, shape in shapes.items():
-            object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        freeze(self, {"values": (count,), "covariance": (count, count)})
+        freeze(self, {"residual_rms": (joints,), "torque_delays": (joints,)})
         self.evidence.check(count, joints, len(self.prior_knowledge.prior.values))
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
         positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()

@@ -108,19 +108,18 @@ class Evidence:
         """
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys((one.name for one in fields(self)[:4]), (parameters,))
         shapes |= {"prior_gains": (parameters, priors), "torque_spread": (joints,)}
-        for name, shape in shapes.items():
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        freeze(self, {name: shape for name, shape in shapes.items() if getattr(self, name) is not None})
         if self.noise is not None and len(self.noise) != joints:
             raise BadArgumentError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
 
 
-def frozen(name: str, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """Copy numbers of an estimate that must be finite and fit its parameters or joints, and forbid changes."""
-    array = np.array(values, dtype=np.float64)
-    if array.shape != shape or not np.isfinite(array).all():
-        raise BadArgumentError(
-            f"{name} of shape {array.shape} must be finite, and of shape {shape}", remedy="identify again"
-        )
-    array.flags.writeable = False
-    return array
+def freeze(record: object, shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Copy arrays of a record that must be finite and fit its parameters or joints, and forbid changes."""
+    for name, shape in shapes.items():
+        array = np.array(getattr(record, name), dtype=np.float64)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise BadArgumentError(
+                f"{name} of shape {array.shape} must be finite, and of shape {shape}", remedy="identify again"
+            )
+        array.flags.writeable = False
+        object.__setattr__(record, name, array)

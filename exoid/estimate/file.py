@@ -17,7 +17,7 @@ from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.tools.files import read_json, refuse_content, write_whole
-from exoid.tools.json_values import json_value, record, records
+from exoid.tools.json_values import json_value, named, record, records
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 
@@ -83,22 +83,22 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
     interval = estimate.interval(0.95)
     return {
         "schema": SCHEMA,
-        "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
-        "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
-        "interval_95": dict(zip(estimate.names, interval.tolist(), strict=True)),
-        "units": dict(zip(estimate.names, estimate.units, strict=True)),
+        "values": named(estimate.names, estimate.values),
+        "std": named(estimate.names, estimate.std),
+        "interval_95": named(estimate.names, interval),
+        "units": named(estimate.names, estimate.units),
         "condition_number": estimate.condition_number,
         "evidence": json_value(estimate.evidence),
         "degrees_of_freedom": estimate.dof,
-        "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
+        "residual_rms": named(estimate.joint_names, estimate.residual_rms),
         "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimator": estimate.estimator,
         "preparation": preparation_to_json(estimate.preparation),
-        "determined": dict(zip(estimate.names, estimate.identifiability, strict=True)),
+        "determined": named(estimate.names, estimate.identifiability),
         "warnings": list(estimate.warnings),
         "findings": json_value(estimate.findings),
         "model_error": {} if estimate.model_error is None else json_value(estimate.model_error),
-        "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
+        "torque_delays": named(estimate.joint_names, estimate.torque_delays),
         "actuators": None if estimate.actuators is None else actuators_to_data(estimate.actuators),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
@@ -148,6 +148,9 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
             f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}"
         )
     values = np.array(list(data["values"].values()), dtype=np.float64)
+    prior = Prior({name: tuple(pair) for name, pair in data["prior"].items()})
+    knowledge = PriorKnowledge(data["known"], prior, bool(data["nonnegative"]))
+    knowledge.check(model)
     return kind(
         model=model,
         values=values,
@@ -159,7 +162,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         preparation=preparation_from_json(data["preparation"]),
         inputs=records(Input, data["inputs"]),
         warnings=tuple(data["warnings"]),
-        prior_knowledge=_prior_knowledge(data, model),
+        prior_knowledge=knowledge,
         nonlinear=_shapes(data["shapes"]),
         findings=records(Finding, data["findings"]),
         model_error=record(ModelError, data["model_error"]) if data["model_error"] else None,
@@ -202,21 +205,13 @@ def _moved(data: Mapping[str, Any], model: TorqueModel) -> dict[str, Any]:
     return {**found, "bounded": data["bounded"], "supports": data.get("supports", [])}
 
 
-def _prior_knowledge(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:
-    """Read what was known beside the recordings."""
-    prior = Prior({name: tuple(pair) for name, pair in data["prior"].items()})
-    prior_knowledge = PriorKnowledge(data["known"], prior, bool(data["nonnegative"]))
-    prior_knowledge.check(model)
-    return prior_knowledge
-
-
 def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:
     return {
-        "values": dict(zip(nonlinear.names, nonlinear.values.tolist(), strict=True)),
-        "std": dict(zip(nonlinear.names, nonlinear.std.tolist(), strict=True)),
-        "interval_95": dict(zip(nonlinear.names, nonlinear.interval(dof).tolist(), strict=True)),
-        "units": dict(zip(nonlinear.names, nonlinear.units, strict=True)),
-        "determined": dict(zip(nonlinear.names, nonlinear.identifiability, strict=True)),
+        "values": named(nonlinear.names, nonlinear.values),
+        "std": named(nonlinear.names, nonlinear.std),
+        "interval_95": named(nonlinear.names, nonlinear.interval(dof)),
+        "units": named(nonlinear.names, nonlinear.units),
+        "determined": named(nonlinear.names, nonlinear.identifiability),
         "held": list(nonlinear.held),
         "covariance": nonlinear.covariance.tolist(),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -66,17 +66,6 @@ class Finding:
         where = f" at {self.joint}" if self.joint else ""
         source = f" in {self.recording}" if self.recording else ""
         return f"{self.severity}: {self.kind}{where}{source}: {self.message}; {self.remedy}"
-
-    def affecting(self, names: Sequence[str]) -> Finding:
-        """Return the same finding with the parameters that it makes doubtful.
-
-        Args:
-            names: Names of the parameters.
-
-        Returns:
-            The finding.
-        """
-        return replace(self, parameters=tuple(names))
 
 
 def ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -25,11 +25,11 @@ from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_b
 from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
+from .ground_validation import in_time_order
 from .torque_band import parameter_variance
 
 
-@dataclass(frozen=True, eq=False)
-class GroundForce:
+class GroundForce(NamedTuple):
     """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
     A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. No joint torque
@@ -106,14 +106,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         raise NotIdentifiableError(
             "no foot carries the leg alone", where=source_of(recording), remedy="record contacts of a standing leg"
         )
-    in_order = {}
-    for link, parts in found.items():
-        order = np.argsort(np.concatenate([part.time for part in parts]))
-        names = ("time", "force", "moment", "force_half", "moment_half")
-        in_order[link] = GroundForce(
-            *(np.concatenate([getattr(part, name) for part in parts])[order] for name in names)
-        )
-    return in_order
+    return {link: in_time_order(parts) for link, parts in found.items()}
 
 
 def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from .data import EstimateData
 from .torque_band import parameter_variance
 
 LEVEL = 0.95  # probability that a band contains a measured torque
+T = TypeVar("T", bound=tuple[FloatArray, ...])
 
 
 class StandingTorques(NamedTuple):
@@ -79,9 +80,13 @@ def compare_on_ground(
                 where=source_of(recording),
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
             )
-    parts = [_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches]
-    order = np.argsort(np.concatenate([part.time for part in parts]), kind="stable")
-    return Compared(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
+    return in_time_order([_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches])
+
+
+def in_time_order(parts: Sequence[T]) -> T:
+    """Put arrays of several stretches together, in order of the time that stands first."""
+    order = np.argsort(np.concatenate([part[0] for part in parts]), kind="stable")
+    return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
 def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorques:
@@ -120,8 +125,7 @@ def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorqu
             where=source_of(recording),
             remedy="measure the wrenches, or record motions on one foot",
         )
-    order = np.argsort(np.concatenate([part.time for part in found]), kind="stable")
-    return StandingTorques(*(np.concatenate(arrays)[order] for arrays in zip(*found, strict=True)))
+    return in_time_order(found)
 
 
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:

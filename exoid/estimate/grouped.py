@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -14,17 +14,12 @@ from exoid.errors import BadArgumentError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tools.tables import DataTable, Report, make_table
 
-from .comparison import Comparison, Equality, wald, welch
+from .comparison import SIGNIFICANT, Comparison, Equality, wald, welch
 from .estimate import Estimate
-from .evidence import Evidence, frozen
+from .evidence import Evidence, freeze
 from .finding import Finding
 from .parameter import ParameterTable
-from .text import assumptions, condition, in_words, written
-
-HEADERS = ("value", "± std", "95 % from", "to", "unit", "class")
-"""Of what tables say of a parameter."""
-
-DIFFERENT = 0.05  # probability with which own parameters of equal legs would be said to differ
+from .text import HEADERS, assumptions, condition, number_rows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,8 +60,7 @@ class GroupedEstimate(Report, ParameterTable):
         """Forbid changes."""
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
         count = len(self.names)
-        for name, shape in (("values", (count,)), ("covariance", (count, count))):
-            object.__setattr__(self, name, frozen(name, getattr(self, name), shape))
+        freeze(self, {"values": (count,), "covariance": (count, count)})
         self.evidence.check(count, 0, 0)
 
     def __getitem__(self, group: str) -> Estimate:
@@ -202,23 +196,17 @@ class GroupedEstimate(Report, ParameterTable):
         kind = next(iter(self.estimates.values())).estimator
         title = f"{', '.join(self.groups)}: {kind} estimate of {len(self.shared)} shared parameters"
         parts: list[DataTable | str] = [f"{title}, {len(self.own)} own each"]
-        numbers = dict(zip(self.names, _numbers(self), strict=True))
+        numbers = {name: cells for name, *cells in number_rows(self, self.interval())}
+        headers = HEADERS[1:]
         if self.shared:
             rows = [(name, *numbers[name]) for name in self.shared]
-            parts.append(make_table(("shared", *HEADERS), rows))
+            parts.append(make_table(("shared", *headers), rows))
         if self.own:
-            parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(self, numbers)))
+            parts.append(make_table(("own", *headers, "p equal"), _own_rows(self, numbers)))
         return [*parts, *_closing_lines(self)]
 
 
-def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
-    """Write each parameter's numbers."""
-    columns = (grouped.values, grouped.std, grouped.interval(), grouped.units, grouped.identifiability)
-    for value, std, interval, unit, judged in zip(*columns, strict=True):
-        yield *written(value, std, interval), unit, in_words(judged, interval)
-
-
-def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+def _own_rows(grouped: GroupedEstimate, numbers: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, ...]]:
     """Own parameters side by side, with the probability that they are the same in all groups."""
     for k, name in enumerate(grouped.own):
         for group in range(len(grouped)):
@@ -235,7 +223,7 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
         yield f"residual RMS of {group} [N·m]: {', '.join(each)}"
     yield condition(grouped.condition_number)
     if grouped.own and len(grouped) > 1:
-        yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(DIFFERENT)) or 'none'}"
+        yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(SIGNIFICANT)) or 'none'}"
     if grouped.agreement is not None and grouped.shared:
         least = float(grouped.agreement.adjusted.min())
         yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.intervals import half_width
 
-from .evidence import frozen
+from .evidence import freeze
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,27 +34,11 @@ class NonlinearParameters:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count = len(self.names)
-        object.__setattr__(self, "values", frozen("values of settings", self.values, (count,)))
-        object.__setattr__(self, "covariance", frozen("covariance of settings", self.covariance, (count, count)))
+        freeze(self, {"values": (count,), "covariance": (count, count)})
 
     def __len__(self) -> int:
         """Number of settings."""
         return len(self.names)
-
-    def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
-        """Return the same settings with the covariance of some of them.
-
-        Args:
-            names: Names of those that are not held, (K,).
-            covariance: Their covariance, (K, K).
-
-        Returns:
-            The parameters with their covariance, zero for those that are held.
-        """
-        places = [self.names.index(name) for name in names]
-        whole = np.zeros((len(self), len(self)))
-        whole[np.ix_(places, places)] = covariance
-        return replace(self, covariance=whole)
 
     @property
     def std(self) -> FloatArray:

@@ -15,6 +15,8 @@ from exoid.signals import ZeroPhase
 from exoid.tools.tables import DataTable, with_error
 
 from .data import EstimateData
+from .nonlinear import NonlinearParameters
+from .parameter import ParameterTable
 
 HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
 """Of :func:`parameter_rows`."""
@@ -51,13 +53,16 @@ def compared_table(
 def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
     """Write each parameter, then each fitted setting of a term, as a row of a table."""
     nonlinear = estimate.nonlinear
-    both = ((estimate, estimate.interval()), (nonlinear, nonlinear.interval(estimate.dof)))
+    settings = number_rows(nonlinear, nonlinear.interval(estimate.dof))
+    return [*number_rows(estimate, estimate.interval()), *settings]
+
+
+def number_rows(of: ParameterTable | NonlinearParameters, intervals: FloatArray) -> list[tuple[str, ...]]:
+    """Write the name and the numbers of each parameter under :data:`HEADERS`."""
+    columns = (of.names, of.values, of.std, intervals, of.units, of.identifiability)
     return [
         (name, *written(value, std, interval), unit, in_words(judged, interval))
-        for of, intervals in both
-        for name, value, std, interval, unit, judged in zip(
-            of.names, of.values, of.std, intervals, of.units, of.identifiability, strict=True
-        )
+        for name, value, std, interval, unit, judged in zip(*columns, strict=True)
     ]
 
 

@@ -21,7 +21,7 @@ from exoid.tools.tables import DataTable, Report, with_parts
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import Compared, compare_on_ground, stands, wrench_torques, wrench_variance
+from .ground_validation import LEVEL, Compared, compare_on_ground, stands, wrench_torques, wrench_variance
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
     as_trained,
@@ -36,8 +36,6 @@ from .validation_checks import (
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
 """Columns of :meth:`Validation.rows`."""
-
-LEVEL = 0.95  # probability that the band contains a measured torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -257,8 +255,8 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     wrench = known if recording.wrenches else np.zeros_like(known)
     how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", **how)
-    found = list(shifted_torques(estimate, name))
-    found += [] if ranges is None else extrapolations(estimate, ranges, name)
+    found = list(shifted_torques(estimate))
+    found += [] if ranges is None else extrapolations(estimate, ranges)
     joints = slice(estimate.model.leg.base_rows, None)
     # Joints whose residual errors of the force plates may explain, and what the plates' white noise does to it.
     loaded = np.sqrt(np.mean(wrench_torques(estimate.model.leg, chosen_joints)[:, joints] ** 2, axis=0)) > alone.rmse
@@ -269,13 +267,13 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
         independent = len(time) * preparation.independent_fraction(rate)
         coverage = np.where(estimate.trained, alone.coverage, np.nan)
-        found += narrow_bands(estimate, coverage, independent, loaded, name)
-        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, loaded, name)
-    found += unmeasured_torques(estimate, chosen_joints.measured, name)
+        found += narrow_bands(estimate, coverage, independent, loaded)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, loaded)
+    found += unmeasured_torques(estimate, chosen_joints.measured)
     passive = chosen_joints.measured & ~chosen_joints.driven
-    found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage, name)
-    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive, loaded, name)
-    return replace(alone, findings=ordered(found))
+    found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage)
+    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive, loaded)
+    return replace(alone, findings=ordered([replace(one, recording=name) for one in found]))
 
 
 def _compare(

@@ -32,16 +32,16 @@ def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
     return without_torque_delay(for_leg(estimate.model, recording), late) if late else recording
 
 
-def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
+def shifted_torques(estimate: EstimateData) -> Iterator[Finding]:
     """Say by how much torques are shifted."""
     remedy = "correct the time stamps of both logs, and identify without delay"
     for joint, delay in zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True):
         if delay:
             message = f"the torque of {joint} was shifted by {1e3 * delay:.3g} ms, the delay of the training"
-            yield Finding("torque-delay", joint, delay, "s", "info", message, remedy, recording=source)
+            yield Finding("torque-delay", joint, delay, "s", "info", message, remedy)
 
 
-def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:
+def extrapolations(estimate: EstimateData, ranges: MotionRanges) -> Iterator[Finding]:
     """Find joints that move further, faster or more abruptly than in the training."""
     trained = estimate.evidence.ranges
     if trained is None:
@@ -61,12 +61,10 @@ def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "
                     f"the {quantity} goes to {ratio[k]:.3g} times that of the training: the prediction and its band "
                     "are not supported by data there"
                 )
-                yield Finding(
-                    "extrapolation", joint, float(ratio[k]), "1", "warning", message, remedy, recording=source
-                )
+                yield Finding("extrapolation", joint, float(ratio[k]), "1", "warning", message, remedy)
 
 
-def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str = "") -> Iterator[Finding]:
+def unmeasured_torques(estimate: EstimateData, measured: BoolArray) -> Iterator[Finding]:
     """Say which joints cannot be validated, and which are predicted without their friction."""
     for joint, trained, there in zip(estimate.joint_names, estimate.trained, measured, strict=True):
         if trained and there:
@@ -76,7 +74,7 @@ def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str 
             if there
             else (f"the torque of {joint} was not measured: its prediction is not compared", "record it")
         )
-        yield Finding("unmeasured-torque", joint, 1.0, "1", "info", message, remedy, recording=source)
+        yield Finding("unmeasured-torque", joint, 1.0, "1", "info", message, remedy)
 
 
 def poor_predictions(
@@ -85,7 +83,6 @@ def poor_predictions(
     growth: FloatArray,
     passive: BoolArray,
     loaded: BoolArray,
-    source: str = "",
 ) -> Iterator[Finding]:
     """Find joints whose torque is predicted badly: by itself, or in comparison with the training."""
     each = zip(estimate.joint_names, nrmse, growth, passive, loaded, strict=True)
@@ -114,12 +111,10 @@ def poor_predictions(
         else:
             continue
         remedy = PLATES if is_loaded else remedy
-        yield Finding("large-residual", joint, value, "1", severity, message, remedy, recording=source)
+        yield Finding("large-residual", joint, value, "1", severity, message, remedy)
 
 
-def narrow_bands(
-    estimate: EstimateData, coverage: FloatArray, samples: float, loaded: BoolArray, source: str = ""
-) -> Iterator[Finding]:
+def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, loaded: BoolArray) -> Iterator[Finding]:
     """Find joints whose torque leaves its 95 % band too often."""
     # The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
     # times the share of effective samples in the training.
@@ -131,10 +126,10 @@ def narrow_bands(
             )
             remedy = "identify from motions like this one, or check whether the leg has changed"
             remedy = PLATES if loaded[k] else remedy
-            yield Finding("narrow-band", joint, share, "1", "warning", message, remedy, recording=source)
+            yield Finding("narrow-band", joint, share, "1", "warning", message, remedy)
 
 
-def wide_bands(estimate: EstimateData, width: FloatArray, coverage: FloatArray, source: str = "") -> Iterator[Finding]:
+def wide_bands(estimate: EstimateData, width: FloatArray, coverage: FloatArray) -> Iterator[Finding]:
     """Find joints whose 95 % band is so wide, over the spread of the torque, that a torque inside it means little."""
     for joint, size, share in zip(estimate.joint_names, width.tolist(), coverage.tolist(), strict=True):
         if np.isfinite(size) and size > WIDE:
@@ -143,7 +138,7 @@ def wide_bands(estimate: EstimateData, width: FloatArray, coverage: FloatArray, 
                 "the torque is inside means little"
             )
             remedy = "identify from a larger or longer motion, or with fewer parameters (known=, exoid select)"
-            yield Finding("wide-band", joint, size, "1", "warning", message, remedy, recording=source)
+            yield Finding("wide-band", joint, size, "1", "warning", message, remedy)
 
 
 def effective_share(estimate: EstimateData, joint: int) -> float:
@@ -161,7 +156,6 @@ def late_torques(
     residual: FloatArray,
     coverage: FloatArray,
     loaded: BoolArray,
-    source: str = "",
 ) -> Iterator[Finding]:
     """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt."""
     # Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
@@ -179,4 +173,4 @@ def late_torques(
             message = f"the torque comes {1e3 * abs(delay):.3g} ms {when} the predicted one"
             remedy = "correct the time stamps of this recording (exoid check)"
             remedy = "put torques and force plates on one clock" if is_loaded else remedy
-            yield Finding("torque-delay", joint, delay, "s", "warning", message, remedy, recording=source)
+            yield Finding("torque-delay", joint, delay, "s", "warning", message, remedy)

@@ -24,22 +24,19 @@ from .problem import Fitted, Problem
 from .row_changes import torque_delays
 
 
-def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
-    """Check the logs of one group, and the fit to them."""
+def check_group(
+    fitted: Fitted, group: int, covariance: FloatArray, residual_rms: FloatArray, noise: Sequence[JointNoise]
+) -> tuple[Checkup, ModelError | None]:
+    """Check the logs of one group and the fit to them; and how far friction of another form may move its torques."""
     leg, actuators = _fitted_leg(fitted, group, covariance), fitted.problem.groups[group].actuators
-    return check_fit(leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg)))
-
-
-def model_error(
-    fitted: Fitted, group: int, checkup: Checkup, residual_rms: FloatArray, noise: Sequence[JointNoise]
-) -> ModelError | None:
-    """Estimate how far friction of another form may move the torques that one group's estimate predicts."""
+    leg = leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg))
+    checkup = check_fit(leg)
     if checkup.ranges is None:
-        return None
-    speed, leg = checkup.ranges.speed, _fitted_leg(fitted, group)
+        return checkup, None
+    speed = checkup.ranges.speed
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
     rows = friction_rows(leg, speed) if checkup.friction is None else checkup.friction
-    return friction_form_error(leg, speed, residual_rms, share, rows)
+    return checkup, friction_form_error(leg, speed, residual_rms, share, rows)
 
 
 def without_delays(problem: Problem, fitted: Fitted) -> Problem:

@@ -106,7 +106,7 @@ def gather(
         groups = [replace(group, findings=unmeasured_finding(group)) for group in problem.groups]
         problem = _remodelled(replace(problem, groups=tuple(groups), terms=terms), own)
     if len(every) > len(problem.groups):
-        problem = replace(problem, groups=counted_once(problem.groups))
+        problem = replace(problem, groups=tuple(counted_once(group) for group in problem.groups))
     if any(one.base_turning > TURNING for one in every):
         # On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ,
         # the leg has the acceleration q̈ + ψ̈ and the rotor q̈.

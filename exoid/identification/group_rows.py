@@ -140,21 +140,21 @@ class Group:
         """Say whether one of the recordings is poses, without reading it."""
         return isinstance((self.data.items if isinstance(self.data, Recordings) else self.data)[index], Poses)
 
-    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time."""
+    def blocks(self, *, decimated: bool = False, first: int = 0) -> Iterator[RowBlock]:
+        """Go over the rows, recording by recording, each in order of time; joints are counted from the first on."""
         for index in range(len(self.data)):
-            yield from self._blocks_of(index, decimated=decimated)
+            yield from self._blocks_of(index, decimated, first)
 
-    def on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool) -> Iterator[T]:
+    def on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool, first: int = 0) -> Iterator[T]:
         """Let work go over the rows of each recording: here, or on workers, which send back no rows and keep none."""
         indices = range(len(self.data))
         if not on_workers():
-            yield from (work(self._blocks_of(index, decimated=decimated)) for index in indices)
+            yield from (work(self._blocks_of(index, decimated, first)) for index in indices)
             return
         alone = (Group("", self.model, self.data[k : k + 1], self.preparation) for k in indices)
-        yield from _distribute(partial(_on_rows, decimated=decimated), work, alone)
+        yield from _distribute(partial(_on_rows, decimated=decimated, first=first), work, alone)
 
-    def _blocks_of(self, index: int, *, decimated: bool) -> Iterator[RowBlock]:
+    def _blocks_of(self, index: int, decimated: bool, first: int) -> Iterator[RowBlock]:
         """Go over the rows of one recording."""
         filed = self._filed.get(index) if decimated else None
         stretches = iter(filed or self._kept.get((index, decimated)) or self._make(index, decimated))
@@ -162,13 +162,14 @@ class Group:
         while rows is not None:
             following = next(stretches, None)
             kind = kind or NoiseKind(self.at_rest(index), rate_class(rows.time))
-            yield RowBlock(kind, rows, begins, following is None)
+            yield RowBlock(kind, rows, begins, following is None, first)
             rows, begins = following, False
 
-    def recording_r_factor(self, index: int, weights: Sequence[float]) -> RFactor:
-        """Stack the weighted R factors of all joints of one recording."""
-        at_rest, r_factors = self.at_rest(index), self.each[index]
-        return stack(r_factors, [weights[self.place(at_rest, joint)] for joint in range(len(r_factors))])
+    def recording_r_factors(self, weights: Sequence[float]) -> Iterator[RFactor]:
+        """Stack the weighted R factors of all joints of each recording."""
+        for index, of_joints in enumerate(self.each):
+            at_rest = self.at_rest(index)
+            yield stack(of_joints, [weights[self.place(at_rest, joint)] for joint in range(len(of_joints))])
 
     def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
@@ -211,8 +212,8 @@ class Group:
             self._prepared.clear()
 
 
-def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: Group, *, decimated: bool) -> T:
-    return work(rows.blocks(decimated=decimated))
+def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: Group, *, decimated: bool, first: int) -> T:
+    return work(rows.blocks(decimated=decimated, first=first))
 
 
 def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TypedDict, Unpack, overload
 
@@ -10,7 +10,6 @@ from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
-from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
@@ -20,7 +19,7 @@ from .checkup import without_delays
 from .drive_constants import search_constants
 from .drives import Drives
 from .estimators import Estimator
-from .estimators.by_name import find_estimator, fit_by, name_of
+from .estimators.by_name import find_estimator, fit_linear, name_of
 from .gather import begin, gather
 from .group_rows import Measured
 from .on_ground import fit_on_ground
@@ -152,7 +151,7 @@ def identify(
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
     standing = any(group.stands for group in problem.groups)
-    fit = partial(fit_on_ground, fit=fit_model, by_noise=by_noise, check=check) if standing else fit_model
+    fit = partial(fit_on_ground, by_noise=by_noise, check=check) if standing else way_to_fit(problem)
     fitted = fit(problem, chosen)
     if delay is not None:
         shifted = without_delays(problem, fitted)
@@ -166,14 +165,11 @@ def identify(
     return result.grouped(check=check)
 
 
-def fit_model(problem: Problem, estimator: Estimator) -> Fitted:
-    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection."""
+def way_to_fit(problem: Problem) -> Callable[[Problem, Estimator], Fitted]:
+    """Choose how a model is fitted in the air: at once where it is linear in all parameters, else by a search."""
     actuators = problem.groups[0].actuators
     if actuators is not None and unknown_constants(actuators):
-        return search_constants(problem, estimator, actuators)
+        return search_constants
     if any(term.nonlinear or term.loaded for term in problem.terms):
-        return VariableProjection(problem, estimator).run()
-    problem.refuse_empty_joints()
-    fit = fit_by(estimator, problem)
-    models = tuple(group.model for group in problem.groups)
-    return Fitted(problem, fit, models, NO_NONLINEAR_PARAMETERS, fit.warnings)
+        return lambda problem, estimator: VariableProjection(problem, estimator).run()
+    return fit_linear

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
-from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.cutoff import robust_std
@@ -23,12 +21,12 @@ from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
-from .estimators import Estimator
-from .estimators.by_name import find_estimator
+from .estimators import Estimator, huber
+from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Footing, find_footing, tilted
+from .row_changes import Footing, by_recording, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
@@ -37,28 +35,25 @@ MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-def fit_on_ground(
-    problem: Problem, estimator: Estimator, *, fit: Callable[[Problem, Estimator], Fitted], by_noise: bool, check: bool
-) -> Fitted:
+def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
     # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
     # no outliers then, which are looked for once more.
-    huber = find_estimator("huber")
     problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
     try:
-        problem = without_outliers(fit(problem, huber))
+        problem = without_outliers(fit_linear(problem, huber))
     except ExoidError as error:
         more = "let each foot stand while the other moves, and squat, shift and pitch on both"
         error.remedy = f"{error.remedy}; {more}"
         raise
-    fitted = fit(problem, estimator)
+    fitted = fit_linear(problem, estimator)
     footing = find_footing(fitted)
     if footing is None:
         return fitted
-    problem = without_outliers(fit(tilted(problem, footing), huber))
+    problem = without_outliers(fit_linear(tilted(problem, footing), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit(problem, estimator), footing) or footing
-    fitted = fit(tilted(problem, footing), estimator)
+    footing = find_footing(fit_linear(problem, estimator), footing) or footing
+    fitted = fit_linear(tilted(problem, footing), estimator)
     first, *others = fitted.problem.groups
     findings = (*first.findings, *_footing_findings(footing, fitted))
     problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
@@ -290,33 +285,16 @@ def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
 
 def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
     """Samples of each recording of a group near residuals that no noise explains."""
-    group, found = fitted.problem.groups[index], []
-    residuals = _residuals(group, fitted.values(index))
-    zero = np.zeros(len(group.model.names))
-    torques = np.array([rms_residual(of_row, zero) for of_row in zip(*group.by_kind, strict=True)])
-    scale = _scale(residuals, torques)
-    for (one, mask), (time, residual) in zip(_masked(group), residuals, strict=True):
-        far = (np.abs(residual) > FAR * scale).any(axis=1)
+    problem, values, found = fitted.problem, fitted.values(index), []
+    residuals = [(rows.time, residual(rows, values)) for rows in by_recording(problem.groups[index])]
+    every = np.vstack([left for _, left in residuals])
+    # by the median of the sizes, which outliers do not move, but at least a small part of the torque of the row
+    middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in every.T]
+    scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
+    for (one, mask), (time, left) in zip(_masked(problem.groups[index]), residuals, strict=True):
+        far = (np.abs(left) > FAR * scale).any(axis=1)
         found.append(mask & _near(one.time, time[far]) if far.any() else np.zeros(len(mask), dtype=np.bool_))
     return found
-
-
-def _residuals(group: Group, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    """Times [s] and residuals of the rows of each recording of a group, (N,) and (N, R)."""
-    found: list[list[tuple[FloatArray, FloatArray]]] = []
-    for block in group.blocks(decimated=True):
-        if block.begins:
-            found.append([])
-        rows = block.rows
-        found[-1].append((rows.time, np.where(rows.usable, rows.tau - rows.W @ values, 0.0)))
-    return [(np.concatenate(time), np.vstack(residual)) for time, residual in (zip(*one, strict=True) for one in found)]
-
-
-def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]], torques: FloatArray) -> FloatArray:
-    """Standard deviation of each row by the median of the sizes, but at least a small part of its torque, (R,)."""
-    each = np.vstack([residual for _, residual in residuals])
-    middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in each.T]
-    return np.maximum(middle, LEAST * torques)
 
 
 def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:

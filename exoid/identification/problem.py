@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -142,13 +142,12 @@ class Problem:
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows, group by group; columns are those of the group's own model."""
         for first, group in zip(self.starts[0], self.groups, strict=False):
-            for block in group.blocks(decimated=decimated):
-                yield block._replace(first=int(first))
+            yield from group.blocks(decimated=decimated, first=int(first))
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, group by group, and bring back what it finds."""
         for first, group in zip(self.starts[0], self.groups, strict=False):
-            yield from group.on_each(partial(_work_from, work, int(first)), decimated=True)
+            yield from group.on_each(work, decimated=True, first=int(first))
 
     def widened(self, r_factor: RFactor, group: int) -> RFactor:
         """Put the columns of an R factor of one group where its parameters stand."""
@@ -185,9 +184,9 @@ class Problem:
     def recording_r_factors(self, weights: Sequence[float]) -> list[RFactor]:
         """R factor of the weighted rows of each recording, group by group."""
         return [
-            self.widened(group.recording_r_factor(index, weights[slice(*self.starts[1, k : k + 2])]), k)
+            self.widened(r_factor, k)
             for k, group in enumerate(self.groups)
-            for index in range(len(group.data))
+            for r_factor in group.recording_r_factors(weights[slice(*self.starts[1, k : k + 2])])
         ]
 
     def without(self, index: int, others: RFactor, solution: Solution) -> FloatArray:
@@ -218,8 +217,3 @@ class Fitted(NamedTuple):
     def values(self, group: int) -> FloatArray:
         """Parameters of one group's model, (P,)."""
         return self.fit.solution.values[self.problem.places[group][: len(self.models[group].names)]]
-
-
-def _work_from(work: Callable[[Iterable[RowBlock]], T], first: int, blocks: Iterable[RowBlock]) -> T:
-    """Count joints from that one on."""
-    return work(block._replace(first=first) for block in blocks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -33,7 +33,7 @@ from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
-from .checkup import check_group, model_error
+from .checkup import check_group
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
@@ -87,7 +87,10 @@ class Result:
         collinearity, nonlinear = Collinearity.of(solution), fitted.nonlinear
         if nonlinear is not NO_NONLINEAR_PARAMETERS:
             count = len(fitted.models[0].names)
-            nonlinear = nonlinear.with_covariance(problem.names[count:], covariance[count:, count:])
+            places = [nonlinear.names.index(name) for name in problem.names[count:]]
+            whole = np.zeros((len(nonlinear),) * 2)  # zero for those that are held
+            whole[np.ix_(places, places)] = covariance[count:, count:]
+            nonlinear = replace(nonlinear, covariance=whole)
         return cls(
             fitted=fitted,
             estimator=estimator,
@@ -141,8 +144,9 @@ class Result:
             if standing
             else np.array([rms_residual(each, solution.values[every]) for each in zip(*rows.by_kind, strict=True)])
         )
-        checked = check and not standing
-        checkup = check_group(self.fitted, first, covariance) if checked else Checkup()
+        checkup, error = Checkup(), None
+        if check and not standing:
+            checkup, error = check_group(self.fitted, first, covariance, residual_rms, noise or ())
         on_ground = torque_findings(self.fitted, parts) if check and standing else ()
         assert rows.preparation is not None
         return Estimate(
@@ -161,7 +165,7 @@ class Result:
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
             findings=ordered((*rows.findings, *on_ground, *checkup.findings)),
-            model_error=model_error(self.fitted, first, checkup, residual_rms, noise or ()) if checked else None,
+            model_error=error,
             torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
             evidence=Evidence(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +12,14 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, for_leg
-from exoid.signals import Poses, Recording, without_torque_delay
+from exoid.signals import Recording, without_torque_delay
+from exoid.torques import TorqueModel
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 
-from .estimators.by_name import find_estimator, fit_by
 from .findings.kinds import KINDS
 from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
 from .group_rows import Group
@@ -84,7 +86,7 @@ def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
-    late = [_late(problem, parts, joint) for joint in range(len(joints))]
+    late = [_changed(problem, parts, partial(_late, joint)) for joint in range(len(joints))]
     every = np.ones(len(late))
     found = row_changes(fitted, late, DELAY * every, prior_std=0.1 * every, prior_mean=0.0 * every)
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
@@ -93,6 +95,11 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     # A torque that is shifted by less than a fifth of a millisecond is as good as on time
     significant = (np.abs(found.values) > 1.5 * half) & (np.abs(found.values) > 2e-4)
     return np.where(significant, found.values, 0.0), half
+
+
+def _late(joint: int, model: TorqueModel, one: Recording) -> Recording:
+    """Shift the torque of one joint by a step."""
+    return without_torque_delay(for_leg(model, one), {joint: DELAY})
 
 
 def row_changes(
@@ -108,10 +115,10 @@ def row_changes(
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values, where = fitted.values(k), np.append(problem.places[k], count + np.arange(more))
-        every = (_by_recording(group), *(_by_recording(other.groups[k]) for other in others))
+        every = (by_recording(group), *(by_recording(other.groups[k]) for other in others))
         for rows, *changed in zip(*every, strict=True):
-            first = _residual(rows, values)
-            changes = [first - _residual(each, values) for each in changed]
+            first = residual(rows, values)
+            changes = [first - residual(each, values) for each in changed]
             columns = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
             weighted = (np.concatenate(columns, axis=-1) * weights[:, None]).reshape(-1, len(where))
             information[np.ix_(where, where)] += weighted.T @ weighted
@@ -127,29 +134,28 @@ def row_changes(
 
 def tilted(problem: Problem, footing: Footing) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean."""
-    compliance, lean, groups = footing.compliance, footing.lean, []
-    for group in problem.groups:
-        data = [
-            replace(one, base=standing_base(group.model.leg, one, link, compliance.get(link, 0.0), lean))
-            if isinstance(one, Recording) and isinstance(one.base, StandingBase) and (link := one.base.link)
-            else one
-            for one in group.data
-        ]
-        groups.append(replace(group, data=tuple(data)))
-    return replace(problem, groups=tuple(groups))
+    compliance, lean = footing.compliance, footing.lean
+
+    def tilt(model: TorqueModel, one: Recording) -> Recording:
+        if not isinstance(one.base, StandingBase):
+            return one
+        link = one.base.link
+        return replace(one, base=standing_base(model.leg, one, link, compliance.get(link, 0.0), lean))
+
+    return _changed(problem, range(len(problem.groups)), tilt)
 
 
-def _late(problem: Problem, parts: Sequence[int], joint: int) -> Problem:
-    """Shift the torque of one joint of some groups by a step."""
-    groups: list[Group] = list(problem.groups)
+def _changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueModel, Recording], Recording]) -> Problem:
+    """Change the recordings of some groups."""
+    groups = list(problem.groups)
     for k in parts:
-        chosen = (for_leg(groups[k].model, one) for one in groups[k].data)
-        data = [one if isinstance(one, Poses) else without_torque_delay(one, {joint: DELAY}) for one in chosen]
-        groups[k] = replace(groups[k], data=data)
+        group = groups[k]
+        data = [change(group.model, one) if isinstance(one, Recording) else one for one in group.data]
+        groups[k] = replace(group, data=tuple(data))
     return replace(problem, groups=tuple(groups))
 
 
-def _by_recording(group: Group) -> Iterator[Rows]:
+def by_recording(group: Group) -> Iterator[Rows]:
     """Rows of each recording after decimation; blocks of long ones differ between rows that are kept and new ones."""
     parts: list[Rows] = []
     for block in group.blocks(decimated=True):
@@ -159,7 +165,7 @@ def _by_recording(group: Group) -> Iterator[Rows]:
             parts = []
 
 
-def _residual(rows: Rows, values: FloatArray) -> FloatArray:
+def residual(rows: Rows, values: FloatArray) -> FloatArray:
     """Residuals of usable rows, (N, R)."""
     return np.where(rows.usable, rows.tau - rows.W @ values, 0.0)
 
@@ -168,8 +174,8 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
     logged = _with_torques(fitted.problem, parts, None)
     at_rest = np.zeros(len(fitted.problem.names))
-    torques = _rms_residuals(logged, parts, at_rest)
-    misfits = _rms_residuals(logged, parts, fitted.fit.solution.values)
+    torques = rms_residuals(logged, parts, at_rest)
+    misfits = rms_residuals(logged, parts, fitted.fit.solution.values)
     measured = torques > 0.0
     if (misfits[measured] > POOR * torques[measured]).any():
         best = _best_reading(logged, parts)
@@ -206,27 +212,25 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading) -> FloatAr
     # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
     try:  # a passive joint has no torque of another
         problem = _with_torques(replace(problem, given=replace(problem.given, nonnegative=True)), parts, reading)
-        values = fit_by(find_estimator("wls"), problem).solution.values
+        values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None
-    return np.maximum(_rms_residuals(problem, parts, values), 1e-9)
+    return np.maximum(rms_residuals(problem, parts, values), 1e-9)
 
 
 def _with_torques(problem: Problem, parts: Sequence[int], reading: Reading | None) -> Problem:
     """Read the torques of some groups otherwise; None for as they are logged, with the joints of the leg."""
-    groups = list(problem.groups)
-    for k in parts:
-        data = []
-        for one in (for_leg(groups[k].model, each) for each in groups[k].data):
-            if reading is None or isinstance(one, Poses) or one.tau is None:
-                data.append(one)
-            else:
-                data.append(replace(one, tau=one.tau[:, list(reading.torque_order)] * reading.torques))
-        groups[k] = replace(groups[k], data=tuple(data))
-    return replace(problem, groups=tuple(groups))
+
+    def read(model: TorqueModel, one: Recording) -> Recording:
+        one = for_leg(model, one)
+        if reading is None or one.tau is None:
+            return one
+        return replace(one, tau=one.tau[:, list(reading.torque_order)] * reading.torques)
+
+    return _changed(problem, parts, read)
 
 
-def _rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:
+def rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:
     """RMS residual of each row of some groups."""
     each = [(problem.groups[k].by_kind, values[problem.places[k]]) for k in parts]
     return np.array([rms_residual(row, own) for by_kind, own in each for row in zip(*by_kind, strict=True)])

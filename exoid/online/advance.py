@@ -13,16 +13,14 @@ from .information import absorb
 from .rows import Rows, rows_of
 from .settings import Settings
 from .solution import belief, follow_residuals, inflations, solved
-from .state import REMEMBERED, Change, Detector, Information, State, checkpoints_of, no_epochs, oldest
+from .state import REMEMBERED, Change, Detector, Information, State, no_epochs
 
 SETTLED = 20.0
 """Rows for each parameter from which on innovations are noise, not errors of the first values."""
 
-DECISION = 1.5
-"""Time over the window from a suspicion to the first name of what changed."""
-
-PROBATION = 20.0
-"""Time over the window for which rows are collected after a suspicion: a wrong name is found out, and taken back."""
+DECISION, PROBATION = 1.5, 20.0
+"""Time from a suspicion to the first name of what changed, and for which rows are collected after it: a wrong name is
+found out, and taken back [s]."""
 
 
 def advance(settings: Settings, state: State, samples: FloatArray) -> State:
@@ -41,16 +39,15 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
         detector = look(settings, state, rows)
         state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))
         if detector.crossing >= 0:  # the estimate holds; the oldest checkpoint is what was known before the change
-            before = solved(settings, state._replace(weights=detector.weights), oldest(state))
+            before = solved(settings, state._replace(weights=detector.weights), state.checkpoints[-1])
             return state._replace(detector=_emptied(detector)._replace(values=before.values))
     state = solved(settings, state, absorb(settings, state.information, rows, state.weights))
     state = _with_residuals(settings, state, rows)
     if known and np.isfinite(settings.drift_limit):
         state = follow_epochs(settings, state, rows)
-    if state.detector.settled % max(1, round(settings.window / settings.block_time)):
+    if state.detector.settled % max(1, round(1.0 / settings.block_time)):
         return state
-    pairs = zip(state.information, state.checkpoints, strict=True)
-    return state._replace(checkpoints=Information(*(np.concatenate([now[None], old[:-1]]) for now, old in pairs)))
+    return state._replace(checkpoints=(state.information, *state.checkpoints[:-1]))
 
 
 def _with_residuals(settings: Settings, state: State, rows: Rows) -> State:
@@ -68,7 +65,7 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
         number = np.append(rows.used.sum(axis=0), 0)
         detector = detector._replace(collected=_joined(detector.collected, rows.table, number))
     state = state._replace(detector=detector)
-    if since <= DECISION * settings.window + settings.delay:
+    if since <= DECISION + settings.delay:
         return state
     verdict = judge(settings, state)
     if verdict.torn:  # a second change, or none: everything may have changed, and rows from now on say what
@@ -77,7 +74,7 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
         state = _given_up(settings, state._replace(detector=emptied), np.eye(settings.count))
         return state._replace(detector=emptied._replace(crossing=0, candidates=every))
     if verdict.best < 0:  # whatever it was, it is over: the change is taken back
-        held = oldest(state) if detector.candidates else state.information
+        held = state.checkpoints[-1] if detector.candidates else state.information
         changes = state.changes[: len(state.changes) - (detector.named >= 0)]
         state = state._replace(changes=changes, weights=detector.weights)
         return _settle(solved(settings, state, _joined(held, detector.collected.R[:-1], detector.collected.rows)))
@@ -87,7 +84,7 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
         U, sizes, _ = np.linalg.svd(np.hstack(bases), full_matrices=False)
         basis = U[:, sizes > SPANNED * sizes[0]]
     state = _given_up(settings, state, basis)
-    over = since > PROBATION * settings.window
+    over = since > PROBATION
     if verdict.best != detector.named and (over or len(verdict.candidates) == 1):
         state = _named(settings, state, verdict)
     state = state._replace(detector=state.detector._replace(candidates=verdict.candidates))
@@ -119,7 +116,7 @@ def _settle(state: State) -> State:
     detector = _emptied(state.detector)
     score, energy = np.zeros_like(detector.score), np.zeros_like(detector.energy)
     detector = detector._replace(score=score, energy=energy, crossing=-1)
-    return state._replace(detector=detector, checkpoints=checkpoints_of(state.information))
+    return state._replace(detector=detector, checkpoints=(state.information,) * 3)
 
 
 def _emptied(detector: Detector) -> Detector:
@@ -139,7 +136,7 @@ def _given_up(settings: Settings, state: State, basis: FloatArray) -> State:
     """Go on from the oldest checkpoint without what was known of some parameters, and with the rows since."""
     # In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows,
     # and one with b last that on b alone.
-    state = state._replace(weights=state.detector.weights, information=oldest(state))
+    state = state._replace(weights=state.detector.weights, information=state.checkpoints[-1])
     R, (count, freedom) = belief(settings, state), basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]

@@ -30,7 +30,10 @@ from .hypotheses import ratios_of
 from .rows import Rows
 from .settings import Settings
 from .solution import inflations, root_of
-from .state import WARM_UP, Detector, State, oldest
+from .state import WARM_UP, Detector, State
+
+WINDOW = 1.0
+"""Time constant of the discounted sums of innovations [s]."""
 
 CLEARLY = 30.0
 """Difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7."""
@@ -42,9 +45,8 @@ TORN = 4.0
 def look(settings: Settings, state: State, rows: Rows) -> Detector:
     """Look at the innovations of a block while nothing is suspected."""
     before, detection, inflation = state.detector, settings.detection, inflations(settings, state.correlation)
-    window = settings.window
-    discount = math.exp(-settings.block_time / window)
-    part = max(settings.block_time / (10.0 * window), 1.0 / (1.0 + before.settled))  # weights follow within ten windows
+    discount = math.exp(-settings.block_time / WINDOW)
+    part = max(settings.block_time / (10.0 * WINDOW), 1.0 / (1.0 + before.settled))  # weights follow within ten windows
     followed = before.weights + min(1.0, part) * (state.weights - before.weights)
     precision = followed / np.sqrt(inflation)
     W = (rows.W * precision[:, None]).reshape(-1, settings.count)
@@ -54,10 +56,9 @@ def look(settings: Settings, state: State, rows: Rows) -> Detector:
     score = discount * before.score + W.T @ e
     energy = discount * before.energy + W.T @ W
     statistics = (1.0 + discount) * detection.statistics(score, energy)
-    duration = before.settled * settings.block_time / window
-    above = duration > WARM_UP and bool((statistics > before.mean * detection.limits).any())
+    above = before.settled * settings.block_time > WARM_UP and bool((statistics > before.mean * detection.limits).any())
     # The mean is that of sixty windows; a statistic enters by three times the mean at most, a change hardly so
-    slow = math.exp(-settings.block_time / (60.0 * window))
+    slow = math.exp(-settings.block_time / (60.0 * WINDOW))
     level = slow * before.level + np.minimum(statistics, 3.0 * before.mean)
     return before._replace(
         score=score,
@@ -89,7 +90,7 @@ def judge(settings: Settings, state: State) -> Verdict:
     score, energy, independent = W.T @ e, W.T @ W, float((collected.rows[:-1] / inflation).sum())
     moving = np.flatnonzero(np.diag(energy) > 0.0)
     everything = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
-    before = state._replace(weights=detector.weights, information=oldest(state))
+    before = state._replace(weights=detector.weights, information=state.checkpoints[-1])
     # (1 + E P)⁻¹ s and (1 + E P)⁻¹ E with the covariance P = L Lᵀ of what was known before
     L = root_of(settings, before)
     EL = energy @ L

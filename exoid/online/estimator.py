@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,7 +15,6 @@ from exoid.leg.leg import Leg
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .advance import advance
-from .file import Memory, read_memory, write_memory
 from .findings import findings_of
 from .settings import Settings
 from .solution import estimate_of, started
@@ -36,17 +34,15 @@ class RecursiveEstimator:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the causal filter [Hz]; None for no filter: velocities and accelerations then have to
             be given.
-        forgetting: "directional", "exponential" or "none".
-        memory: Time constant of forgetting [s].
-        estimator: "wls" (weighted by residuals) or "ols".
-        start: Estimate to begin with, whose covariance says what it knows; None to begin with nothing.
+        memory: Time constant of forgetting [s]; ``math.inf`` to forget nothing, and detect no change.
+        start: Estimate to begin with, whose covariance says what it knows, such as one that an earlier session saved;
+            None to begin with nothing.
         reversal_speed: Speed below which rows of a joint with dry friction are left out [rad/s]; 0 for none.
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
-        nonnegative: Whether friction and rotor inertia are kept from falling below zero.
-        consistent: Whether estimates are those of physically possible links, with M(q) positive definite.
+        consistent: Whether estimates are those of physically possible links, with M(q) positive definite, and friction
+            and rotor inertia not below zero.
         false_alarms: Rate of false alarms of the detection of sudden changes, and of that of slow ones [1/h]; 0 for
             no detection.
-        window: Time constant of the change detection [s].
         epoch: Duration of the epochs whose estimates are compared to detect slow changes [s].
 
     Raises:
@@ -54,7 +50,7 @@ class RecursiveEstimator:
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
-        >>> online = RecursiveEstimator(data.leg, rate=data.train.sample_rate, cutoff=8.0, forgetting="none")
+        >>> online = RecursiveEstimator(data.leg, rate=data.train.sample_rate, cutoff=8.0, memory=np.inf)
         >>> online.update(data.train.q, None, None, data.train.tau)
         >>> online.estimate["X1"].unit
         'kg·m'
@@ -67,31 +63,23 @@ class RecursiveEstimator:
         *,
         rate: float = 500.0,
         cutoff: float | None = 8.0,
-        forgetting: str = "directional",
         memory: float = 20.0,
-        estimator: str = "wls",
         start: Estimate | None = None,
         reversal_speed: float = 0.1,
         torque_limits: ArrayLike | None = None,
-        nonnegative: bool = False,
         consistent: bool = False,
         false_alarms: float = 0.1,
-        window: float = 1.0,
         epoch: float = 60.0,
     ) -> None:
         settings = Settings(
             model=_model(leg, terms, start),
             rate=rate,
             cutoff=cutoff,
-            forgetting=forgetting,
             memory=memory,
-            estimator=estimator,
             reversal_speed=reversal_speed,
             torque_limits=torque_limits,
-            nonnegative=nonnegative,
             consistent=consistent,
             false_alarms=false_alarms,
-            window=window,
             epoch=epoch,
         )
         self.settings = settings
@@ -188,37 +176,6 @@ class RecursiveEstimator:
     def findings(self) -> tuple[Finding, ...]:
         """Faults of the stream, changes that were detected, and what contradicts the estimate, the worst first."""
         return findings_of(self.settings, self._state, self._stream)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write settings and state as JSON, whole or not at all; see :meth:`resume`.
-
-        Args:
-            path: File to write.
-
-        Raises:
-            ExoidError: The file cannot be written.
-        """
-        write_memory(path, self.settings, Memory(self._state, self._stream, tuple(self._pending)))
-
-    @classmethod
-    def resume(cls, path: str | os.PathLike[str], leg: Leg) -> RecursiveEstimator:
-        """Go on where :meth:`save` stopped, as if there had been no interruption.
-
-        Args:
-            path: File that :meth:`save` wrote.
-            leg: The same leg.
-
-        Returns:
-            The estimator.
-
-        Raises:
-            ExoidError: The file is unreadable, or is of another leg.
-        """
-        settings, memory = read_memory(path, leg)
-        resumed = cls.__new__(cls)
-        resumed.settings = settings
-        resumed._state, resumed._stream, resumed._pending = memory.state, memory.stream, list(memory.pending)
-        return resumed
 
     def _take(self, sample: Sample, stamp: float) -> None:
         """Take one sample in; a complete block goes on."""

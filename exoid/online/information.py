@@ -7,7 +7,7 @@ Information A = Rᵀ R is never formed. New rows Φ with torques y, and forgetti
 which solves the same least-squares problem as all rows at once (G. J. Bierman, Factorization Methods for Discrete
 Sequential Estimation, 1977).
 
-Exponential forgetting loses what is not excited, and the estimate then follows noise: windup. Directional forgetting
+Forgetting everything loses what is not excited, and the estimate then follows noise: windup. Directional forgetting
 (R. Kulhavý, M. Kárný, 9th IFAC World Congress, 1984; S. Bittanti, P. Bolzern, M. Campi, Automatica 26, 1990) forgets
 only in directions that the new rows excite. In coordinates x = R β the information is the unit matrix, and that of the
 rows is Gᵀ G with G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the share μ_i of direction v_i away
@@ -39,15 +39,15 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
     """Forget as the settings say, and take rows in."""
     table, counts = rows.table, rows.used.sum(axis=0)
     R, number = information
-    if settings.forgetting != "none":
+    if settings.forgets:
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
         R, number = R.copy(), number.copy()
         for slot in np.flatnonzero((share > 0.0) & (number[:-1] > 0.0)):
-            R[slot], lost = _forgotten(settings.forgetting, R[slot], table[slot], float(share[slot]))
-            number[slot] *= 1.0 - lost
+            R[slot] = _forgotten(R[slot], table[slot], float(share[slot]))
+            number[slot] *= 1.0 - float(share[slot])
         if R[-1].any():
             weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
-            R[-1] = np.linalg.qr(_forgotten(settings.forgetting, R[-1], weighted, float(share.max()))[0], mode="r")
+            R[-1] = np.linalg.qr(_forgotten(R[-1], weighted, float(share.max())), mode="r")
     out = R.copy()
     out[:-1] = _without_rounding(np.asarray(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")))
     return Information(out, number + np.append(counts, 0))
@@ -66,21 +66,16 @@ def _without_rounding(R: FloatArray) -> FloatArray:
     return R
 
 
-def _forgotten(kind: str, R: FloatArray, table: FloatArray, share: float) -> tuple[FloatArray, float]:
-    """One R factor of which a share is forgotten, and the share of its rows that this is."""
+def _forgotten(R: FloatArray, table: FloatArray, share: float) -> FloatArray:
+    """One R factor of which a share is forgotten in the directions that rows excite."""
     gains, V = _directions(R, table)
-    if kind == "exponential":
-        # Exponential forgetting waits for a block whose gain, over all directions, is this part of what
-        # balances it
-        excited = float(gains.sum()) >= 0.2 * share * np.count_nonzero(table[:, :-1].any(axis=0))
-        return (R * np.sqrt(1.0 - share), share) if excited else (R, 0.0)
     # ε: a direction is excited if its gain is this part of what balances forgetting
     lost = np.where(gains >= 0.05 * share, share, np.minimum(share, gains))
     kept = 1.0 - np.sqrt(1.0 - lost)
     changed = R.copy()
     changed[:-1] -= V.T @ (kept[:, None] * (V @ R[:-1]))
     changed[-1] *= np.sqrt(1.0 - share)
-    return changed, share
+    return changed
 
 
 def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -31,15 +31,11 @@ class Settings:
     model: TorqueModel
     rate: float = 500.0
     cutoff: float | None = 8.0
-    forgetting: str = "directional"
     memory: float = 20.0
-    estimator: str = "wls"
     reversal_speed: float = 0.1
     torque_limits: ArrayLike | None = None
-    nonnegative: bool = False
     consistent: bool = False
     false_alarms: float = 0.1
-    window: float = 1.0
     epoch: float = 60.0
 
     def __post_init__(self) -> None:
@@ -52,19 +48,12 @@ class Settings:
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",
                 )
-        choices = {"forgetting": ("none", "exponential", "directional"), "estimator": ("wls", "ols")}
-        for name, options in choices.items():
-            if getattr(self, name) not in options:
-                raise BadArgumentError(f"{name}={getattr(self, name)!r}", remedy=f"use one of {', '.join(options)}")
-        for name in ("rate", "memory", "window", "epoch"):
-            if not 0.0 < getattr(self, name) < math.inf:
+        for name in ("rate", "memory", "epoch"):
+            if not 0.0 < getattr(self, name) < math.inf and not (name == "memory" and self.memory == math.inf):
                 raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
         for name in ("reversal_speed", "false_alarms"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass zero or a positive number")
-        if self.estimator == "ols" and self.forgetting != "none":
-            what = "ols does not weigh rows, which forgetting needs"
-            raise BadArgumentError(what, remedy="use wls, or forgetting='none'")
         limits = np.asarray(np.full(self.n, math.inf) if self.torque_limits is None else self.torque_limits, np.float64)
         if limits.shape != (self.n,) or not (limits > 0.0).all():
             what = f"torque limits of shape {limits.shape} for {self.n} joints, or not positive"
@@ -98,6 +87,11 @@ class Settings:
         """Largest torque of each joint [N·m], (n,); None for none."""
         limits = np.asarray(self.torque_limits)
         return None if np.isinf(limits).all() else tuple(limits.tolist())
+
+    @property
+    def forgets(self) -> bool:
+        """Whether old rows are forgotten, and changes detected: both follow a leg that changes."""
+        return self.memory < math.inf
 
     @property
     def row_time(self) -> float:
@@ -163,13 +157,13 @@ class Settings:
     @cached_property
     def detection(self) -> Detection:
         """Hypotheses of the change detection, with their thresholds."""
-        alarms = 0.0 if self.forgetting == "none" else self.false_alarms
-        return Detection.of(self.model, alarms * self.window / 36_000.0)  # at most ten independent looks in a window
+        alarms = self.false_alarms if self.forgets else 0.0
+        return Detection.of(self.model, alarms / 36_000.0)  # at most ten independent looks a second
 
     @cached_property
     def drift_limit(self) -> float:
         """Threshold of the statistic of slow changes, by the rate of false alarms; infinite for no detection."""
-        if not self.false_alarms > 0.0 or self.forgetting == "none":
+        if not (self.false_alarms > 0.0 and self.forgets):
             return math.inf
         level = self.false_alarms * self.epoch / 3600.0 / self.count
         return float(scipy.stats.t.isf(0.5 * min(level, 1.0), 20.0))  # at least 20 degrees of freedom

@@ -7,7 +7,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
@@ -18,7 +18,7 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
-from .state import Correlation, Information, State, checkpoints_of
+from .state import Correlation, Information, State
 
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
@@ -34,10 +34,8 @@ def solved(settings: Settings, state: State, information: Information) -> State:
     inverse = inverse_of(R)
     if inverse is None:
         return state
-    values, weights = inverse @ R[:-1, -1], state.weights
-    if settings.estimator == "wls":
-        enough = information.rows[:-1] >= FEWEST_ROWS
-        weights = np.where(enough, 1.0 / residual_rms(information, values), weights)
+    values, enough = inverse @ R[:-1, -1], information.rows[:-1] >= FEWEST_ROWS
+    weights = np.where(enough, 1.0 / residual_rms(information, values), state.weights)
     return state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)), weights=weights)
 
 
@@ -112,8 +110,8 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     inflation = inflations(settings, state.correlation)
     samples = np.append(rows[:-1] / inflation, rows[-1])
     factors = [RFactor(R[j], round(rows[j]), float(samples[j])) for j in range(len(R))]
-    knowledge = PriorKnowledge(nonnegative=settings.nonnegative or settings.consistent)
-    bounds = model.nonnegative if knowledge.nonnegative else None
+    knowledge = PriorKnowledge(nonnegative=settings.consistent)
+    bounds = model.nonnegative if settings.consistent else None
 
     def rms_of(values: FloatArray) -> FloatArray:
         """RMS residuals; those of earlier weights where rows are too few to tell the size of the noise."""
@@ -121,7 +119,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         return np.asarray(np.where(few, 1.0 / state.weights, residual_rms(state.information, values)))
 
     first = state.values if R[-1].any() else solve(stack(factors), model.names, knowledge, bounds).values
-    weights = np.ones(settings.n) if settings.estimator == "ols" else 1.0 / rms_of(first)
+    weights = 1.0 / rms_of(first)
     own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
     solution = solve(stack(factors, own.tolist()), model.names, knowledge, bounds)
     rms = rms_of(solution.values)
@@ -139,7 +137,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         condition_number=max(solution.condition_number, 1.0),
         dof=max(solution.dof, 1.0),
         residual_rms=rms,
-        estimator=f"recursive {settings.estimator}",
+        estimator="recursive wls",
         preparation=FiniteDifference() if settings.cutoff is None else ZeroPhase(cutoff=settings.cutoff),
         inputs=(Input("stream", "", state.samples, settings.rate),),
         findings=findings,
@@ -153,8 +151,6 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
 
 def started(settings: Settings, state: State, start: Estimate) -> State:
     """Put an estimate's values and covariance in the place of what was known before the rows."""
-    if settings.estimator != "wls":  # other rows have no weight beside a covariance
-        raise BadArgumentError("only wls can begin with an estimate", remedy="use estimator='wls', or leave start out")
     floor = 1e-9  # standard deviation of what is known exactly, over the scale
     scale = np.sqrt(np.diag(start.covariance))
     scale = np.where(scale > 0.0, scale, floor * np.maximum(np.abs(start.values), 1.0))
@@ -170,5 +166,5 @@ def started(settings: Settings, state: State, start: Estimate) -> State:
         values=start.values.copy(),
         std=scale,
         weights=1.0 / np.maximum(start.residual_rms, 1e-9),
-        checkpoints=checkpoints_of(information),
+        checkpoints=(information,) * 3,
     )

@@ -17,7 +17,7 @@ UNKNOWN, STICKING = 1e6, 1.0
 """Marks of a sample that must not touch a row, and of one at which a joint may stick."""
 
 WARM_UP = 5.0
-"""Windows of rows before changes are reported, and as many for which the mean statistic counts as 1 beforehand."""
+"""Time with rows before changes are reported, and for which the mean statistic counts as 1 beforehand [s]."""
 
 
 class Information(NamedTuple):
@@ -148,7 +148,7 @@ class State(NamedTuple):
     sharpest: FloatArray  # largest slowly followed weight so far, (n,)
     correlation: Correlation
     detector: Detector
-    checkpoints: Information  # information one, two and three seconds ago, (3, ...) each
+    checkpoints: tuple[Information, ...]  # information one, two and three seconds ago, for the case of a change
     changes: tuple[Change, ...]
     epochs: Epochs
     drifts: tuple[Drift, ...]
@@ -159,7 +159,7 @@ def begin(settings: Settings) -> State:
     n, P, hypotheses = settings.n, settings.count, len(settings.detection.hypotheses)
     R, rows = np.zeros((n + 1, P + 1, P + 1)), np.zeros(n + 1)
     lags = (np.zeros((LAGS, n)),) * 2 + (np.zeros((LAGS + 1, n)),) * 2
-    looks = WARM_UP * settings.window / settings.block_time
+    looks = WARM_UP / settings.block_time
     state = State(
         samples=0,
         motion=np.zeros((settings.histories[0], 5 * n)),
@@ -183,23 +183,12 @@ def begin(settings: Settings) -> State:
             named=-1,
             candidates=(),
         ),
-        checkpoints=checkpoints_of(Information(R, rows)),
+        checkpoints=(Information(R, rows),) * 3,
         changes=(),
         epochs=no_epochs(settings),
         drifts=(),
     )
     return restarted(settings, state)
-
-
-def oldest(state: State) -> Information:
-    """Information of the oldest checkpoint."""
-    return Information(*(kept[-1] for kept in state.checkpoints))
-
-
-def checkpoints_of(information: Information) -> Information:
-    """Forget all checkpoints before this information."""
-    # States before the present one that are kept, in case that a change is detected
-    return Information(*(np.array([x] * 3) for x in information))
 
 
 def no_epochs(settings: Settings) -> Epochs:

@@ -96,11 +96,6 @@ def test_a_validation_prints_one_line_a_joint():
     assert repr(validation) == "Validation(nrmse: hip 0.500, knee nan)"
 
 
-def test_repr_is_one_line(estimate):
-    assert repr(estimate).startswith("Estimate(X1=")
-    assert "\n" not in repr(estimate)
-
-
 def test_figures_of_a_validation_are_what_they_are_called(estimate, swing):
     data = Swing(swing.leg, seed=9).with_noise(np.random.default_rng(3), NOISE)
     validation = exoid.validate(estimate, data)
@@ -120,28 +115,17 @@ def test_validation_predicts_what_the_estimate_predicts(estimate, swing):
     np.testing.assert_allclose(validation.predicted, estimate.torque(q, v, a)[1:-1], rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["values", "covariance", "residual_rms"])
-def test_arrays_are_frozen(estimate, name):
-    with pytest.raises(ValueError, match="read-only"):
-        getattr(estimate, name)[...] = 0.0
-
-
-def test_fields_are_frozen(estimate):
+def test_neither_an_estimate_nor_a_validation_can_be_changed(estimate, recording):
+    validation = exoid.validate(estimate, recording)
+    for array in (estimate.values, estimate.covariance, estimate.residual_rms, validation.measured):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
     with pytest.raises(dataclasses.FrozenInstanceError):
         estimate.estimator = "other"
-
-
-def test_arrays_of_a_validation_are_frozen(estimate, recording):
-    validation = exoid.validate(estimate, recording)
-    with pytest.raises(ValueError, match="read-only"):
-        validation.measured[0] = 0.0
-
-
-def test_the_arrays_given_are_copied():
-    values = hand_made().values.copy()
-    estimate = dataclasses.replace(hand_made(), values=values)
+    values = estimate.values.copy()
+    copied = dataclasses.replace(estimate, values=values)
     values[0] = 99.0
-    assert estimate.values[0] == 4.252
+    assert copied.values[0] == estimate.values[0]
 
 
 def test_the_identified_leg_is_the_rigid_part_of_the_torque(estimate, swing):
@@ -171,28 +155,11 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
     estimate.save(tmp_path / "leg.json")
     loaded = Estimate.load(tmp_path / "leg.json")
     q, v, a = swing.motion
-    assert loaded.names == estimate.names
-    assert loaded.units == estimate.units
-    assert loaded.regrouped == estimate.regrouped
-    assert (loaded.values == estimate.values).all()
-    assert (loaded.covariance == estimate.covariance).all()
-    assert (loaded.residual_rms == estimate.residual_rms).all()
+    assert loaded.to_json() == estimate.to_json()  # all that a file has
     assert (loaded.torque(q, v, a) == estimate.torque(q, v, a)).all()
     assert (loaded.leg.inverse_dynamics(q, v, a) == estimate.leg.inverse_dynamics(q, v, a)).all()
     assert (loaded.interval(0.9) == estimate.interval(0.9)).all()
-    assert (loaded.parameter_scale == estimate.parameter_scale).all()
-    for name in (
-        "dof",
-        "condition_number",
-        "estimator",
-        "preparation",
-        "inputs",
-        "noise",
-        "warnings",
-        "identifiability",
-    ):
-        assert getattr(loaded, name) == getattr(estimate, name)
-    assert loaded.model.terms == estimate.model.terms
+    assert (loaded.preparation, loaded.model.terms) == (estimate.preparation, estimate.model.terms)
     assert str(loaded) == str(estimate)
 
 
@@ -328,27 +295,6 @@ def test_a_file_that_cannot_be_written_leaves_nothing_behind(estimate, tmp_path)
     with pytest.raises(ExoidError, match="cannot be written"):
         estimate.save(tmp_path / "folder.json")
     assert [path.name for path in tmp_path.iterdir()] == ["folder.json"]
-
-
-def test_saving_replaces_a_file_whole_or_not_at_all(estimate, tmp_path, monkeypatch):
-    """When the disk fills up half-way the old estimate is still there, complete, and no part of the new one."""
-    file = tmp_path / "leg.json"
-    estimate.save(file)
-    before = file.read_bytes()
-
-    def full(_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(ExoidError, match="No space left"):
-        hand_made().save(file)
-    assert file.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [file]
-
-
-def test_json_in_memory_is_the_file(estimate):
-    again = Estimate.from_json(estimate.to_json())
-    assert (again.values == estimate.values).all()
 
 
 def test_a_parameter_is_looked_up_by_name(estimate):

@@ -9,12 +9,13 @@ import mujoco
 import numpy as np
 import pytest
 import yourdfpy
-from example_robot_data.robots_loader import ROBOTS, getModelPath
 from lxml import etree
+from made_estimates import made, motion_within
 from mujoco_torques import mujoco_model, mujoco_torque
+from public_robots import urdf_of
 
 import exoid
-from exoid import Coulomb, Estimate, ExoidError, Leg, Viscous
+from exoid import Coulomb, ExoidError, Leg, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift import lift
@@ -22,7 +23,6 @@ from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.leg.lift.pseudo_inertia import margins
 from exoid.leg.rewriting import read_inertials
-from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
 EXACT = 1e-9
@@ -37,20 +37,14 @@ def bare(path, joints, locked=None):
     return Leg.from_description(describe(etree.tostring(root, encoding="unicode"), path.name), joints, locked=locked)
 
 
-def public(robot, joints=None, locked=None):
-    loader = ROBOTS[robot]
-    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
-    return bare(type(urdf_folder())(getModelPath(inside)) / inside, joints, locked)
-
-
 LEGS = {
     "bleex": lambda: exoid.load_leg("bleex", "left", "cad"),
     "cuhk": lambda: exoid.load_leg("cuhk", "right", "nominal"),
     "locked": lambda: bare(
         urdf_folder() / URDFS["bleex", "cad"], ("left_hip", "left_knee"), {"left_ankle": 0.3}
     ),  # the foot is part of the shank
-    "ur5": lambda: public("ur5"),
-    "z1": lambda: public("z1", ("joint2", "joint3", "jointGripper"), {"joint1": 0.4, "joint4": -0.5}),
+    "ur5": lambda: bare(urdf_of("ur5"), None),
+    "z1": lambda: bare(urdf_of("z1"), ("joint2", "joint3", "jointGripper"), {"joint1": 0.4, "joint4": -0.5}),
 }
 
 
@@ -88,21 +82,13 @@ def estimate_of(leg, values, covariance):
     every, spread = np.full(P, 0.3), np.zeros((P, P))
     every[:p], spread[:p, :p] = values, covariance
     spread[range(p, P), range(p, P)] = 1e-4
-    return Estimate(model, every, spread, 10.0, 100.0, np.ones(len(leg.joint_names)), "ols", ZeroPhase(5.0))
+    return made(model, every, spread)
 
 
 def noisy_estimate(leg, kind, rng, precision=1.0):
     root = KINDS[kind](leg, rng)
     values = leg.parameters + root @ rng.standard_normal(len(root))
     return estimate_of(leg, values, root @ root.T / precision**2)
-
-
-def motion(leg, samples=10):
-    rng = np.random.default_rng(2)
-    lower, upper = np.maximum(leg.limits.lower, -2.0), np.minimum(leg.limits.upper, 2.0)
-    q = rng.uniform(lower, upper, (samples, len(leg.joint_names)))
-    v, a = rng.uniform(-1, 1, (2, *q.shape)) * np.array([4.0, 15.0])[:, None, None]
-    return q, v, a
 
 
 def by_mujoco(path, leg, q, v, a):
@@ -123,7 +109,7 @@ class Outcome(NamedTuple):
 def check_exports(name, kind, seeds, folder, torque, tolerance=EXACT):
     """Export estimates, and check every URDF that is written."""
     leg, exact, moved, refused = leg_of(name), 0, 0, 0
-    q, v, a = motion(leg)
+    q, v, a = motion_within(leg, 10)
     for seed in seeds:
         estimate = noisy_estimate(leg, kind, np.random.default_rng(seed))
         path = folder / f"{seed}.urdf"

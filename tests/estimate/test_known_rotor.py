@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 from lxml import etree
+from swings import harmonics
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Leg, Recording, Viscous
@@ -139,8 +140,7 @@ def test_rounding_of_a_right_angle_gives_no_rotor_inertia_of_tons(right_angle):
     time = np.arange(4000) / 200.0
     w = 2.0 * np.pi * np.array([0.2, 0.5, 0.9])
     size, phase = rng.uniform(0.2, 0.5, (2, 3)), rng.uniform(0.0, 6.0, (2, 3))
-    angle = np.multiply.outer(time, w)[:, None] + phase
-    q, v, a = (size * np.sin(angle)).sum(-1), (size * w * np.cos(angle)).sum(-1), -(size * w**2 * np.sin(angle)).sum(-1)
+    q, v, a = harmonics(time, size, w, phase)
     tau = leg.inverse_dynamics(q, v, a) + 0.1 * a + rng.normal(scale=0.05, size=q.shape)
     recording = Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
     estimate = exoid.identify(leg, recording, (Armature(),))

@@ -54,6 +54,11 @@ def moved(leg, gravity=None):
     return solve_ivp(rate, (0.0, 1.49), START, t_eval=TIME, rtol=1e-9, atol=1e-10, max_step=1e-2).y.T
 
 
+def log_of(leg, true, **about):
+    """The recording of a true motion."""
+    return Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names, **about)
+
+
 @pytest.fixture(scope="module")
 def exact(leg):
     return known(leg, (Coulomb(), Viscous(), Armature()))
@@ -63,7 +68,7 @@ def exact(leg):
 @pytest.mark.parametrize("horizon", [0.1, 0.5, 10.0])
 def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
     true = moved(leg)
-    recording = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
+    recording = log_of(leg, true)
     predicted = predict_motion(exact, recording, horizon)
     np.testing.assert_array_equal(predicted.time, TIME)
     np.testing.assert_allclose(predicted.q, true[:, :3], atol=2e-4)
@@ -74,17 +79,14 @@ def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
 def test_a_tilted_torso_is_part_of_the_prediction(leg, exact):
     pitch = 0.3
     true = moved(leg, leg.gravity_of_tilted_torso(pitch))
-    recording = Recording(
-        time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names, torso=TorsoMotion(pitch)
-    )
+    recording = log_of(leg, true, torso=TorsoMotion(pitch))
     np.testing.assert_allclose(predict_motion(exact, recording, 1.0).q, true[:, :3], atol=2e-4)
-    upright = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
-    assert np.abs(predict_motion(exact, upright, 1.0).q - true[:, :3]).max() > 0.02
+    assert np.abs(predict_motion(exact, log_of(leg, true), 1.0).q - true[:, :3]).max() > 0.02
 
 
 def test_a_wrong_model_parts_from_the_measurement_until_it_starts_anew(leg):
     true = moved(leg)
-    recording = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
+    recording = log_of(leg, true)
     error = np.abs(predict_motion(known(leg, ()), recording, 0.5).q - true[:, :3]).max(axis=1)
     assert np.all(error[[0, 50, 100]] == 0.0)
     assert error[[48, 98, 148]].min() > 0.01
@@ -92,7 +94,7 @@ def test_a_wrong_model_parts_from_the_measurement_until_it_starts_anew(leg):
 
 def test_what_cannot_be_predicted_is_refused(leg, exact):
     true = moved(leg)
-    recording = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
+    recording = log_of(leg, true)
     with pytest.raises(ExoidError, match="no torque"):
         predict_motion(exact, Recording(time=TIME, q=true[:, :3], joint_names=leg.joint_names))
     for horizon in (0.0, -1.0, 0.005, np.nan, np.inf):
@@ -106,7 +108,7 @@ def test_what_cannot_be_predicted_is_refused(leg, exact):
 
 def test_a_leg_on_the_ground_is_not_predicted_as_one_in_the_air(leg, exact):
     true = moved(leg)
-    recording = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
+    recording = log_of(leg, true)
     rail = Wrench(np.ones((len(TIME), 3)), np.zeros((len(TIME), 3)))
     for changes in ({"wrenches": {"torso": rail}}, {"contacts": {"left_foot": TIME > 1.0}}):
         with pytest.raises(ExoidError, match=f"the surroundings act on {next(iter(*changes.values()))}"):

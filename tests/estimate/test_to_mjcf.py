@@ -7,13 +7,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from made_estimates import made, motion_within
 from mujoco_torques import mujoco_torque
 from public_robots import urdf_of
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Viscous
+from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Viscous
 from exoid.estimate import MjcfExport
-from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
 DFKI = Path(__file__).resolve().parents[2] / "urdf" / "dfki_double_pendulum.urdf"
@@ -33,19 +33,11 @@ NUMBERS = {"Ia": 0.21, "c0": 0.7, "d": 0.3, "offset": 0.2}
 def estimate_of(leg, terms, **numbers):
     """An estimate of the leg's own bodies and of these numbers at every joint."""
     model = TorqueModel(leg, terms)
-    p, count = len(leg.parameter_names), len(model.names)
+    p = len(leg.parameter_names)
     values = np.array([{**NUMBERS, **numbers}.get(name.partition("_")[0], 0.0) for name in model.names])
     values[:p] = leg.parameters
     covariance = np.diag((0.01 * np.maximum(np.abs(values), 1e-3)) ** 2)
-    assert len(values) == count
-    return Estimate(model, values, covariance, 10.0, 100.0, np.ones(len(leg.joint_names)), "ols", ZeroPhase(5.0))
-
-
-def motion(leg, samples=20):
-    rng = np.random.default_rng(3)
-    lower, upper = np.maximum(leg.limits.lower, -2.0), np.minimum(leg.limits.upper, 2.0)
-    q = rng.uniform(lower + 0.05 * (upper - lower), upper - 0.05 * (upper - lower), (samples, len(lower)))
-    return q, *(rng.uniform(-1, 1, (2, *q.shape)) * np.array([4.0, 15.0])[:, None, None])
+    return made(model, values, covariance)
 
 
 @pytest.mark.parametrize("name", LEGS)
@@ -59,7 +51,7 @@ def test_mujoco_finds_the_torques_of_the_estimate(name, terms, tmp_path):
     assert export.lift.feasible
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "leg.xml"))
     assert tuple(model.joint(k).name for k in range(model.njnt)) == leg.joint_names
-    q, v, a = motion(leg)
+    q, v, a = motion_within(leg, margin=0.05)
     expected = est.torque(q, v, a)
     np.testing.assert_allclose(
         mujoco_torque(model, est.leg.joint_names, q, v, a), expected, rtol=0, atol=1e-9 * np.abs(expected).max()

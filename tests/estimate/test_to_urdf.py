@@ -8,19 +8,19 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yourdfpy
-from example_robot_data.robots_loader import ROBOTS, getModelPath
 from lxml import etree
+from made_estimates import made, motion_within
 from mujoco_torques import mujoco_model, mujoco_torque
+from public_robots import urdf_of
 from swings import harmonics
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
+from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift.lumping import distribute_bodies
 from exoid.leg.lift.pseudo_inertia import margins
 from exoid.leg.rewriting import read_inertials
-from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
 SMOOTHING = 0.02
@@ -38,8 +38,7 @@ def estimate_of(leg, terms=FRICTION, *, rigid=None, std=0.02, seed=0, **values):
     every = np.concatenate([own, others])
     mixing = np.eye(len(every)) + 0.2 * rng.standard_normal((len(every),) * 2)
     root = (std * np.maximum(np.abs(every), 0.01))[:, None] * mixing
-    joints = np.ones(len(leg.joint_names))
-    return Estimate(model, every, root @ root.T, 10.0, 100.0, joints, "ols", ZeroPhase(5.0))
+    return made(model, every, root @ root.T)
 
 
 def near(leg, share=0.02, seed=1):
@@ -52,15 +51,6 @@ def near(leg, share=0.02, seed=1):
         model.inertias[j] = pin.PseudoInertia.FromMatrix(A @ P @ A.T).toInertia()
     parameters = np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1, model.njoints)])
     return leg.reduction.parameters(parameters)
-
-
-def motion(leg, samples=50, seed=2):
-    rng = np.random.default_rng(seed)
-    n = len(leg.joint_names)
-    lower, upper = np.maximum(leg.limits.lower, -2.0), np.minimum(leg.limits.upper, 2.0)
-    q = rng.uniform(lower, upper, (samples, n))
-    v, a = rng.uniform(-1, 1, (2, samples, n)) * np.array([4.0, 15.0])[:, None, None]
-    return q, v, a
 
 
 def reloaded(leg, path):
@@ -82,7 +72,7 @@ def test_pinocchio_finds_the_estimate_again(leg, tmp_path):
     assert export.lift.feasible
     again = reloaded(leg, export.urdf)
     np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=1e-12, atol=1e-14)
-    q, v, a = motion(leg)
+    q, v, a = motion_within(leg)
     np.testing.assert_allclose(again.inverse_dynamics(q, v, a), estimate.leg.inverse_dynamics(q, v, a), atol=1e-9)
 
 
@@ -95,7 +85,7 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     export = estimate.to_urdf(tmp_path / "leg.urdf")
     model = mujoco_model(export.urdf)
     friction = np.array([model.dof_frictionloss[model.joint(joint).dofadr[0]] for joint in leg.joint_names])
-    q, v, a = motion(leg)
+    q, v, a = motion_within(leg)
     torque = mujoco_torque(model, leg.joint_names, q, v, a)
     assert (friction > 0.0).all()
     torque += friction * np.tanh(v / SMOOTHING)
@@ -157,10 +147,8 @@ ROBOTS_TO_TRY = {  # joints that move, and locked positions of others
 
 @pytest.mark.parametrize("robot", ROBOTS_TO_TRY)
 def test_robots_with_fixed_and_locked_links_come_back_exactly(robot, tmp_path):
-    loader = ROBOTS[robot]
-    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
     joints, locked = ROBOTS_TO_TRY[robot]
-    leg = Leg.from_urdf(f"{getModelPath(inside)}/{inside}", joints, locked=locked)
+    leg = Leg.from_urdf(urdf_of(robot), joints, locked=locked)
     estimate = estimate_of(leg, rigid=near(leg, 0.05))
     export = estimate.to_urdf(tmp_path / "robot.urdf")
     assert export.lift.feasible
@@ -168,7 +156,7 @@ def test_robots_with_fixed_and_locked_links_come_back_exactly(robot, tmp_path):
     scale = np.abs(leg.parameters).max()
     np.testing.assert_allclose(again.reduction.collect, leg.reduction.collect, atol=1e-9)
     np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=0, atol=1e-12 * scale)
-    q, v, a = motion(leg, 20)
+    q, v, a = motion_within(leg)
     np.testing.assert_allclose(again.inverse_dynamics(q, v, a), estimate.leg.inverse_dynamics(q, v, a), atol=1e-9)
     written = read_inertials(again.description)
     for link in export.changed_links:
@@ -324,7 +312,7 @@ def test_friction_that_feeds_energy_in_is_zero_in_the_urdf_and_as_it_is_beside_i
 # ---------------------------------------------------------------------------------------- infeasible
 
 
-def test_an_estimate_that_cannot_exist_moves_and_says_by_how_much(tmp_path):
+def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_how_much(tmp_path):
     leg = exoid.load_leg("bleex")
     rigid = leg.parameters.copy()
     rigid[-1] *= -0.5
@@ -339,22 +327,14 @@ def test_an_estimate_that_cannot_exist_moves_and_says_by_how_much(tmp_path):
     assert data["feasible"] is False
     assert data["distance"] == export.lift.distance
     assert data["moved"]["J3"] == pytest.approx(export.lift.values[8] - rigid[8])
-    for j in range(1, 4):
-        a, b, c = np.linalg.eigvalsh(again.model.inertias[j].inertia)
-        assert 0.0 < a <= b <= c < a + b
-    mujoco.MjModel.from_xml_path(str(export.urdf))
-
-
-def test_other_terms_move_along_to_where_the_estimate_is_nearest(tmp_path):
-    leg = exoid.load_leg("bleex")
-    rigid = leg.parameters.copy()
-    rigid[-1] *= -0.5
-    estimate = estimate_of(leg, rigid=rigid, std=0.1)
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
     change = export.values - estimate.values
     pull = np.linalg.solve(estimate.covariance, change)
     np.testing.assert_allclose(pull[9:], 0.0, atol=1e-6 * np.abs(pull).max())
     assert change @ pull == pytest.approx(export.lift.distance**2, rel=1e-6)
+    for j in range(1, 4):
+        a, b, c = np.linalg.eigvalsh(again.model.inertias[j].inertia)
+        assert 0.0 < a <= b <= c < a + b
+    mujoco.MjModel.from_xml_path(str(export.urdf))
 
 
 # --------------------------------------------------------------------------------------------- files

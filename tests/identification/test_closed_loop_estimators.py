@@ -141,24 +141,27 @@ def test_output_error_takes_what_is_known_and_believed(exact):
     assert abs(told.value("J2") - LEG.parameters[5]) < 3e-5
 
 
-@pytest.mark.parametrize("estimator", ["output-error", OutputError()])
-def test_without_a_loop_output_error_says_what_to_give(exact, estimator):
-    with pytest.raises(ExoidError, match=r"controller and reference.*ClosedLoop\(controller, reference\)"):
-        identify(LEG, exact, TERMS, estimator)
+MIXED = (Coulomb(joints=("hip",)), Coulomb(smoothing=0.0, joints=("knee",)), Viscous())
+REFUSED = {
+    "no loop, by name": (
+        lambda data: identify(LEG, data, TERMS, "output-error"),
+        r"ClosedLoop\(controller, reference\)",
+    ),
+    "no loop": (lambda data: identify(LEG, data, TERMS, OutputError()), r"ClosedLoop\(controller, reference\)"),
+    "friction of two kinds": (lambda data: identify(LEG, data, MIXED, OutputError(LOOP)), "different smoothing"),
+    "segments": (
+        lambda data: identify(LEG, data.segments([(2.0, 3.0)]), TERMS, OutputError(LOOP)),
+        r"simulates whole recordings.*Recording\.between",
+    ),
+    **{
+        f"{name} {value}": (lambda _, wrong={name: value}: ClosedLoop(PD, REFERENCE, **wrong), "give step and lead")
+        for name, value in (("step", 0.0), ("lead", -1.0), ("control_rate", np.inf), ("step", np.nan))
+    },
+}
 
 
-@pytest.mark.parametrize("wrong", [{"step": 0.0}, {"lead": -1.0}, {"control_rate": np.inf}, {"step": np.nan}])
-def test_an_impossible_loop_is_refused(wrong):
-    with pytest.raises(ExoidError, match="give step and lead"):
-        ClosedLoop(PD, REFERENCE, **wrong)
-
-
-def test_different_smoothing_is_refused(exact):
-    terms = (Coulomb(joints=("hip",)), Coulomb(smoothing=0.0, joints=("knee",)), Viscous())
-    with pytest.raises(ExoidError, match="different smoothing"):
-        identify(LEG, exact, terms, OutputError(LOOP))
-
-
-def test_output_error_refuses_segments_as_it_simulates_whole_recordings():
-    with pytest.raises(ExoidError, match=r"simulates whole recordings.*Recording\.between"):
-        identify(LEG, log().segments([(1.0, 2.0)]), TERMS, OutputError(LOOP))
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_simulated_is_refused_with_what_to_give(exact, case):
+    call, words = REFUSED[case]
+    with pytest.raises(ExoidError, match=words):
+        call(exact)

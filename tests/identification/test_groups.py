@@ -80,22 +80,6 @@ def test_with_noise_offsets_of_their_own_make_everything_else_surer(leg, days):
     assert error.max() < 4.0
 
 
-def test_two_legs_tell_shared_parameters_root_two_as_well_as_one(legs, sides):
-    recordings = record(sides, left=Noise(0.2), right=Noise(0.2))
-    together = identify(legs, recordings, TERMS, noise="white")  # its errors scatter less than those of blocks
-    assert together.shared == legs["left"].parameter_names
-    alone = {side: identify(legs[side], recordings[side], TERMS, noise="white") for side in legs}
-    one, other = (estimate.std[: len(together.shared)] for estimate in alone.values())
-    best = 1.0 / np.sqrt(1.0 / one**2 + 1.0 / other**2)
-    ratio = together.std[: len(together.shared)] / one
-    print("std of shared parameters over that of the left leg alone:", ratio.round(2))
-    assert (ratio < 0.9).all()
-    assert 0.6 < np.median(ratio) < 0.8  # 1/√2 on average
-    assert (together.std[: len(together.shared)] < 1.15 * best).all()
-    for side in legs:  # own parameters gain what the shared ones no longer blur
-        assert (together[side].std < 1.05 * alone[side].std).all()
-
-
 def test_the_noisier_leg_counts_less(legs, sides):
     quiet, loud = Noise(0.05), Noise(1.0)
     recordings = record(sides, left=quiet, right=loud)

@@ -68,13 +68,6 @@ def test_a_trajectory_is_the_quintic_spline_and_its_derivatives():
         np.testing.assert_allclose(found, BSpline(knots, coefficients, 5)(time, order), atol=1e-9)
 
 
-def test_splines_through_their_own_angles_have_the_same_coefficients():
-    trajectory = Trajectory.on(np.linspace(0.0, 2.0, 101), 0.06)
-    coefficients = np.random.default_rng(1).standard_normal((trajectory.size, 3))
-    q, _, _ = trajectory.at_samples(coefficients)
-    np.testing.assert_allclose(trajectory.at_samples(trajectory.through(q))[0], q, atol=1e-6)
-
-
 def test_the_torque_answers_to_the_motion_as_pinocchio_says(swing):
     """∂τ/∂a is the mass matrix; along a direction the derivative is that of a much smaller step."""
     model = TorqueModel(swing.leg, TERMS)
@@ -126,19 +119,6 @@ def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
         turns = [-(part.coupling @ values).reshape(-1, 3) for part in reduced]
         slope = (squares(1e-5, values, turns) - squares(-1e-5, values, turns)) / 2e-5
         assert slope == pytest.approx(-2.0 * gradient @ values, rel=2e-4)
-
-
-def test_at_the_optimum_no_direction_reduces_the_sum_of_squares(system, swing):
-    found = fit_motion(system.model, system.moving, system.still, swing.truth, 0.07, solver(swing), NO_PRIORS, 1e-6)
-    trajectories = system.trajectories
-    state = MotionState([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.solution.values)
-    found_std = np.sqrt(np.diag(found.solution.covariance))
-    least, rng = system.squares(state, found.levels), np.random.default_rng(7)
-    for size in (1e-3, 1e-2):
-        for _ in range(5):
-            moved = [c + 1e-3 * size * rng.standard_normal(c.shape) for c in state.coefficients]
-            values = state.values + size * rng.standard_normal(len(state.values)) * found_std
-            assert system.squares(MotionState(moved, values), found.levels) > least
 
 
 def test_without_noise_it_is_the_truth_and_what_the_default_says(swing):
@@ -198,13 +178,6 @@ def test_what_is_known_and_believed_enters(swing):
     assert told.value("X1") == 3.783
     assert abs(told.value("J3") - swing.truth[8]) < 3e-5
     assert told.std[8] < 0.1 * free.std[8]
-
-
-def test_an_estimate_by_ml_survives_its_file(swing, tmp_path):
-    estimate = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
-    estimate.save(tmp_path / "est.json")
-    again = exoid.Estimate.load(tmp_path / "est.json")
-    assert (again.estimator, str(again)) == ("ml(spacing=0.05)", str(estimate))
 
 
 @pytest.mark.parametrize("spacing", [0.0, -1.0, float("nan"), float("inf")])

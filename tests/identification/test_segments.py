@@ -11,7 +11,6 @@ from swings import TERMS, Swing
 import exoid
 from exoid import ExoidError
 from exoid.regression.every_row import make_rows
-from exoid.regression.noise import AutoregressiveNoise
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -80,12 +79,6 @@ def test_segments_lose_no_row_to_the_filter():
     model = TorqueModel(swing().leg, TERMS)
     rows = make_rows(model, segmented(), ZeroPhase())
     np.testing.assert_array_equal(rows.time, swing().time[mask()])
-
-
-def test_rows_of_segments_fulfil_the_equation():
-    model = TorqueModel(swing().leg, TERMS)
-    rows = make_rows(model, segmented(stance=50.0), ZeroPhase())
-    np.testing.assert_allclose(rows.W @ swing().truth, rows.tau, atol=2e-3)
 
 
 def test_a_constant_torque_is_constant_in_rows_as_they_are_shown():
@@ -176,14 +169,6 @@ def test_noise_that_outlasts_the_segments_is_warned_of_and_other_noise_is_not():
     assert not warned(log(noise=coloured(6, 1.0)))
     assert warned(segmented(noise=coloured(6, 1.0)))
     assert warned([each.slice(0, 26) for each in apart(noise=coloured(6, 0.0))])
-
-
-def test_the_autocorrelation_of_a_noise_model_is_that_of_its_autocovariances():
-    gamma = 0.7 ** np.arange(6) * 4.0 + 0.4 ** np.arange(6)
-    noise = AutoregressiveNoise.from_autocovariances(gamma, 10_000_000)
-    found = [noise.autocorrelation(k) for k in range(6)]
-    np.testing.assert_allclose(found, gamma / gamma[0], atol=2e-3)
-    assert AutoregressiveNoise.none().autocorrelation(3) == 0.0
 
 
 @pytest.mark.nightly

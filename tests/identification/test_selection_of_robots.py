@@ -32,7 +32,7 @@ def test_the_terms_that_matter_are_found_at_each_joint_and_predict_another_motio
         known=simulation.zero or None,
         check=False,
     )
-    assert (found.validate(found.estimate, test).nrmse <= 1.15 * exoid.validate(truth, test).nrmse).all()
+    assert (exoid.validate(found.estimate, test).nrmse <= 1.15 * exoid.validate(truth, test).nrmse).all()
     _, v, _ = study.motion(simulation.leg, 1)
     load = np.abs(simulation.leg.inverse_dynamics(*study.motion(simulation.leg, 1))).max(axis=0)
     assert study.least_power(found, np.abs(v).max(axis=0), load) >= 0.0

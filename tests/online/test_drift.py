@@ -87,22 +87,7 @@ def test_rest_is_no_epoch():
 
 def test_without_detection_there_are_no_epochs():
     motion = swing(10.0)
-    for settings in ({"false_alarms": 0.0}, {"forgetting": "none"}):
+    for settings in ({"false_alarms": 0.0}, {"memory": np.inf}):
         online = estimator(**settings)
         online.update(*motion, torque(motion, FRICTION))
         assert online.state.epochs.number == 0
-
-
-def test_drifts_are_saved_and_resumed(tmp_path):
-    motion = swing(100.0, 3)
-    worn = np.tile(FRICTION, (len(motion[0]), 1))
-    worn[:, 1] *= np.linspace(1.0, 0.6, len(worn))
-    tau = torque(motion, worn)
-    whole, first = estimator(), estimator()
-    whole.update(*motion, tau)
-    first.update(*(x[:7777] for x in motion), tau[:7777])
-    first.save(tmp_path / "online.json")
-    resumed = RecursiveEstimator.resume(tmp_path / "online.json", LEG)
-    resumed.update(*(x[7777:] for x in motion), tau[7777:])
-    assert whole.drifts
-    assert resumed.drifts == whole.drifts

@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
 FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 
-READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "sidecar", "state", "columns.toml", "drives.toml")
+READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "sidecar", "columns.toml", "drives.toml")
 """Kinds whose readers are Python, or are tested not to crash the process."""
 
 

@@ -222,7 +222,7 @@ def test_a_term_may_act_on_fewer_joints_than_it_sees():
 
 @pytest.mark.nightly
 def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
-    found = select_terms(LEG, swing_with_spring(), folds=3, tune=False, beside=(SPRING,))
+    found = select_terms(LEG, swing_with_spring(), folds=3, beside=(SPRING,))
     estimate = found.identify(swing_with_spring())
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert all("c0" in one.coefficients for one in found.joints)

@@ -313,10 +313,10 @@ def _of_recording(
     actions = judge(evidence)
     phase = find_phase(even, strides)
     findings = [
-        *shifted_torques(estimate, name),
-        *(replace(one, recording=name) for one in channel_findings(recording)),
-        *([] if found.ranges is None else extrapolations(estimate, found.ranges, name)),
-        *unmeasured_torques(estimate, measured, name),
+        *shifted_torques(estimate),
+        *channel_findings(recording),
+        *([] if found.ranges is None else extrapolations(estimate, found.ranges)),
+        *unmeasured_torques(estimate, measured),
         *too_few_samples(estimate, evidence, name),
         *rough_estimate(estimate, found.predicted, name),
         *constant_torques(estimate, evidence, actions, name),
@@ -333,7 +333,7 @@ def _of_recording(
         name or "array",
         phase.period,
         phase.source,
-        findings=ordered(findings),
+        findings=ordered([replace(one, recording=name) for one in findings]),
         filter=chosen,
     )
 

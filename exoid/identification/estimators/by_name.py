@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar, overload
 
 from exoid.errors import BadArgumentError
-from exoid.identification.problem import Problem
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
+from exoid.identification.problem import Fitted, Problem
 from exoid.regression.fit import Fit, ols, wls
 from exoid.tools.registry import Registry
 
@@ -100,6 +101,13 @@ def name_of(estimator: Estimator) -> str:
     if own is None:
         own = next((name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator), None)
     return str(own or getattr(estimator, "__name__", type(estimator).__name__))
+
+
+def fit_linear(problem: Problem, estimator: Estimator) -> Fitted:
+    """Fit models that are linear in all parameters, by one call of the estimator."""
+    problem.refuse_empty_joints()
+    fit = fit_by(estimator, problem)
+    return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)
 
 
 def fit_by(estimator: Estimator, problem: Problem) -> Fit:

@@ -33,7 +33,8 @@ def huber(problem: RowProblem) -> Fit:
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
-    bread = problem.solve(stack(_inside(problem, solution.values, scales)))
+    inside = _weighted(problem, solution.values, scales, lambda r: (r <= TUNING).astype(np.float64))
+    bread = problem.solve(stack(inside))
     solution = solution._replace(
         inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
     )
@@ -47,11 +48,6 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     every = [np.concatenate(size) for size in sizes]
     return np.array([robust_std(size) if len(size) else 0.0 for size in every])
-
-
-def _inside(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:
-    """R factors of the rows whose residuals are not clipped."""
-    return _weighted(problem, values, scales, lambda r: (r <= TUNING).astype(np.float64))
 
 
 def _weighted(

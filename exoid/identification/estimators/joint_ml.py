@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,6 +57,7 @@ class JointML:
             cross-validation prefers: a little more variance, but no bias that intervals do not know of.
     """
 
+    fits_samples: ClassVar[bool] = True  # no filter makes rows, so that neither cut-off nor preparation applies
     spacing: float | None = None
 
     def __post_init__(self) -> None:
@@ -64,11 +66,6 @@ class JointML:
             raise BadArgumentError(
                 f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None"
             )
-
-    @property
-    def fits_samples(self) -> bool:
-        """True: no filter makes rows, so that neither cut-off nor preparation applies."""
-        return True
 
     @property
     def name(self) -> str:

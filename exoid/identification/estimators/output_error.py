@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -41,17 +41,9 @@ class OutputError:
         loop: Controller, reference and actuator of all recordings.
     """
 
+    fits_samples: ClassVar[bool] = True  # no filter makes rows, so that neither cut-off nor preparation applies
+    name: ClassVar[str] = "output-error"
     loop: ClosedLoop | None = None
-
-    @property
-    def fits_samples(self) -> bool:
-        """True: no filter makes rows, so that neither cut-off nor preparation applies."""
-        return True
-
-    @property
-    def name(self) -> str:
-        """``"output-error"``."""
-        return "output-error"
 
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
@@ -87,54 +79,46 @@ class OutputError:
         return _as_fit(matching, first, values, answer, converged)
 
 
-class _Series(NamedTuple):
-    """Residuals of one output in time order, and its derivatives: (N,) and (N, P)."""
+class _Missed(NamedTuple):
+    """What the simulation misses of the C channels of one recording."""
 
-    group: int
-    residual: FloatArray
-    J: FloatArray
+    time: FloatArray | None  # stamps [s]; None for poses
+    levels: slice  # places of their noise levels: angles and torques of all joints, then torques of poses
+    residual: FloatArray  # (N, C)
+    J: FloatArray  # derivatives of the prediction by β, (N, C, P)
 
 
 class _Answer(NamedTuple):
-    """What the simulation misses, output by output; a group of outputs shares a noise level."""
+    """What the simulation misses of all recordings."""
 
-    recordings: Sequence[Sequence[_Series]]  # outputs of each recording: angles and torques, or torques of poses
-    stamps: Sequence[FloatArray | None]  # stamps of each recording [s]; None for poses
+    recordings: Sequence[_Missed]
 
-    @property
-    def series(self) -> list[_Series]:
-        """Outputs of all recordings."""
-        return [part for parts in self.recordings for part in parts]
+    def weighted(self, scales: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+        """Derivatives and residuals of each recording over the noise levels."""
+        return [(each.J / scales[each.levels, None], each.residual / scales[each.levels]) for each in self.recordings]
 
     def rows(self, scales: FloatArray, values: FloatArray) -> LinearisedRows:
         """Weighted rows, linearised about values."""
-        blocks = []
-        for parts, time in zip(self.recordings, self.stamps, strict=True):
-            W = np.stack([part.J / scales[part.group] for part in parts], axis=1)
-            residual = np.column_stack([part.residual / scales[part.group] for part in parts])
-            blocks.append(linearised_block(W, residual, values, time))
-        return LinearisedRows.of(blocks)
+        pairs = zip(self.weighted(scales), self.recordings, strict=True)
+        return LinearisedRows.of([linearised_block(*both, values, each.time) for both, each in pairs])
 
     def scales(self) -> FloatArray:
-        """Root mean square residual of each group."""
-        groups = 1 + max(part.group for part in self.series)
-        total, count = np.zeros((2, groups))
-        for part in self.series:
-            total[part.group] += part.residual @ part.residual
-            count[part.group] += len(part.residual)
+        """Root mean square residual of each level."""
+        total, count = np.zeros((2, max(each.levels.stop for each in self.recordings)))
+        for each in self.recordings:
+            total[each.levels] += (each.residual**2).sum(axis=0)
+            count[each.levels] += len(each.residual)
         tiny = np.finfo(float).tiny
-        return np.maximum(np.sqrt(total / np.maximum(count, 1.0)), tiny**0.25)
+        return np.asarray(np.maximum(np.sqrt(total / np.maximum(count, 1.0)), tiny**0.25))
 
     def squares(self, scales: FloatArray) -> float:
         """Weighted sum of squares."""
-        return sum(float(np.sum((part.residual / scales[part.group]) ** 2)) for part in self.series)
+        return sum(float((residual**2).sum()) for _, residual in self.weighted(scales))
 
     def r_factor(self, scales: FloatArray, values: FloatArray) -> RFactor:
         """Of the weighted rows, linearised about values."""
-        tables = [
-            np.column_stack([part.J, part.residual + part.J @ values]) / scales[part.group] for part in self.series
-        ]
-        table = np.vstack(tables)
+        tables = [np.dstack([W, residual + W @ values]) for W, residual in self.weighted(scales)]
+        table = np.vstack([each.reshape(-1, len(values) + 1) for each in tables])
         return factorize(table, len(table), float(len(table)))
 
 
@@ -158,15 +142,12 @@ class _Matching(NamedTuple):
         # Part of a parameter by which it is changed to see what the simulation answers
         change = np.maximum(1e-3 * np.abs(values), 0.1 * std)
         beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
-        recordings: list[list[_Series]] = []
-        stamps: list[FloatArray | None] = []
+        missed: list[_Missed] = []
         n = len(model.leg.joint_names)
         for data in self.problem.local_data:
             if isinstance(data, Poses):
                 rows = make_rows(model, data, self.problem.preparation)
-                residual = rows.tau - rows.W @ values
-                recordings.append([_Series(2 * n + j, residual[:, j], rows.W[:, j]) for j in range(n)])
-                stamps.append(None)
+                missed.append(_Missed(None, slice(2 * n, 3 * n), rows.tau - rows.W @ values, rows.W))
                 continue
             recording = for_leg(model, data).resampled()
             if recording.mask is not None:
@@ -175,15 +156,12 @@ class _Matching(NamedTuple):
                     where=source_of(recording),
                     remedy="cut them out with Recording.between, or use wls",
                 )
-            series: list[_Series] = []
             ran = self.loop.simulate(model, beside, recording)
-            for group, (measured, simulated) in enumerate(((recording.q, ran.q), (np.asarray(recording.tau), ran.tau))):
-                J = (simulated[..., 1:] - simulated[..., :1]) / change
-                residual = measured - simulated[..., 0]
-                series += [_Series(group * n + j, residual[:, j], J[:, j]) for j in range(n)]
-            recordings.append(series)
-            stamps.append(recording.time)
-        return _Answer(recordings, stamps)
+            simulated = np.concatenate([ran.q, ran.tau], axis=1)
+            residual = np.hstack([recording.q, np.asarray(recording.tau)]) - simulated[..., 0]
+            J = (simulated[..., 1:] - simulated[..., :1]) / change
+            missed.append(_Missed(recording.time, slice(0, 2 * n), residual, J))
+        return _Answer(missed)
 
 
 def _descend(

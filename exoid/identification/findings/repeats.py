@@ -11,59 +11,48 @@ from numpy.typing import NDArray
 
 from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
-from exoid.identification.group_rows import Group
+from exoid.identification.group_rows import Data, Group
 from exoid.identification.recording_summary import RecordingSummary, summarize
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings
-from exoid.torques import TorqueModel
-
-_Kept = tuple[Group, list[RecordingSummary], list[Finding]]
-"""A group of recordings that count, their summaries, and findings about the others."""
 
 
-def counted_once(groups: Sequence[Group]) -> tuple[Group, ...]:
-    """Leave out samples that are passed twice in a group."""
+def counted_once(group: Group) -> Group:
+    """Leave out samples that are passed twice."""
     # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
     # overlap get a mask: their shared samples count in the first one only.
-    kept = []
-    for group in groups:
-        once = (group, list(group.summaries), list[Finding]())
-        if len(group.summaries) > 1:
-            once = _without_copies(*once[:2])
-            if not isinstance(group.data, Recordings):
-                once = _without_overlaps(group.model, *once)
-        of_group, summaries, found = once
-        kept.append(replace(of_group, summaries=summaries, findings=(*group.findings, *found)))
-    return tuple(kept)
+    group = _without_copies(group)
+    return group if isinstance(group.data, Recordings) else _without_overlaps(group)
 
 
-def _without_copies(group: Group, summaries: list[RecordingSummary]) -> _Kept:
+def _without_copies(group: Group) -> Group:
     """Leave out recordings that are passed twice; those on disk are not read."""
+    summaries, data = group.summaries, group.data
     first: dict[tuple[object, ...], int] = {}
     for place, one in enumerate(summaries):
         # what two recordings share only if they are the same; of one file there may be several parts
         angles = (array.tobytes() for array in (one.lowest, one.highest, one.mean))
         first.setdefault((one.evidence.sha256, one.evidence.samples, one.evidence.segments, *angles), place)
-    kept, data = sorted(first.values()), group.data
-    if len(kept) == len(summaries):
-        return group, summaries, []
+    kept = sorted(first.values())
     findings = [
         _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
         for k in range(len(summaries))
         if k not in set(kept)
     ]
-    rest: Sequence[Recording | Poses] = (
-        [data[k] for k in kept]
-        if not isinstance(data, Recordings)
-        else replace(data, items=tuple(data.items[k] for k in kept))
-    )
-    return replace(group, data=rest), [summaries[k] for k in kept], findings
+    if not findings:
+        return group
+    rest: Data
+    if isinstance(data, Recordings):
+        rest = replace(data, items=tuple(data.items[k] for k in kept))
+    else:
+        rest = [data[k] for k in kept]
+    every = (*group.findings, *findings)
+    return replace(group, data=rest, summaries=[summaries[k] for k in kept], findings=every)
 
 
-def _without_overlaps(
-    model: TorqueModel, group: Group, summaries: list[RecordingSummary], findings: list[Finding]
-) -> _Kept:
-    """Let samples that two recordings share count in the first one only; what was found before stays."""
+def _without_overlaps(group: Group) -> Group:
+    """Let samples that two recordings share count in the first one only."""
+    model, summaries, findings = group.model, group.summaries, list(group.findings)
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
     recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     masks: dict[int, BoolArray] = {}
@@ -76,7 +65,7 @@ def _without_overlaps(
         message = f"{names} share {share:.0%} of their samples: counted once"
         findings.append(_finding(share, message, summaries[second].source))
     if not masks:
-        return group, summaries, findings
+        return group
     data: list[Recording | Poses] = []
     kept = []
     for k, (log, summary) in enumerate(zip(group.data, summaries, strict=True)):
@@ -87,7 +76,7 @@ def _without_overlaps(
             data.append(replace(log, mask=masks[k]))
             power = summary.acceleration_power  # that of the angles of the whole recording
             kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
-    return replace(group, data=data), kept, findings
+    return replace(group, data=data, summaries=kept, findings=tuple(findings))
 
 
 def _name(summaries: Sequence[RecordingSummary], place: int) -> str:

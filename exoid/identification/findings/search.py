@@ -219,7 +219,7 @@ def findings_of(model: TorqueModel, faults: Sequence[Fault]) -> tuple[Finding, .
             first = findings.setdefault((one.kind, one.joint), one)
             if first is not one:  # another form of the same fault
                 names = tuple(dict.fromkeys((*first.parameters, *one.parameters)))
-                findings[one.kind, one.joint] = first.affecting(names)
+                findings[one.kind, one.joint] = replace(first, parameters=names)
     return tuple(findings.values())
 
 

@@ -1,4 +1,4 @@
-"""Friction of each joint, filter and estimator chosen by how well they predict what they were not fitted to."""
+"""Friction of each joint, chosen by how well it predicts what it was not fitted to."""
 
 from .selection import Selection, select_terms
 

@@ -1,4 +1,4 @@
-"""Ways to identify a leg: the friction model of each joint, then filter and estimator, then the fit that confirms."""
+"""Ways to identify a leg: the friction model of each joint, one for all joints, and the fit that confirms."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.estimate import Estimate
 from exoid.identification.identify import identify
 from exoid.leg.leg import Leg
-from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
+from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Term
 
-from .design import base_model
 from .held_out import held_out_errors
 from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, same_at_all_joints, search_joint_by_joint
@@ -30,8 +29,6 @@ class Candidate:
     name: str  # short name for tables
     terms: tuple[Term, ...]  # terms of the torque model
     zero: tuple[str, ...]  # names of coefficients of the terms that are held at zero
-    preparation: Preparation  # from recordings to rows
-    estimator: str = "wls"  # name of the estimator
     numbers: int = 0  # number of parameters that it fits, and of settings that were chosen
     nrmse: FloatArray = field(default_factory=lambda: np.zeros(0))  # NRMSE of each joint over all folds, (n,)
     # NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,)
@@ -55,21 +52,10 @@ class Candidate:
         """Standard error of the difference from another candidate, fold by fold."""
         return float(np.std(self.folds - best.folds, ddof=1) / np.sqrt(len(best.folds)))
 
-    def fit(self, leg: Leg, recordings: Recording | Sequence[Recording]) -> Estimate:
+    def fit(self, leg: Leg, recordings: Recording | Sequence[Recording], cutoff: float) -> Estimate:
         """Identify; coefficients that are left out are held at zero."""
         known = dict.fromkeys(self.zero, 0.0) or None
-        return identify(leg, recordings, self.terms, self.estimator, preparation=self.preparation, known=known)
-
-    def others(self, cutoff: float) -> tuple[tuple[Candidate, ...], tuple[Candidate, ...]]:
-        """Other filters for the same terms (lower, higher, none for columns and torques), then other estimators."""
-        filters: dict[str, Preparation] = {
-            f"{factor * cutoff:g} Hz": ZeroPhase(factor * cutoff) for factor in (0.6, 1.5)
-        }
-        filters["no parallel filter"] = Smoothed(2.0 * cutoff)
-        return (
-            tuple(replace(self, name=f"{self.name}, {text}", preparation=how) for text, how in filters.items()),
-            (replace(self, name=f"{self.name}, huber", estimator="huber"),),
-        )
+        return identify(leg, recordings, self.terms, preparation=ZeroPhase(cutoff), known=known)
 
     def to_json(self) -> dict[str, Any]:
         """Turn the figures into what JSON can hold."""
@@ -100,9 +86,9 @@ def best_of(candidates: Sequence[Candidate]) -> int:
 
 
 def select_by_joint(
-    search: Search, *, tune: bool, progress: Callable[[float], None]
+    search: Search, progress: Callable[[float], None]
 ) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
-    """Choose the friction of each joint, then filter and estimator: all candidates, which, friction, and its fit."""
+    """Choose the friction of each joint, or one for all: all candidates, which, its friction, and its fit."""
     # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts.
     ends = []
     for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
@@ -116,16 +102,10 @@ def select_by_joint(
     # As at each joint, stretches of time and faster motion count alike.
     chosen = min(range(1, len(candidates)), key=lambda k: candidates[k].mean + np.nan_to_num(candidates[k].fast))
     found = found._replace(choice=choices[chosen])
-    progress(0.65)
-    for which in (0, 1) if tune else ():
-        tried = [_score(search, one, found.choice) for one in candidates[chosen].others(search.cutoff)[which]]
-        choice = best_of([candidates[chosen], *tried])
-        chosen = chosen if choice == 0 else len(candidates) + choice - 1
-        candidates += tried
     progress(0.75)
     while True:
         try:
-            estimate = candidates[chosen].fit(search.leg, search.recordings)
+            estimate = candidates[chosen].fit(search.leg, search.recordings, search.cutoff)
         except NotIdentifiableError as error:
             faults = _indistinct(found, error)
             if not faults:
@@ -136,38 +116,24 @@ def select_by_joint(
             break
         for joint, symbol in faults:  # each round bans a coefficient for good
             found = found.without(joint, symbol)
-        candidates[chosen] = _scored(search, candidates[chosen].name, found.choice, candidates[chosen])
+        candidates[chosen] = _scored(search, candidates[chosen].name, found.choice)
         progress(0.9)
     progress(1.0)
     return candidates, chosen, found.choice.columns, estimate
 
 
-def _scored(search: Search, name: str, choice: Choice, like: Candidate | None = None) -> Candidate:
-    """Candidate with these friction models, and the filter and estimator of another, with its held-out errors."""
+def _scored(search: Search, name: str, choice: Choice) -> Candidate:
+    """Candidate with these friction models, and its errors on rows that are held out."""
     friction: list[Term] = []
     zero: list[str] = []
     leg = search.leg
     for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
         friction += terms_of((*columns, *absent(columns)), joint)
         zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
-    terms = (*friction, Armature(), *search.beside)
-    estimator, preparation = ("wls", ZeroPhase(search.cutoff)) if like is None else (like.estimator, like.preparation)
-    return _score(search, Candidate(name, terms, tuple(zero), preparation, estimator), choice)
-
-
-def _score(search: Search, candidate: Candidate, choice: Choice) -> Candidate:
-    """Predict what is held out, with joints loaded by the rigid bodies of a choice."""
-    try:
-        found = held_out_errors(
-            base_model(search.leg, search.beside),
-            search.recordings,
-            candidate.preparation,
-            choice.columns,
-            choice.base[: len(search.leg.parameter_names)],
-            folds=search.folds,
-            cutoff=search.cutoff,
-            robust=candidate.estimator == "huber",
-        )
+    candidate = Candidate(name, (*friction, Armature(), *search.beside), tuple(zero))
+    try:  # joints are loaded by the rigid bodies of the choice
+        design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
+        found = held_out_errors(design, search.recordings, search.folds)
     except ExoidError as error:
         nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
         return replace(candidate, nrmse=nothing, folds=folds, extrapolation=nothing, failure=error.what)

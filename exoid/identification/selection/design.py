@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
 from exoid.regression.rows import Prepared, prepare
-from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
+from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel
 
 from .patterns import Column, Columns
@@ -29,6 +29,7 @@ class Design(NamedTuple):
     friction: tuple[FloatArray, ...]  # columns of the friction of each joint, n of (N, K)
     places: tuple[dict[Column, int], ...]  # index of each friction column of a joint, n of them
     independent_fraction: float  # share of the rows that carries independent noise
+    gain: FloatArray  # what the filter makes of ones in all segments: rows fade towards their ends, (N,)
 
     def indices(self, joint: int, columns: Sequence[Column]) -> NDArray[np.intp]:
         """Indices of friction columns of a joint."""
@@ -43,6 +44,15 @@ class Design(NamedTuple):
             tau=self.tau[:, rows],
             base=self.base[:, rows],
             friction=tuple(F[rows] for F in self.friction),
+            gain=self.gain[rows],
+        )
+
+    def unfaded(self) -> Design:
+        """Rows as they are compared: weighted means of the torques around them, up to the ends of segments."""
+        return self._replace(
+            tau=self.tau / self.gain,
+            base=self.base / self.gain[:, None],
+            friction=tuple(F / self.gain[:, None] for F in self.friction),
         )
 
 
@@ -54,19 +64,15 @@ def base_model(leg: Leg, beside: Sequence[Term] = ()) -> TorqueModel:
 def form_design(
     model: TorqueModel,
     recordings: Sequence[Recording],
-    preparation: Preparation,
+    cutoff: float,
     library: Sequence[Columns],
     rigid: FloatArray | None = None,
     keep: Keep | None = None,
-    *,
-    cutoff: float | None = None,
 ) -> Design:
-    """Form the rows in one pass over the samples: those of a fit, or with a cut-off those that fits are compared on."""
+    """Form the rows of a fit in one pass over the samples."""
     # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
     # friction.
-    whole = cutoff is not None  # rows that are compared do not fade towards the ends of segments
-    hows = [preparation if cutoff is None else evaluation(preparation, cutoff, r.sample_rate) for r in recordings]
-    prepared = [prepare(model, each, how) for each, how in zip(recordings, hows, strict=True)]
+    prepared = [prepare(model, each, ZeroPhase(cutoff)) for each in recordings]
     step = max(1, -(-sum(len(each.rows) for each in prepared) // 8000))  # beyond so many rows, fewer are kept
     parts: list[Design] = []
     for index, full in enumerate(prepared):
@@ -75,7 +81,7 @@ def form_design(
         needed = {(j, column.term.internal_state) for j, of_joint in enumerate(library) for column in of_joint}
         states = {(j, state): state.states(motion.q[:, j], motion.v[:, j]) for j, state in needed if state is not None}
         for stretch in each.stretches():
-            part = _form(model, each, stretch, library, states, rigid, whole=whole)
+            part = _form(model, each, stretch, library, states, rigid)
             mask = each.inside[stretch.start : stretch.stop : stretch.step]
             kept = mask if keep is None else mask & np.asarray(keep(index, part.time))
             parts.append(part._replace(recording=np.full(len(mask), index, dtype=np.intp)).some(kept))
@@ -88,16 +94,8 @@ def form_design(
         tuple(np.vstack([part.friction[joint] for part in parts]) for joint in range(len(library))),
         tuple({column: k for k, column in enumerate(of_joint)} for of_joint in library),
         min(1.0, float(np.mean([each.independent_fraction for each in prepared])) * step),
+        np.concatenate([part.gain for part in parts]),
     )
-
-
-def evaluation(preparation: Preparation, cutoff: float, rate: float) -> Preparation:
-    """Filter for torques, sampled at ``rate`` [Hz], that is the same for all candidates, with this one's kinematics."""
-    if isinstance(preparation, ZeroPhase):
-        return ZeroPhase(cutoff, preparation.kinematics_cutoff_at(rate), preparation.order)
-    if isinstance(preparation, Smoothed):
-        return ZeroPhase(cutoff, preparation.cutoff, preparation.order)
-    return preparation
 
 
 def _form(
@@ -107,8 +105,6 @@ def _form(
     library: Sequence[Columns],
     states: dict[tuple[int, InternalState], FloatArray],
     rigid: FloatArray | None,
-    *,
-    whole: bool,
 ) -> Design:
     """Form a stretch of rows, joint by joint."""
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
@@ -119,8 +115,8 @@ def _form(
     if rigid is not None and motion.payload is not None:
         load += motion.payload.T
     counted = prepared.inside[around]
-    gain: float | FloatArray = 1.0
-    if whole and prepared.parallel is not None:
+    gain = np.ones(len(inside))
+    if prepared.parallel is not None:
         ones = prepared.parallel.among_zeros(counted[None].astype(np.float64), inside)[0]
         gain = np.where(counted[inside.start : inside.stop : inside.step], ones, 1.0)
     base, friction = np.zeros((columns.shape[1], len(inside), len(columns))), []
@@ -137,10 +133,10 @@ def _form(
         if prepared.parallel is None:
             filtered = signals[:, inside.start : inside.stop : inside.step]
         else:
-            filtered = prepared.parallel.among_zeros(signals, inside, counted) / gain
+            filtered = prepared.parallel.among_zeros(signals, inside, counted)
         base[joint][:, acting] = filtered[: len(acting)].T
         friction.append(filtered[len(acting) : -1].T)
         tau[joint] = filtered[-1]
     rows = slice(stretch.start, stretch.stop, stretch.step)
     of_all = np.zeros(len(inside), dtype=np.intp)
-    return Design(of_all, prepared.time[rows], prepared.motion.v[rows], tau, base, tuple(friction), (), 1.0)
+    return Design(of_all, prepared.time[rows], prepared.motion.v[rows], tau, base, tuple(friction), (), 1.0, gain)

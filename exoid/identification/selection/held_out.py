@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.signals import Preparation, Recording
-from exoid.signals.cutoff import robust_std
-from exoid.torques import TorqueModel
+from exoid.signals import Recording
 
-from .design import Design, form_design
+from .design import Design
 from .normal_equations import NormalEquations, residuals
-from .patterns import Columns
 
 Blocks = tuple[FloatArray, ...]
 """Start and end of the tested stretches of each recording [s], (K, 2) each."""
@@ -76,24 +73,13 @@ class HeldOut(NamedTuple):
     extrapolation: FloatArray  # NRMSE of the fastest seconds predicted from the others, (n,)
 
 
-def held_out_errors(
-    model: TorqueModel,
-    recordings: Sequence[Recording],
-    preparation: Preparation,
-    chosen: Sequence[Columns],
-    rigid: FloatArray,
-    *,
-    folds: int,
-    cutoff: float,
-    robust: bool,
-) -> HeldOut:
-    """Predict each stretch of the recordings from the others, with fixed friction models."""
-    fitted = form_design(model, recordings, preparation, chosen, rigid)
-    compared = form_design(model, recordings, preparation, chosen, rigid, cutoff=cutoff)
-    each = [_errors(blocks, fitted, compared, robust=robust) for blocks in blocked_folds(recordings, folds)]
+def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int) -> HeldOut:
+    """Predict each stretch of the recordings from the others, with the friction models of a design."""
+    compared = fitted.unfaded()
+    each = [_errors(blocks, fitted, compared) for blocks in blocked_folds(recordings, folds)]
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
     whole = _Errors(*np.sum(each, axis=0))
-    fast = _errors(fast_blocks(recordings), fitted, compared, robust=robust)
+    fast = _errors(fast_blocks(recordings), fitted, compared)
     # The torque of a passive joint is zero: its NRMSE has no meaning, and would decide for all joints.
     still = whole.spread <= 1e-9 * whole.spread.max()
     of_folds = np.array([np.mean((errors.rms / whole.spread)[~still]) for errors in each])
@@ -120,7 +106,7 @@ class _Errors(NamedTuple):
         return np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, 1e-300))
 
 
-def _errors(blocks: Blocks, fitted: Design, compared: Design, *, robust: bool) -> _Errors:
+def _errors(blocks: Blocks, fitted: Design, compared: Design) -> _Errors:
     """Errors on the tested rows of one split; not a number where rows are too few."""
     active = [np.arange(columns.shape[1]) for columns in fitted.friction]
     used, tested = fold_of(blocks, fitted).fitted, fold_of(blocks, compared).tested
@@ -129,15 +115,12 @@ def _errors(blocks: Blocks, fitted: Design, compared: Design, *, robust: bool) -
         nothing = np.full(len(fitted.tau), np.nan)
         return _Errors(nothing, nothing, nothing, nothing)
     weights = np.broadcast_to(used.astype(np.float64), fitted.tau.shape)
-    for _ in range(8 if robust else 2):  # weights of rows settle more slowly than those of joints
+    for _ in range(2):  # weights of the joints and residuals in turn
         base, friction = NormalEquations.of(fitted, weights).solve(active)
         left = residuals(fitted, active, base, friction)
-        rows = left[:, used]
-        scale = robust_std(rows.T) if robust else np.sqrt(np.mean(rows**2, axis=1))
+        scale = np.sqrt(np.mean(left[:, used] ** 2, axis=1))
         scale = np.maximum(scale, 1e-9 * np.sqrt(np.mean(left**2)) + 1e-300)[:, None]
-        # Huber's estimator clips residuals beyond 1.345 standard deviations: 95 % efficient for normal noise.
-        clipped = np.minimum(1.0, 1.345 * scale / np.maximum(np.abs(left), 1e-300)) if robust else 1.0
-        weights = np.asarray(used * clipped / scale**2)
+        weights = np.asarray(used / scale**2)
     base, friction = NormalEquations.of(fitted, weights).solve(active)
     left = residuals(compared, active, base, friction)[:, tested]
     torque = compared.tau[:, tested]

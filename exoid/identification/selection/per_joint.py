@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
-from exoid.signals import Recording, ZeroPhase
+from exoid.signals import Recording
 from exoid.torques import Term
 
 from .design import Design, base_model, form_design
@@ -39,7 +39,7 @@ class Search:
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
         model = base_model(self.leg, self.beside)
-        return form_design(model, self.recordings, ZeroPhase(self.cutoff), library, rigid, self.keep)
+        return form_design(model, self.recordings, self.cutoff, library, rigid, self.keep)
 
 
 class Choice(NamedTuple):

@@ -1,4 +1,4 @@
-"""Which terms, filter and estimator predict best what they have not seen."""
+"""Which terms predict best what they have not seen."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.estimate import Estimate
-from exoid.estimate.validation import Validation, validate
 from exoid.identification.recording_summary import (
     refuse_dead_torques,
     refuse_still_joints,
@@ -20,13 +19,11 @@ from exoid.identification.recording_summary import (
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
 from exoid.signals.cutoff import highest_cutoff
-from exoid.signals.preparation_names import preparation_to_json
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
 
 from .by_joint import Candidate, least, select_by_joint
-from .design import evaluation
 from .patterns import JointFriction
 from .per_joint import Search
 
@@ -37,9 +34,9 @@ class Selection:
 
     Attributes:
         leg: The leg.
-        candidates: Friction models, filters and estimators with their scores, in the order in which they were tried.
+        candidates: Friction models with their scores, in the order in which they were tried.
         chosen: Index of the one that was chosen.
-        cutoff: Cut-off frequency of the filter behind which torques were compared [Hz].
+        cutoff: Cut-off frequency of the filter of all fits [Hz].
         folds: Number of folds.
         joints: Friction model of each joint, (n,).
         estimate: The fit of the recordings that confirmed the choice.
@@ -81,20 +78,7 @@ class Selection:
         Returns:
             The estimate.
         """
-        return self.candidate.fit(self.leg, recordings)
-
-    def validate(self, estimate: Estimate, recording: Recording) -> Validation:
-        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit.
-
-        Args:
-            estimate: An estimate by :meth:`identify`.
-            recording: A recording that is not fitted.
-
-        Returns:
-            Measured and predicted torque.
-        """
-        preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
-        return validate(estimate, recording, preparation=preparation)
+        return self.candidate.fit(self.leg, recordings, self.cutoff)
 
     def to_json(self) -> dict[str, Any]:
         """Turn a selection into what JSON can hold.
@@ -108,8 +92,6 @@ class Selection:
             "joint_names": list(self.leg.joint_names),
             "chosen": self.candidate.name,
             "terms": [term_to_json(term) for term in self.candidate.terms],
-            "estimator": self.candidate.estimator,
-            "preparation": preparation_to_json(self.candidate.preparation),
             "zero": list(self.candidate.zero),
             "joints": [{**joint._asdict(), "coefficients": list(joint.coefficients)} for joint in self.joints],
             "warnings": list(self.warnings),
@@ -141,8 +123,7 @@ class Selection:
             make_table(("joint", "friction"), [(joint.joint, joint.text) for joint in self.joints]),
             title,
             make_table(headers, rows),
-            f"* chosen: {self.candidate.name}, which fits the fewest numbers of those whose mean is within one "
-            f"standard error of the best, {best.name}",
+            f"* chosen: {self.candidate.name}, whose mean and fast errors are together the least",
             *(f"{one.name}: {one.failure}" for one in self.candidates if one.failure),
             *(f"warning: {warning}" for warning in self.warnings),
         )
@@ -154,23 +135,20 @@ def select_terms(
     *,
     folds: int = 5,
     cutoff: float | None = None,
-    tune: bool = True,
     beside: Sequence[Term] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Selection:
-    """Choose friction, filter and estimator by how well they predict stretches that they were not fitted to.
+    """Choose friction by how well it predicts stretches that it was not fitted to.
 
-    The friction of each joint is chosen by itself, then filter and estimator (docs/friction.md). Each recording is cut
-    into as many stretches as there are folds; each is predicted from the others. Of all candidates within one standard
-    error of the best (paired, fold by fold), the one with the fewest numbers is chosen.
+    The friction of each joint is chosen by itself, with the fewest numbers within one standard error of the best
+    (docs/friction.md). Each recording is cut into as many stretches as there are folds; each is predicted from the
+    others. Models that are the same at all joints are candidates, too.
 
     Args:
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
         folds: Number of folds, at least 3.
-        cutoff: Cut-off frequency of the filter behind which torques are compared, and of the first candidates [Hz];
-            None for 8 Hz, and a fifth of the sampling rate of logs below 20 Hz.
-        tune: Whether to go on to filters and estimators.
+        cutoff: Cut-off frequency of the filter [Hz]; None for 8 Hz, and a fifth of the rate of logs below 20 Hz.
         beside: Terms that every model has besides the friction and rotors that are chosen, such as a spring over two
             joints.
         progress: Called with the share done.
@@ -212,6 +190,6 @@ def select_terms(
         )
     search = Search(leg, several, cutoff, folds, beside=tuple(beside))
     report = progress or (lambda share: None)
-    candidates, chosen, columns, estimate = select_by_joint(search, tune=tune, progress=report)
+    candidates, chosen, columns, estimate = select_by_joint(search, report)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)

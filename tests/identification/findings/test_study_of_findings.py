@@ -89,16 +89,3 @@ def test_segments_that_are_turned_alike_against_the_urdf_are_a_tilt():
     assert (finding.kind, finding.severity) == ("gravity-direction", "info")
     assert finding.value == pytest.approx(np.deg2rad(3.0), rel=0.05)
     assert finding.interval[0] < finding.value < finding.interval[1]
-
-
-def test_an_unknown_table_is_refused():
-    with pytest.raises(SystemExit):
-        study.main(["figures"])
-
-
-def test_the_truth_of_a_clean_log_has_the_names_of_its_estimate():
-    for name in ("bleex", "cuhk"):
-        log = faulty_logs.clean_log(name, 1)
-        estimate = exoid.identify(log.leg, log.recordings, check=False)
-        assert set(log.truth) <= set(estimate.names)
-        assert {one[:2] for one in set(estimate.names) - set(log.truth)} == {"Ia", "of"}
