@@ -123,7 +123,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
     solution = solve(stack(factors, own.tolist()), model.names, knowledge, bounds)
     rms = rms_of(solution.values)
-    noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 2)
+    noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 4)
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse

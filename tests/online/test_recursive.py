@@ -167,6 +167,7 @@ def test_it_begins_with_an_estimate_that_another_session_saved(leg, truth, tmp_p
     start = exoid.Estimate.load(tmp_path / "monday.json")
     online = RecursiveEstimator(leg, TERMS, rate=RATE, start=start)
     np.testing.assert_allclose(online.estimate.values, start.values, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(online.estimate.std, start.std, rtol=0.03)  # as sure as it was, not surer
     q, v, a, tau = swing(leg, truth, 20.0, seed=7)
     online.update(q, None, None, tau)
     assert (np.abs(online.estimate.values - truth) <= 4.0 * start.std + 0.01 * np.abs(truth)).all()
