@@ -115,10 +115,12 @@ def tests_of(mutation: Mutation, copy: Path) -> list[str]:
     found: list[tuple[int, Path]] = []
     for path in sorted((copy / "tests").rglob("test_*.py")):
         text, place = path.read_text(encoding="utf-8"), path.relative_to(copy)
+        if place.parts[1] == "benchmarks":  # speed is no behaviour, and fails on a busy machine
+            continue
         own = place.parts[1] == top
         if own or re.search(rf"exoid\.{re.escape(room)}\b", text):
             found.append((not own, place))
-        if names.search(text) and "benchmarks" not in place.parts:
+        if names.search(text):
             found.append((-len(set(names.findall(text))) - own, place))
     return list(dict.fromkeys(str(place) for _, place in sorted(found)))
 
