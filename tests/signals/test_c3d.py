@@ -162,6 +162,17 @@ def test_a_damaged_trial_is_one_line(tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_trial_without_a_sample_of_its_plates_is_refused(tmp_path):
+    """The rate of the channels has another name: ezc3d finds none of them."""
+    corners, from_plate, from_exoid, _ = LABORATORIES["z up, x forward"]
+    write_c3d(tmp_path / "walk.c3d", [sensor(ordered(corners, from_plate), from_plate, from_exoid)])
+    content = (tmp_path / "walk.c3d").read_bytes()
+    rate = content.index(b"RATE", content.index(b"ANALOG"))
+    (tmp_path / "walk.c3d").write_bytes(content[:rate] + b"X" + content[rate + 1 :])
+    with pytest.raises(UnreadableInputError, match="no sample"):
+        read_opensim_forces(f"{tmp_path / 'walk.c3d'}:+x")
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="bounds the memory of the reader otherwise")
 def test_a_trial_that_claims_far_more_than_it_holds_fills_no_memory(tmp_path):
     """Names of channels with 18 dimensions in place of two, 1e33 of them: ezc3d took 370 MB before it gave up."""

@@ -46,7 +46,7 @@ def c3d_plates(file: str) -> Content:
         count, length = int(plates["USED"]["value"][0]), given["POINT"]["UNITS"]["value"][0]
         scale = factor_of(length, "wrench_p")
         units = [text for name in ("UNITS", "UNITS2") for text in given["ANALOG"].get(name, {}).get("value", ())]
-        wrong = ["it has no force plates"] if not count else []
+        wrong = [] if count and trial["data"]["analogs"].size else ["it has no force plates, or no sample of them"]
         if first:
             wrong.append(f"it begins at frame {first + 1}, and programs differ in its time 0")
         for plate in range(count if scale else 0):
