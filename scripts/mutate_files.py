@@ -216,10 +216,9 @@ def peak() -> int:
     """Largest memory of this process and of those that it has started [bytes]."""
     import psutil  # noqa: PLC0415 - an extra of the tests
 
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    own = psutil.Process()  # its ru_maxrss would be at least that of the process that has started it
     ended = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
-    running = [_high_water(child.pid) for child in psutil.Process().children(recursive=True)]
-    return int(max([own, ended, *running]))
+    return int(max([ended, *(_high_water(process.pid) for process in (own, *own.children(recursive=True)))]))
 
 
 def _high_water(pid: int) -> int:

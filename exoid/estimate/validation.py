@@ -22,6 +22,7 @@ from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
 from .ground_validation import LEVEL, Compared, compare_on_ground, stands, wrench_torques, wrench_variance
+from .late_velocity import without_late_velocity
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
     as_trained,
@@ -49,7 +50,7 @@ class Validation(ReadOnly, Report):
         predicted: Filtered predicted torque [N·m], (N, n), W β − Σ Jᵀ w with the wrenches w that were measured.
         source: Name of the recording, or of all.
         parts: Validation of each recording where there are several; samples of all follow each other above.
-        findings: Motion beyond that of the training, and torque that is late or not predicted.
+        findings: Motion beyond that of the training, velocity that is late, and torque that is late or not predicted.
         half_width: Half the width of the 95 % band of the filtered measured torque [N·m], (N, n): errors of parameters
             and of the form of friction, and noise of torques and of force plates.
         filter: Filter of both torques.
@@ -197,7 +198,8 @@ def validate(
     NRMSE depends on the cut-off. To compare two estimates, pass the same ``cutoff`` for both: motion and torques then
     pass the same filters, whatever the estimates were identified with.
 
-    Torques are shifted by the delays that the estimate found (``identify(delay="auto")``); a finding says so.
+    Torques are shifted by the delays that the estimate found (``identify(delay="auto")``), and logged velocities that
+    are late are left out, as :func:`exoid.identify` does; a finding says so.
 
     Args:
         estimate: The estimate.
@@ -239,7 +241,7 @@ def validate(
 
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
-    recording = as_trained(estimate, recording)
+    recording, found = without_late_velocity(as_trained(estimate, recording))
     chosen_joints = for_leg(estimate.model, recording)
     rate = chosen_joints.sample_rate
     preparation = chosen.preparation
@@ -255,7 +257,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     wrench = known if recording.wrenches else np.zeros_like(known)
     how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", **how)
-    found = list(shifted_torques(estimate))
+    found = [*found, *shifted_torques(estimate)]
     found += [] if ranges is None else extrapolations(estimate, ranges)
     joints = slice(estimate.model.leg.base_rows, None)
     # Joints whose residual errors of the force plates may explain, and what the plates' white noise does to it.

@@ -12,6 +12,7 @@ import numpy as np
 from exoid.actuators import Actuators
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, within
+from exoid.estimate.late_velocity import without_late_velocity
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
@@ -24,7 +25,6 @@ from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
-from .findings.timing import late_velocities
 from .group_rows import Group, Measured, check_recordings, map_recordings
 from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
 from .problem import Problem
@@ -137,9 +137,8 @@ def without_late_velocities(group: Group) -> Group:
         return group
     findings, data = list(group.findings), list(group.data)
     for k, one in enumerate(data):
-        if isinstance(one, Recording) and one.v is not None:
-            found = [each for each in late_velocities(one) if each.kind == "velocity-delay"]
-            data[k] = replace(one, v=None, a=None) if found else one
+        if isinstance(one, Recording):
+            data[k], found = without_late_velocity(one)
             name = one.source.name if one.source and len(data) > 1 else ""
             findings += [replace(each, recording=name) for each in found]
     return replace(group, data=tuple(data), findings=tuple(findings))

@@ -155,6 +155,17 @@ def test_a_late_torque_is_named_with_its_delay(data, estimate):
         assert delays[joint] == pytest.approx(samples / data.test.sample_rate, rel=0.1)
 
 
+def test_a_late_velocity_is_named_and_not_used(data, estimate):
+    q, time = data.test.q, data.test.time
+    shifted = [np.interp(time - 0.02, time, x) for x in np.gradient(q, time, axis=0).T]
+    good, late = (replace(data.test, v=v, a=None) for v in (None, np.column_stack(shifted)))
+    found, plain = exoid.validate(estimate, late), exoid.validate(estimate, good)
+    np.testing.assert_array_equal(found.predicted, plain.predicted)
+    assert {f.joint for f in found.findings if f.kind == "velocity-delay"} == {*late.joint_names}
+    assert found.verdict == plain.verdict
+    assert "velocity-delay" not in {kind for kind, _ in kinds(plain)}
+
+
 def test_few_effective_samples_do_not_make_a_band_narrow(data, estimate):
     """Half a second of one residual says little, however often it is sampled."""
     few = tuple(dataclasses.replace(one, effective_samples=2.0) for one in estimate.noise)

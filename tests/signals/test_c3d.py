@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from log_writers import write_c3d, write_opensim
@@ -157,3 +160,39 @@ def test_a_damaged_trial_is_one_line(tmp_path):
     with pytest.raises(UnreadableInputError, match=r"walk.c3d") as caught:
         read_opensim_forces(f"{tmp_path / 'walk.c3d'}:+x")
     assert "\n" not in str(caught.value)
+
+
+def test_a_trial_without_a_sample_of_its_plates_is_refused(tmp_path):
+    """The rate of the channels has another name: ezc3d finds none of them."""
+    corners, from_plate, from_exoid, _ = LABORATORIES["z up, x forward"]
+    write_c3d(tmp_path / "walk.c3d", [sensor(ordered(corners, from_plate), from_plate, from_exoid)])
+    content = (tmp_path / "walk.c3d").read_bytes()
+    rate = content.index(b"RATE", content.index(b"ANALOG"))
+    (tmp_path / "walk.c3d").write_bytes(content[:rate] + b"X" + content[rate + 1 :])
+    with pytest.raises(UnreadableInputError, match="no sample"):
+        read_opensim_forces(f"{tmp_path / 'walk.c3d'}:+x")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="bounds the memory of the reader otherwise")
+def test_a_trial_that_claims_far_more_than_it_holds_fills_no_memory(tmp_path):
+    """Names of channels with 18 dimensions in place of two, 1e33 of them: ezc3d took 370 MB before it gave up."""
+    corners, from_plate, from_exoid, _ = LABORATORIES["z up, x forward"]
+    write_c3d(tmp_path / "walk.c3d", [sensor(ordered(corners, from_plate), from_plate, from_exoid)])
+    content = bytearray((tmp_path / "walk.c3d").read_bytes())
+    names = content.index(b"LABELS", content.index(b"ANALOG")) + len("LABELS") + 2  # behind the offset to the next
+    assert (content[names], content[names + 1]) == (255, 2)  # text of two dimensions
+    content[names + 1] = 18
+    (tmp_path / "claims.c3d").write_bytes(content)
+    code = (
+        "import psutil, sys, exoid\n"
+        "try: exoid.signals.read_opensim_forces(sys.argv[1])\n"
+        "except exoid.ExoidError as error: print(error.where, '|', end=' ')\n"
+        "for child in psutil.Process().children():\n"
+        "    lines = open(f'/proc/{child.pid}/status').read().splitlines()\n"
+        "    print(*(line.split()[1] for line in lines if line.startswith('VmHWM')))"
+    )
+    for name in ("walk", "claims"):
+        command = [sys.executable, "-c", code, f"{tmp_path / name}.c3d:+x"]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        assert ("claims.c3d" in said) == (name == "claims")
+        assert 20 < int(said.split()[-1]) / 1024 < 250  # MB, most of them libraries

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from exoid.signals import MovingAverage, zero_phase
-from exoid.signals.filters.low_pass import design_frequency, edge_length, noise_bandwidth
+from exoid.signals.filters.low_pass import design_frequency, edge_length, noise_bandwidth, slow_part
 
 
 def response(frequency, rate, cutoff, order):
@@ -36,6 +36,16 @@ def test_every_frequency_passes_without_delay_and_with_the_documented_gain(rate,
     ratio = np.tan(np.pi * frequency / rate) / np.tan(np.pi * cutoff / rate)
     expected = 1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio ** (2 * order))
     assert abs(gain - expected) < 1e-8
+
+
+def test_the_slow_part_is_that_of_a_filter_of_second_order_and_short_records_have_one():
+    rate, cutoff, frequency = 100.0, 1.0, 3.0
+    time = np.arange(6000) / rate
+    wave = np.sin(2.0 * np.pi * frequency * time)[:, None]
+    gain = np.ptp(slow_part(wave, rate, cutoff)[2000:4000]) / 2.0
+    ratio = np.tan(np.pi * frequency / rate) / np.tan(np.pi * cutoff / rate)
+    assert gain == pytest.approx(1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4), rel=1e-3)
+    np.testing.assert_allclose(slow_part(np.full((9, 1), 3.0), rate, cutoff), 3.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize("shape", [(400,), (400, 2), (400, 2, 7)])

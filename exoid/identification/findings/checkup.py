@@ -13,6 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.late_velocity import late_velocities
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
@@ -37,7 +38,7 @@ from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State
 from .search import find_faults, findings_of
-from .timing import late_velocities, missing_samples, wraps
+from .timing import missing_samples, wraps
 
 
 class Checkup(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.quantities import factor_of, spelled
 from exoid.signals.wrench import Wrench
-from exoid.tools.reader_process.bounds import reading
+from exoid.tools.reader_process.bounds import MOST_EXPANSION, reading
 from exoid.tools.reader_process.child import Content, read_in_child
 
 from .table import needs
@@ -22,7 +23,8 @@ def read_c3d_plates(file: str, forward: str) -> tuple[FloatArray, dict[str, Wren
     """Time stamps, and the wrench of each plate on the foot, about its middle: ``forward`` becomes x, up is z."""
     if find_spec("ezc3d") is None:
         raise needs("ezc3d", "C3D")
-    content, wrenches = read_in_child(c3d_plates, file), {}
+    size = Path(file).stat().st_size if Path(file).is_file() else 0  # its objects, not what a damaged file claims
+    content, wrenches = read_in_child(c3d_plates, file, beside=2**25 + MOST_EXPANSION * size), {}
     for plate in map(str, range(1, content.facts["plates"] + 1)):
         force, moment, corners = (content.arrays[f"{what} {plate}"] for what in ("force", "moment", "corners"))
         turn = _turn(corners, forward, plate)
@@ -44,7 +46,7 @@ def c3d_plates(file: str) -> Content:
         count, length = int(plates["USED"]["value"][0]), given["POINT"]["UNITS"]["value"][0]
         scale = factor_of(length, "wrench_p")
         units = [text for name in ("UNITS", "UNITS2") for text in given["ANALOG"].get(name, {}).get("value", ())]
-        wrong = ["it has no force plates"] if not count else []
+        wrong = [] if count and trial["data"]["analogs"].size else ["it has no force plates, or no sample of them"]
         if first:
             wrong.append(f"it begins at frame {first + 1}, and programs differ in its time 0")
         for plate in range(count if scale else 0):
@@ -68,10 +70,9 @@ def c3d_plates(file: str) -> Content:
 def _turn(corners: FloatArray, forward: str, plate: str) -> FloatArray:
     """Rotation from the laboratory to x forward, z up, (3, 3); up is against the z axis of the plate."""
     normal = np.cross(corners[0] - corners[3], corners[0] - corners[1])
-    up, ahead = np.eye(3)[int(normal.argmax())], np.eye(3)["xyz".index(forward[1])]
+    up, ahead = np.eye(3)[int(normal.argmax())], float(f"{forward[0]}1") * np.eye(3)["xyz".index(forward[1])]
     if not normal @ up > 0.9 * float(np.linalg.norm(normal)) > 1e-3:  # m²; a ramp of 25° leans as much
         raise UnreadableInputError(f"corners of plate {plate} are missing or in another order", remedy=REMEDY)
     if ahead @ up:
         raise UnreadableInputError(f"{forward} is the vertical of plate {plate}", remedy="name the forward axis")
-    ahead = ahead if forward[0] == "+" else -ahead
     return np.array([ahead, np.cross(up, ahead), up])

@@ -44,7 +44,7 @@ class Content(NamedTuple):
     facts: Mapping[str, Any] = {}  # values of JSON by name
 
 
-def read_in_child(reader: Callable[..., Content], file: str, **arguments: Any) -> Content:  # noqa: ANN401 - JSON
+def read_in_child(reader: Callable[..., Content], file: str, beside: int = READER_MEMORY, **arguments: Any) -> Content:  # noqa: ANN401 - JSON
     """Read a file in the child process, with bounds on its memory (where the system has them) and its time."""
     try:
         size = size_on_disk(Path(file))
@@ -55,7 +55,7 @@ def read_in_child(reader: Callable[..., Content], file: str, **arguments: Any) -
         "file": file,
         "arguments": arguments,
         "folder": _folder(),
-        "memory": READER_MEMORY + most_memory(size),
+        "memory": beside + most_memory(size),
     }
     with in_file(file), _LOCK:
         return _child(reader.__module__).ask(request, most_seconds(size))

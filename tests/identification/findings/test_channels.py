@@ -7,6 +7,7 @@ import pytest
 from logs import clean, kinds, with_column
 
 import exoid
+from exoid.identification.findings.timing import missing_samples
 
 
 @pytest.mark.parametrize("part", [0.9, 0.6])
@@ -54,3 +55,14 @@ def test_a_velocity_at_a_stall_is_no_wrong_velocity():
     assert "left_ankle" not in {f.joint for f in found}
     scaled = exoid.check(leg, dataclasses.replace(log, q=log.q, v=2.0 * np.gradient(log.q, log.time, axis=0)))
     assert {f.joint for f in scaled if f.kind == "velocity-scale"} == {*leg.joint_names}
+
+
+@pytest.mark.parametrize(("lost", "words"), [((300,), "1 gap although"), ((300, 700), "2 gaps although")])
+def test_gaps_are_counted_where_samples_are_missing(lost, words):
+    kept = np.setdiff1d(np.arange(1200), [k + j for k in lost for j in range(6)])
+    q = 0.5 * np.sin(2.0 * kept / 100.0)[:, None]
+    log = exoid.Recording(np.arange(len(kept)) / 100.0, q, tau=q, joint_names=("hip",))
+    (finding,) = missing_samples(log)
+    assert finding.message.startswith(words)
+    assert finding.value == pytest.approx(0.06 * len(lost), rel=0.05)
+    assert (finding.interval is None) == (len(lost) > 1)

@@ -14,6 +14,7 @@ from exoid import Leg
 from exoid.leg.description import describe
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import consistent_within
+from exoid.leg.lift.nearest_bodies import Problem, approach
 from exoid.leg.lift.pseudo_inertia import (
     congruence,
     link_parameters,
@@ -288,6 +289,18 @@ def test_a_poor_prior_does_not_make_an_estimate_infeasible(bleex, factor):
     assert lifted.feasible
     np.testing.assert_allclose(lifted.values, bleex.parameters, rtol=1e-12)
     assert_possible(lifted)
+
+
+@pytest.mark.parametrize("factor", [1e-4, 1.0, 1e4])
+def test_thin_bodies_are_as_thick_as_rounding_needs_whatever_the_prior(bleex, factor):
+    """The bodies of an infeasible estimate are sheets: 1e-10 of their own extent, in units of the prior's."""
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, factor)), bleex.joint_names)
+    problem = Problem.around(dynamic_parameters(poor.model), poor.reduction)
+    infeasible = bleex.parameters.copy()
+    infeasible[-1] *= -1.0
+    bodies = approach(problem, infeasible, np.diag(1.0 / np.abs(infeasible)), np.full(problem.links, 1e12))
+    eigenvalues = np.linalg.eigvalsh(pseudo_inertias(bodies.unit))
+    assert (eigenvalues[:, 0] / eigenvalues[:, -1]).min() == pytest.approx(1e-10, rel=1e-3)
 
 
 def with_masses(text, factor):

@@ -96,6 +96,20 @@ def test_collecting_spread_parameters_is_the_identity(robot):
     np.testing.assert_array_equal(reduction.collect @ reduction.spread, np.eye(len(reduction.names)))
 
 
+@pytest.mark.parametrize(
+    ("lower", "upper", "count"),
+    [(-3.0, 3.0, 3), (0.0, 0.0, 3), (0.0, 1e-5, 2), (-1e-5, 0.0, 2), (-3.0, 1e-5, 3), (-1e-5, 3.0, 3)],
+    ids=["wide", "none", "up", "down", "wide down", "wide up"],
+)
+def test_parameters_that_no_motion_within_the_limits_shows_are_left_out(lower, upper, count):
+    """One joint about y: Iyy and both moments, of which m·c_z needs an angle."""
+    model = pin.Model()
+    limits = [np.array([x]) for x in (1.0, 1.0, lower, upper)]
+    joint = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "one", *limits)
+    model.appendBodyToJoint(joint, pin.Inertia(1.0, np.array([0.1, 0.0, 0.2]), np.eye(3)), pin.SE3.Identity())
+    assert numeric(model, labels(1)).rank.rank == count
+
+
 def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_parameters():
     assert len(nearly_coaxial(1e-3, last=True).parameters) == 11
     assert len(nearly_coaxial(1e-14, last=True).parameters) == 9

@@ -10,6 +10,7 @@ import exoid
 from exoid import BaseMotion
 from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
+from exoid.torques.contacts.imu import imu_errors
 
 FEET = ("left_foot", "right_foot")
 GYRO, FORCE, ENCODER = 0.005, 0.05, 1e-4
@@ -62,6 +63,22 @@ def test_a_slip_says_nothing_of_the_errors_of_the_imu(exo, still):
     dry = split(exo, still).imu
     np.testing.assert_allclose(ice.std[3:6], dry.std[3:6], rtol=0.5)  # 18 times as large if slips counted as rest
     assert (np.abs(ice.force_bias - dry.force_bias) < 4.0 * dry.std[3:6]).all()  # 7 times then
+
+
+def test_only_the_ends_of_a_rest_say_nothing_of_the_errors_of_the_imu(exo, still):
+    """A foot that leans for 50 ms at both ends of each rest of 0.3 s."""
+    phase = np.mod(still.time, 0.6)
+    rests = {"left_foot": (phase < 0.3) & (still.time < 12.0)}
+    ends = 0.04 * ((phase < 0.05) | ((phase > 0.25) & (phase < 0.3)))
+    lean = replace(
+        still.base,
+        angular_velocity=still.base.angular_velocity + ends[:, np.newaxis] * (0.0, 1.0, 0.0),
+        specific_force=still.base.specific_force + ends[:, np.newaxis] * (3.0, 0.0, 0.0),
+    )
+    level, leaning = (imu_errors(exo, replace(still, base=base), rests) for base in (still.base, lean))
+    assert abs(level.gyro_bias[1] - 0.01) < 3.0 * level.std[1]
+    np.testing.assert_allclose(leaning.gyro_bias, level.gyro_bias, atol=2e-4)
+    np.testing.assert_allclose(leaning.force_bias, level.force_bias, atol=2e-3)
 
 
 def test_feet_that_rest_and_slips_below_the_noise_are_not_said_to_slip(exo, still):

@@ -1,0 +1,69 @@
+"""Logged velocities that are late, which neither an estimate nor its validation uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.regression.least_squares import scaled_inverse, scaled_lstsq
+from exoid.signals import Recording, ZeroPhase
+from exoid.signals.differentiation import central_difference
+
+from .finding import Finding
+
+
+def without_late_velocity(recording: Recording) -> tuple[Recording, list[Finding]]:
+    """Leave out logged velocities that are late, and say so: the derivative of the angles is not."""
+    found = [each for each in late_velocities(recording) if each.kind == "velocity-delay"]
+    return (replace(recording, v=None, a=None) if found else recording), found
+
+
+def late_velocities(recording: Recording) -> Iterator[Finding]:
+    """Compare logged velocities with the derivative of the angles: v = g (q̇ − d q̈)."""
+    if recording.v is None:
+        return
+    even = recording.resampled()
+    rate = even.sample_rate
+    low_pass = ZeroPhase(cutoff=min(6.0, 0.15 * rate))
+    edge = low_pass.edge(rate)
+    if len(even) <= 2 * edge + 20 or even.v is None:
+        return
+    q, logged = low_pass.filter(even.q, rate), low_pass.filter(even.v, rate)
+    v = central_difference(q, rate, 4)
+    a = central_difference(v, rate, 4)
+    inner = slice(edge, len(q) - edge)
+    for k, joint in enumerate(even.joint_names):
+        rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])
+        late = _delay(rows, logged[inner, k])
+        if late is None or np.ptp(q[inner, k]) < 0.02:  # [rad], at a stall the derivative is noise
+            continue
+        gain, delay, error = late
+        if abs(delay) > max(4.5 * error, 1e-3):
+            when = "after" if delay > 0.0 else "before"
+            message = f"the logged velocity comes {1e3 * delay:.3g} ms {when} the derivative of the angle"
+            remedy = "leave the velocity out of the log, as is done here: it is derived from the angle without delay"
+            interval = delay - 2.0 * error, delay + 2.0 * error
+            yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)
+        if abs(gain - 1.0) > 0.05:
+            message = f"the logged velocity is {gain:.3g} times the derivative of the angle"
+            remedy = "leave the velocity out of the log, or correct its unit or sign"
+            yield Finding("velocity-scale", joint, gain, "1", "error", message, remedy)
+
+
+def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] | None:
+    """Gain, delay [s] and its standard deviation, from blocks of the record; None where nothing moves."""
+    if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
+        return None
+    whole = scaled_lstsq(rows, logged)
+    gain = float(whole[0])
+    if gain == 0.0:
+        return None
+    residual = logged - rows @ whole
+    blocks = np.array_split(np.arange(len(rows)), max(4, min(20, len(rows) // 50)))
+    inverse = scaled_inverse(rows.T @ rows)
+    scores = np.array([rows[block].T @ residual[block] for block in blocks])
+    covariance = inverse @ (scores.T @ scores) @ inverse * len(blocks) / (len(blocks) - 1)
+    return gain, -float(whole[1]) / gain, float(np.sqrt(covariance[1, 1])) / abs(gain)
