@@ -16,7 +16,6 @@ from .options import (
     FIXED_BASE,
     READ_AS_IT_IS,
     AsJson,
-    DriveFile,
     EstimateOutput,
     LegName,
     LegOptions,
@@ -41,7 +40,6 @@ def select(
     ] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
-    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Select friction, filter and estimator for LEG by blocked cross-validation inside the LOGs.
@@ -54,7 +52,7 @@ def select(
     recordings = read_logs(logs, reading, beside=tests)
     tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
     found = find_leg(leg, choice, recordings[0].joint_names)
-    drives = read_drives(actuators, found)
+    drives = read_drives(reading, found)
     if drives is not None:
         recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))
     with progress_bar("selecting friction") as progress:

@@ -108,13 +108,7 @@ def track(
 
 
 def _dry_run(
-    what: str,
-    dry: DryRunOptions,
-    gains: GainOptions,
-    reading: LogOptions,
-    figures: str | None,
-    *,
-    as_json: bool,
+    what: str, dry: DryRunOptions, gains: GainOptions, reading: LogOptions, figures: str | None, *, as_json: bool
 ) -> None:
     """Replay a controller on a log, write and print it."""
     from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
