@@ -8,7 +8,7 @@ from controlled_legs import cuhk_plant, frictionless
 
 import exoid
 from exoid import ExoidError
-from exoid.control import SHARP, gravity_friction_pd, pd, simulate_law
+from exoid.control import SHARP, SMOOTH, gravity_friction_pd, pd, simulate_law
 from exoid.experiments import Hold
 from exoid.lab.stability.gain_margin import gain_margins, spectral_radius
 from exoid.rig import Plant, Sensors
@@ -96,7 +96,7 @@ def test_sharp_friction_compensation_is_refused_as_it_has_no_derivative():
 def test_smooth_friction_compensation_undamps_a_leg_that_has_no_friction():
     """c0 / width beside Kd: the linear reason for the limit cycles of over-compensation."""
     plant = cuhk_plant(end_stops=False)
-    compensating = gravity_friction_pd(plant, KP, KD)
+    compensating = gravity_friction_pd(plant, KP, KD, friction=SMOOTH)
     assert spectral_radius(plant, compensating, POSE) > 1.0
     assert spectral_radius(plant, gravity_friction_pd(plant, KP, KD, friction=None), POSE) < 1.0
 
