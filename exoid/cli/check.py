@@ -9,7 +9,7 @@ from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .numbers import parse_known
 from .option_groups import expand_options
 from .options import ANY_LEG, READ_AS_IT_IS, AsJson, Cutoff, Known, LegName, LegOptions, LogNames, LogOptions, TermNames
-from .outputs import print_result
+from .outputs import check_outputs, print_result
 
 
 @expand_options()
@@ -27,11 +27,12 @@ def check(
 
     Example: exoid check bleex bleex_swing:train
     """
+    refuse_unknown_leg(leg)
+    check_outputs({}, logs)
     from exoid.estimate.finding import findings_table  # noqa: PLC0415 - help needs no NumPy
     from exoid.tools.json_values import json_value  # noqa: PLC0415
     from exoid.tools.tables import to_text  # noqa: PLC0415
 
-    refuse_unknown_leg(leg)
     recordings = read_logs(logs, reading)
     found_leg = find_leg(leg, choice, recordings[0].joint_names)
     refuse_without_base(choice, recordings)

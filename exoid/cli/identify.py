@@ -85,15 +85,15 @@ def identify(
 
     Example: exoid identify bleex bleex_swing:train -o est.json
     """
-    from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
-    from .log_parts import refuse_other  # noqa: PLC0415
-    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
-
     refuse_unknown_leg(leg)
     tests, pages = test or [], {"--test": test, "--report": report, "--figures": figures}
     refuse({} if own is None else pages, "with --own each log has an estimate")
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
     check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, reading.actuators], figures)
+    from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
+    from .log_parts import refuse_other  # noqa: PLC0415
+    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
+
     if save_columns is not None:
         write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import exoid
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, in_file, nearest
+from exoid.errors import BadArgumentError, ExoidError, in_file, nearest
 
 from .legs import DATASETS, dataset
 from .messages import Amount, note
 from .numbers import parse_numbers, split_names, values_by_name
 from .options import LogOptions, given
-from .refusals import is_readable, names_beside, refuse, refuse_form
+from .refusals import is_readable, refuse, refuse_form
 
 if TYPE_CHECKING:
     from exoid.actuators import Actuators
@@ -67,9 +65,8 @@ def _from_dataset(name: str, options: LogOptions) -> Recording:
     refuse({"--mask": options.mask}, f"{name} has no such column")
     wanted = given(options._replace(payload=options.payload if payloads_of(options.payload, name) else None))
     refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
-    base, _, part = name.partition(":")
-    data = dataset(base)
-    return data.train if part == "train" else data.test
+    data = dataset(name.partition(":")[0])
+    return data.train if name.endswith(":train") else data.test
 
 
 def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
@@ -77,8 +74,6 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
     from .log_parts import payloads_of  # noqa: PLC0415
 
     refuse_form(name, "LOG")
-    if not os.path.lexists(name) and (similar := nearest(Path(name).name, names_beside(name))):
-        raise UnreadableInputError("no such file", where=name, remedy=f"{similar}check the path")
     example = "NAME=HEADER, e.g. --column q_hip=pos1"
     columns = values_by_name(options.column, "--column", exoid.signals.Column.from_text, example)
     plates = values_by_name(options.plate, "--plate", str, "PLATE=LINK, e.g. --plate 1=right_foot")

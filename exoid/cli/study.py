@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 from typer import Option
 
-from exoid.control import ControlModel
+import exoid
 from exoid.errors import BadArgumentError, ExoidError
-from exoid.experiments import gait_for_leg, healthy_gait
-from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
-from exoid.experiments.excitation.scales import Scales, TorqueNoise
-from exoid.lab import study as studies
-from exoid.lab.study import Protocol, TrackingTask
-from exoid.leg.leg import Leg
 from exoid.tools.files import make_folder
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .inputs import given_terms
 from .legs import find_leg
@@ -29,6 +21,12 @@ from .options import TorqueNoise as NoiseLevel
 from .outputs import print_result
 from .progress import progress_bar
 from .refusals import refuse
+
+if TYPE_CHECKING:
+    from exoid.experiments.excitation import Plan
+    from exoid.lab.study import Protocol, TrackingTask
+    from exoid.leg.leg import Leg
+    from exoid.torques import Term, TorqueModel
 
 SCALE, PERIOD = 0.8, 10.0
 """Factor of the amplitudes and period [s] of the gait that controllers follow, as in ``exoid track``."""
@@ -68,21 +66,23 @@ def study(
 
     Example: exoid study cuhk --replicates 10 --protocols document --duration 10
     """
+    from exoid.experiments.excitation.scales import Scales, TorqueNoise  # noqa: PLC0415 - help needs no plans
+
     if folder is not None:
         make_folder(folder)  # before the minute that planning takes
     found, chosen = find_leg(leg, choice, None), given_terms(terms)
-    chosen = DEFAULT_TERMS if chosen is None else chosen
-    model = TorqueModel(found, chosen)
-    scales = Scales.of(model, MotionLimits.of(found))
+    chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
+    model = exoid.torques.TorqueModel(found, chosen)
+    scales = Scales.of(model, exoid.experiments.excitation.MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "there are no --laws")
-    truth = studies.plausible_truth(model, scales.typical_torque)
-    noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
+    truth = exoid.study.plausible_truth(model, scales.typical_torque)
+    noises = tuple(exoid.study.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     planning = {"noise": std, "duration": duration, "rate": rate}
     task = None if laws is None else _tracking_task(laws, course or "gait", model, truth, (kp, kd), planning)
-    design = studies.Study(
-        leg=studies.LegText.of(found),
+    design = exoid.study.Study(
+        leg=exoid.study.LegText.of(found),
         terms=chosen,
         truth=truth,
         protocols=tuple(_protocol(name, found, chosen, planning) for name in split_names(protocols) or ()),
@@ -96,7 +96,7 @@ def study(
         course=task,
     )
     with progress_bar("identifying") as progress:
-        result = studies.run_study(design, folder, None if workers == 1 else workers, progress)
+        result = exoid.study.run_study(design, folder, None if workers == 1 else workers, progress)
     details = [str(combination) for combination in result.combinations] if parameters else []
     print_result("\n\n".join([str(result), *details]), as_json=as_json, data=result.to_json())
 
@@ -104,9 +104,9 @@ def study(
 def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Protocol:
     """Make a protocol by its name."""
     if name == "planned":
-        return studies.planned(_plan(leg, terms, planning))
+        return exoid.study.planned(_plan(leg, terms, planning))
     if name == "document":
-        return studies.document(leg, planning["duration"])
+        return exoid.study.document(leg, planning["duration"])
     raise BadArgumentError(f"--protocols {name}", remedy="use some of planned, document")
 
 
@@ -120,24 +120,26 @@ def _tracking_task(
 ) -> TrackingTask:
     """Make a tracking task by its name: a gait as in ``exoid track``, or a plan that differs from the protocol's."""
     kp, kd = (parse_numbers(text, option) for text, option in zip(gains, ("--kp", "--kd"), strict=True))
-    names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
+    names, known = split_names(laws) or (), exoid.control.ControlModel.of_parameters(model, np.array(truth))
     if motion == "gait":
         try:
-            gait = gait_for_leg(model.leg, healthy_gait(SCALE, PERIOD))
+            gait = exoid.experiments.gait_for_leg(model.leg, exoid.experiments.healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise BadArgumentError(
                 error.what, where=error.where, remedy=f"{error.remedy}, or --course planned"
             ) from None
-        return TrackingTask.of(names, gait, PERIOD, known, kp, kd)
+        return exoid.study.TrackingTask.of(names, gait, PERIOD, known, kp, kd)
     # Seed of a planned tracking task; that of a planned protocol is 0.
     plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": 1}).motions[0]
-    return TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
+    return exoid.study.TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
 
 
 def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:
     """Plan with few starts, because a good motion is enough."""
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415 - help needs no plans
+
     with threadpool_limits(limits=1):  # the same bits on any number of processors
-        return plan_excitation(leg, terms, criterion="d", starts=2, **planning)
+        return exoid.experiments.excitation.plan_excitation(leg, terms, criterion="d", starts=2, **planning)
 
 
 def _share(colour: str) -> float:

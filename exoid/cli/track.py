@@ -144,12 +144,12 @@ def _of_leg(
     progress: Callable[[float], None],
 ) -> ReplayReport:
     """Run every controller on a leg."""
+    source = _source(what)
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
 
     from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
 
-    source = _source(what)
     model = exoid.control.ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     if motion.reference is None:

@@ -115,13 +115,9 @@ def _with_torque(log: Recording, shown: Leg | exoid.Estimate, reading: LogOption
     """Compute the torque of a log of currents, with the drives that were given or those of the estimate."""
     from exoid.actuators.constants import unknown_constants  # noqa: PLC0415 - help needs no drives
 
-    if isinstance(shown, exoid.Estimate):
-        drives = read_drives(reading, shown.model.leg) or shown.actuators
-    else:
-        drives = read_drives(reading, shown)
-        if drives is not None and unknown_constants(drives):
-            return log
-    return log if drives is None else drives.torque(log)
+    drives = read_drives(reading, shown.model.leg if isinstance(shown, exoid.Estimate) else shown)
+    drives = drives or getattr(shown, "actuators", None)
+    return log if drives is None or unknown_constants(drives) else drives.torque(log)
 
 
 def _folder_of(leg: str) -> Path:
