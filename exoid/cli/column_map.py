@@ -99,8 +99,7 @@ def _refuse_wrong(key: str, value: Any) -> None:  # noqa: ANN401 - any value of 
 
 def columns_of(options: LogOptions) -> dict[str, Any]:
     """Options of a call that are those of a laboratory."""
-    said: dict[str, Any] = {key: getattr(options, key) for key in KEYS}
-    said = {key: value for key, value in said.items() if value != LogOptions._field_defaults[key]}
+    said: dict[str, Any] = {k: v for k in KEYS if (v := getattr(options, k)) != LogOptions._field_defaults[k]}
     for table in ("columns", "plates"):
         if pairs := [pair.partition("=") for pair in getattr(options, TABLES[table][0]) or ()]:
             said[table] = {name.strip(): text.strip() for name, _, text in pairs}

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 OF_FILES = ("--names", "--format", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
 """Options that have no effect on datasets."""
 
-LONGEST_DELAY = 1.0
-"""Time beyond which a delay is taken for milliseconds [s]."""
-
 
 def read_logs(names: Sequence[str], options: LogOptions, *, beside: Sequence[str] = ()) -> list[Recording]:
     """Read logs, or the parts of a built-in dataset; segments and payloads may also name those ``beside``."""
@@ -161,7 +158,7 @@ def _on_time(recording: Recording, delays: Mapping[str, float]) -> Recording:
         if joint not in names:
             remedy = f"{nearest(joint, names)}its joints are {', '.join(names)}"
             raise BadArgumentError(f"--late {joint}={delay:g}: the log has no such joint", remedy=remedy)
-        if not abs(delay) <= LONGEST_DELAY:
+        if not abs(delay) <= 1.0:  # beyond it is taken for milliseconds
             raise BadArgumentError(f"--late {joint}={delay:g}: over 1 s", remedy="give seconds: 0.02 for 20 ms")
     by_joint = {names.index(joint): delay for joint, delay in delays.items()}
     return exoid.signals.without_torque_delay(recording, by_joint, readings=True) if delays else recording

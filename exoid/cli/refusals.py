@@ -48,7 +48,7 @@ def refuse_form(name: str, argument: str) -> None:
 
 def refuse_missing(name: str) -> None:
     """Refuse a file that is not there, before seconds pass in imports of what reads it."""
-    if Path(name).suffix and not os.path.lexists(name):
+    if Path(name).suffix not in ("", ".urdf") and not os.path.lexists(name):  # refuse_unknown_leg knows more of URDFs
         usual = "give the file that exoid identify -o wrote" if name.endswith(".json") else "check the path"
         remedy = f"{nearest(Path(name).name, names_beside(name))}{usual}"
         raise UnreadableInputError("no such file", where=name, remedy=remedy)
