@@ -27,8 +27,7 @@ def without_torque_delay(
         readings: Whether to shift what the drives measured, too.
 
     Returns:
-        The recording at even times with torques at t + delay; the first or last value fills the end. Torques that were
-        not measured remain so.
+        The recording at even times with torques at t + delay; the end has its last value. NaN remains NaN.
     """
     shifted, even = {}, recording.resampled()
     late = ("tau", *DRIVE_CHANNELS) if readings else ("tau",)
