@@ -9,6 +9,8 @@ from typing import NamedTuple
 # Before the first import of numpy: many small matrices, and one process for each core.
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
+os.environ.pop("COLUMNS", None)  # texts as a pipe receives them
+
 import pytest
 from browser import chromium
 from hypothesis import settings

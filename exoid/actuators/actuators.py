@@ -16,13 +16,11 @@ from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.differentiation import central_difference, smooth_motion
 from exoid.signals.external import ReadOnlyDict
 from exoid.signals.quantities import PREFIXES
+from exoid.signals.torque_delay import DRIVE_CHANNELS
 
 from .coupling import Coupling
 from .drive import Drive
 from .motor import Motor
-
-DRIVE_CHANNELS = ("current", "force", "motor_torque", "motor_angle")
-"""Quantities of a recording that drives measure."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -321,9 +319,7 @@ def _smooth(signal: FloatArray, rate: float) -> FloatArray:
 
 def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> UnreadableInputError:
     """Make the error about a recording that has neither torque nor what the drives need."""
-    needed = [
-        f"{PREFIXES[one.channel]}_{recording.joint_names[columns[joint]]}" for one in parts for joint in one.joints
-    ]
+    needed = [f"{PREFIXES[p.channel]}_{recording.joint_names[columns[joint]]}" for p in parts for joint in p.joints]
     units = dict.fromkeys(f"{PREFIXES[one.channel]}_ in {one.drive.unit}" for one in parts)
     others = [quantity for quantity in DRIVE_CHANNELS if getattr(recording, quantity) is not None]
     has = f", but {' and '.join(others)}" if others else ""

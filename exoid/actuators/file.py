@@ -34,7 +34,7 @@ def read_actuators(path: str | os.PathLike[str], leg: Leg) -> Actuators:
     * ``type = "coupling"``: ``joints``, ``matrix``, and ``motors`` if currents are logged.
 
     Args:
-        path: The file, or "bleex" for the assumed cylinders of BLEEX.
+        path: The file, which may be one for ``--columns``, or "bleex" for the assumed cylinders of BLEEX.
         leg: The leg.
 
     Returns:
@@ -50,7 +50,7 @@ def read_actuators(path: str | os.PathLike[str], leg: Leg) -> Actuators:
     """
     name = os.fspath(path)
     with in_file(str(name)):
-        return actuators_from_data(_content(str(name)), leg)
+        return actuators_from_data(read_drive_tables(str(name)), leg)
 
 
 def write_actuators(actuators: Actuators, path: str | os.PathLike[str]) -> None:
@@ -66,9 +66,11 @@ def write_actuators(actuators: Actuators, path: str | os.PathLike[str]) -> None:
     write_whole(path, [to_toml(actuators_to_data(actuators))])
 
 
-def _content(name: str) -> Mapping[str, Any]:
-    """Content of a file, or of a built-in one where no file has its name."""
+def read_drive_tables(name: str) -> Mapping[str, Any]:
+    """Read the tables of a file, or of a built-in one where no file has its name."""
     if name in BUILT_IN and not Path(name).is_file():
         with resources.as_file(resources.files(__package__).joinpath(BUILT_IN[name])) as path:
             return read_toml(path, EXAMPLE)
-    return read_toml(Path(name), EXAMPLE)
+    content = read_toml(Path(name), EXAMPLE)
+    tables: Mapping[str, Any] = content.get("actuators", content)
+    return tables

@@ -78,7 +78,7 @@ def main() -> None:
     words = [word for word in sys.argv[1:] if word not in (TRACEBACK, *AMOUNTS)]
     for word in sys.argv[1:]:
         amount.set(AMOUNTS.get(word, amount.get()))
-    if sys.stdout is not None and sys.stdout.isatty():
+    if "COLUMNS" in os.environ or (sys.stdout is not None and sys.stdout.isatty()):
         line_width.set(min(WIDTH, max(NARROWEST, shutil.get_terminal_size().columns)))
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

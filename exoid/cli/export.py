@@ -53,17 +53,11 @@ def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptio
     in_c = c is not None or ros2 is not None
     of_law = [name for name, value in given(options).items() if value is not None]
     refuse({"--precision": None if in_c else precision}, "nothing is written as C; give --c LEG.C")
+    several = sum(each is not None for each in (output, c, mjcf, ros2)) != 1
+    one = "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML, or --law NAME --ros2 DIR"
     rules = (
-        (
-            sum(each is not None for each in (output, c, mjcf, ros2)) != 1,
-            "one file is written at a time",
-            "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML, or --law NAME --ros2 DIR",
-        ),
-        (
-            in_c and links != LinkOptions(),
-            "--mass-factor and --pull have no effect on C",
-            "leave them out, or write a URDF with -o LEG.URDF",
-        ),
+        (several, "one file is written at a time", one),
+        (in_c and links != LinkOptions(), "--mass-factor and --pull have no effect on C", "write a URDF with -o"),
         (law is None and bool(of_law), f"{', '.join(of_law)}: only a control law has it", "name the law with --law"),
         (law is not None and not in_c, "--law has no effect on a URDF", "give --c LAW.C"),
         (law is None and ros2 is not None, "--ros2 writes a control law", "name the law with --law"),

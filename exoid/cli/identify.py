@@ -8,7 +8,10 @@ from typing import Annotated, Any, NamedTuple
 from typer import Option
 
 import exoid
+from exoid.tools.files import write_whole
+from exoid.tools.toml import to_toml
 
+from .column_map import columns_of
 from .inputs import given_terms, read_drives, read_logs
 from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .numbers import parse_known, parse_prior, split_names
@@ -17,7 +20,7 @@ from .options import (
     ANY_LEG,
     READ_AS_IT_IS,
     AsJson,
-    DriveFile,
+    Cutoff,
     EstimateOutput,
     Figures,
     Known,
@@ -25,7 +28,6 @@ from .options import (
     LegOptions,
     LogNames,
     LogOptions,
-    Number,
     Report,
     TermNames,
     Text,
@@ -40,9 +42,9 @@ class FitOptions(NamedTuple):
 
     terms: TermNames = None
     estimator: Annotated[str, Option(help="wls, huber, gls, ml or ols.")] = "wls"
-    cutoff: Annotated[Number, Option(metavar="HZ", help="Zero-phase low-pass; 8, or less for noisy angles.")] = None
+    cutoff: Cutoff = None
     preparation: Annotated[Text, Option(help="finite-difference, moving-average or smoothed.")] = None
-    noise: Annotated[str, Option(help="correlated, or white (noise without autocorrelation).")] = "correlated"
+    noise: Annotated[str, Option("--colour", help="Noise: correlated, or white (no autocorrelation).")] = "correlated"
     known: Known = None
     prior: Annotated[Texts, Option(metavar="NAME=VALUE:STD", help="Prior knowledge. Repeatable.")] = None
     nonnegative: Annotated[bool, Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")] = False
@@ -75,28 +77,23 @@ def identify(
     figures: Figures = None,
     reading: LogOptions = READ_AS_IT_IS,
     save_columns: Annotated[Text, Option(metavar="LAB.TOML", help="Write columns and options of these logs.")] = None,
-    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_.
 
-    A LOG may also be a folder of logs.
+    A LOG may also be a folder of logs. Logs of currents (i_<joint>) need --actuators, see --help-log.
 
     Example: exoid identify bleex bleex_swing:train -o est.json
     """
-    from exoid.tools.files import write_whole  # noqa: PLC0415 - help needs no files
-    from exoid.tools.toml import to_toml  # noqa: PLC0415
-
-    from .column_map import columns_of  # noqa: PLC0415
-    from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
-    from .log_parts import refuse_other  # noqa: PLC0415
-    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
-
     refuse_unknown_leg(leg)
     tests, pages = test or [], {"--test": test, "--report": report, "--figures": figures}
     refuse({} if own is None else pages, "with --own each log has an estimate")
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
-    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, actuators], figures)
+    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, reading.actuators], figures)
+    from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
+    from .log_parts import refuse_other  # noqa: PLC0415
+    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
+
     if save_columns is not None:
         write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))
@@ -109,7 +106,7 @@ def identify(
             dict(zip(log_names(logs), read_logs(logs, reading), strict=True)),
             split_names(own) or (),
             lambda joints: find_leg(leg, choice, joints),
-            lambda found: read_drives(actuators, found),
+            lambda found: read_drives(reading, found),
             columns_of(reading),
             fit.settings(),
             paths,
@@ -121,7 +118,7 @@ def identify(
     settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
     refuse_without_base(choice, recordings)
     with with_progress(recordings) as source:
-        estimate = exoid.identify(found, source, actuators=read_drives(actuators, found), **settings)
+        estimate = exoid.identify(found, source, actuators=read_drives(reading, found), **settings)
     estimate = replace(estimate, columns=columns_of(reading))
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:

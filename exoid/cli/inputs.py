@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import exoid
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError, nearest
+from exoid.errors import BadArgumentError, ExoidError, in_file, nearest
 
 from .legs import DATASETS, dataset
 from .messages import Amount, note
 from .numbers import parse_numbers, split_names, values_by_name
 from .options import LogOptions, given
-from .refusals import is_readable, names_beside, refuse, refuse_form
+from .refusals import is_readable, refuse, refuse_form
 
 if TYPE_CHECKING:
     from exoid.actuators import Actuators
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
     from exoid.signals import Recording, WrenchFrame
     from exoid.torques import Term
 
-OF_FILES = ("--names", "--format", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench")
+OF_FILES = ("--names", "--format", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
 """Options that have no effect on datasets."""
 
 
@@ -64,9 +62,8 @@ def _from_dataset(name: str, options: LogOptions) -> Recording:
     refuse({"--mask": options.mask}, f"{name} has no such column")
     wanted = given(options._replace(payload=options.payload if payloads_of(options.payload, name) else None))
     refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
-    base, _, part = name.partition(":")
-    data = dataset(base)
-    return data.train if part == "train" else data.test
+    data = dataset(name.partition(":")[0])
+    return data.train if name.endswith(":train") else data.test
 
 
 def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
@@ -74,8 +71,6 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
     from .log_parts import payloads_of  # noqa: PLC0415
 
     refuse_form(name, "LOG")
-    if not os.path.lexists(name) and (similar := nearest(Path(name).name, names_beside(name))):
-        raise UnreadableInputError("no such file", where=name, remedy=f"{similar}check the path")
     example = "NAME=HEADER, e.g. --column q_hip=pos1"
     columns = values_by_name(options.column, "--column", exoid.signals.Column.from_text, example)
     plates = values_by_name(options.plate, "--plate", str, "PLATE=LINK, e.g. --plate 1=right_foot")
@@ -86,7 +81,7 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
             where=options.forces,
             remedy=f"give --plate PLATE=LINK; its plates are {known}",
         )
-    return exoid.signals.read_opensim(
+    recording = exoid.signals.read_opensim(
         *(name, columns or None),
         joint_names=joints,
         forces=options.forces,
@@ -106,6 +101,7 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         base_position=parse_numbers(options.base_position, "--base-position"),
         wrench_frames=_wrench_frames(options.wrench),
     )
+    return _on_time(recording, delays_of(options))
 
 
 def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
@@ -133,6 +129,36 @@ def given_terms(text: str | None) -> tuple[Term, ...] | None:
     return () if text.strip() == "none" else tuple(term_by_name(name.strip()) for name in text.split(","))
 
 
-def read_drives(file: str | None, leg: Leg) -> Actuators | None:
-    """Read the drives of a leg; None without a file."""
-    return None if file is None else exoid.actuators.read_actuators(file, leg)
+def read_drives(options: LogOptions, leg: Leg) -> Actuators | None:
+    """Read the drives of a leg; None where no file has them."""
+    from exoid.actuators.drive_data import actuators_from_data  # noqa: PLC0415 - help needs no drives
+
+    if options.actuators is None:
+        return None
+    with in_file(options.actuators):
+        return actuators_from_data(drive_tables(options.actuators), leg)
+
+
+def drive_tables(file: str) -> Mapping[str, Any]:
+    """Read the tables of drives: of a file, or as an estimate remembers them."""
+    from exoid.actuators.file import read_drive_tables  # noqa: PLC0415 - see above
+
+    return exoid.Estimate.load(file).columns["actuators"] if file.endswith(".json") else read_drive_tables(file)
+
+
+def delays_of(options: LogOptions) -> dict[str, float]:
+    """Time by which the drive of a joint is logged late, by joint [s]."""
+    return values_by_name(options.late, "--late", float, "JOINT=S, e.g. --late knee=0.02")
+
+
+def _on_time(recording: Recording, delays: Mapping[str, float]) -> Recording:
+    """Take out the time by which drives are logged late."""
+    names = recording.joint_names
+    for joint, delay in delays.items():
+        if joint not in names:
+            remedy = f"{nearest(joint, names)}its joints are {', '.join(names)}"
+            raise BadArgumentError(f"--late {joint}={delay:g}: the log has no such joint", remedy=remedy)
+        if not abs(delay) <= 1.0:  # beyond it is taken for milliseconds
+            raise BadArgumentError(f"--late {joint}={delay:g}: over 1 s", remedy="give seconds: 0.02 for 20 ms")
+    by_joint = {names.index(joint): delay for joint, delay in delays.items()}
+    return exoid.signals.without_torque_delay(recording, by_joint, readings=True) if delays else recording

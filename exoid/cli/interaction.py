@@ -9,11 +9,12 @@ from typer import Option
 import exoid
 from exoid.errors import BadArgumentError
 
+from .column_map import with_remembered
 from .inputs import read_drives, read_logs
 from .messages import note
 from .numbers import parse_numbers
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, Figures, LogNames, LogOptions, Number, Report, Text
+from .options import READ_AS_IT_IS, AsJson, EstimateName, Figures, LogNames, LogOptions, Report, Text, TorqueCutoff
 from .outputs import check_outputs, print_result, save_page
 
 
@@ -29,11 +30,8 @@ def interaction(
     strides: Annotated[
         Text, Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period.")
     ] = None,
-    cutoff: Annotated[
-        Number, Option(metavar="HZ", help="Cut-off of both torques; default that of the estimate.")
-    ] = None,
+    cutoff: TorqueCutoff = None,
     reading: LogOptions = READ_AS_IT_IS,
-    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.
@@ -42,14 +40,14 @@ def interaction(
 
     Example: exoid interaction est.json bleex_swing:test
     """
-    from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
-
-    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.segments, actuators], figures)
+    check_outputs(
+        {"--output": output, "--report": report}, [estimate, *logs, reading.segments, reading.actuators], figures
+    )
     if output is not None and len(logs) > 1:
         raise BadArgumentError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
     loaded = exoid.Estimate.load(estimate)
     reading = with_remembered(reading, loaded, estimate, logs)
-    recordings, drives = read_logs(logs, reading), read_drives(actuators, loaded.model.leg)
+    recordings, drives = read_logs(logs, reading), read_drives(reading, loaded.model.leg)
     times = parse_numbers(strides, "--strides")
     result = exoid.interaction(loaded, recordings, strides=times, cutoff=cutoff, actuators=drives)
     if output is not None:

@@ -16,11 +16,9 @@ EstimateName = Annotated[str, Argument(metavar="EST.JSON", help="Estimate of exo
 EstimateOutput = Annotated[Text, Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")]
 TermNames = Annotated[Text, Option(metavar="A,B", help="Terms, e.g. coulomb,viscous,armature,offset; none for none.")]
 Known = Annotated[Texts, Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")]
+Cutoff = Annotated[Number, Option(metavar="HZ", help="Zero-phase low-pass; 8, or less for noisy angles.")]
+TorqueCutoff = Annotated[Number, Option("--cutoff", metavar="HZ", help="Low-pass of both torques; default EST.JSON's.")]
 TorqueNoise = Annotated[Text, Option(metavar="N·M", help="Torque noise (of each joint); default: 2 % of its torque.")]
-DriveFile = Annotated[
-    Text,
-    Option("--actuators", metavar="DRIVES.TOML", help="Drives, for logs with columns i_, f_, tm_ or qm_; or bleex."),
-]
 Roles = Annotated[Texts, Option(metavar="JOINT=ROLE", help="Joint that is hip, knee or ankle of the gait. Repeatable.")]
 Figures = Annotated[Text, Option(metavar="DIR", help="Write figures for a paper: PDF and SVG.")]
 Report = Annotated[Text, Option(metavar="FILE.HTML", help="Write a report: one self-contained HTML page.")]
@@ -40,6 +38,12 @@ class LogOptions(NamedTuple):
             help="Header of a column, e.g. q_hip=pos1, tau_hip=current:0.118 (:SCALE, :SCALE:ZERO), q_hip=enc:deg, "
             "time=stamp:ms. Repeatable.",
         ),
+    ] = None
+    actuators: Annotated[
+        Text, Option(metavar="DRIVES.TOML", help="Drives, for logs with columns i_, f_, tm_ or qm_; or bleex.")
+    ] = None
+    late: Annotated[
+        Texts, Option(metavar="JOINT=S", help="Time by which a joint's torque or current is late [s]. Repeatable.")
     ] = None
     degrees: Annotated[
         bool | None, Option("--degrees/--radians", help="Angles in the logs are degrees; or radians, however far.")

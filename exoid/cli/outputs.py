@@ -15,6 +15,7 @@ from exoid.tools.files import make_folder, refuse_input, refuse_unwritable, writ
 
 from .messages import note
 from .progress import status
+from .refusals import refuse_missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,8 +29,10 @@ def check_outputs(
     inputs: Iterable[str | os.PathLike[str] | None] = (),
     folder: str | None = None,
 ) -> None:
-    """Check that files can be written, differ from each other and are no inputs; make the folder of the figures."""
+    """Check that inputs are there, and that outputs can be written and differ; make the folder of the figures."""
     read = [each for each in inputs if each is not None]
+    for each in read:
+        refuse_missing(os.fspath(each))
     if folder is not None:
         refuse_input(folder, read)
         make_folder(folder)

@@ -172,7 +172,8 @@ def plan(
                 more |= _stance_arguments(stance) | search.arguments(starts=2)
                 result = excitation.plan_stance(found, chosen, **more)
             else:
-                more |= {"tilts_deg": _tilts(torso), "poses": torso.poses} | search.arguments(starts=16)
+                tilts = parse_numbers(torso.tilts, "--tilts") or ()
+                more |= {"tilts_deg": tilts, "poses": torso.poses} | search.arguments(starts=16)
                 result = excitation.plan_excitation(found, chosen, **more)
     if output is not None and not isinstance(result, excitation.Assessment):
         for path in excitation.plan_files.write_plan(output, result):
@@ -191,11 +192,8 @@ def _files(output: str | None, torso: TorsoOptions, stance: StanceOptions) -> Se
         return ()
     if feet is not None:
         return plan_files(output, feet)
-    return plan_files(output, [f"tilt{tilt:+g}" for tilt in _tilts(torso)], poses=torso.poses > 0)
-
-
-def _tilts(torso: TorsoOptions) -> tuple[float, ...]:
-    return parse_numbers(torso.tilts, "--tilts") or ()
+    tilts = parse_numbers(torso.tilts, "--tilts") or ()
+    return plan_files(output, [f"tilt{tilt:+g}" for tilt in tilts], poses=torso.poses > 0)
 
 
 def _stance_arguments(stance: StanceOptions) -> dict[str, Any]:

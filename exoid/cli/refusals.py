@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import stat
 from collections.abc import Mapping
 from pathlib import Path
 
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import BadArgumentError, UnreadableInputError, nearest
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
@@ -43,6 +44,14 @@ def refuse_form(name: str, argument: str) -> None:
         raise BadArgumentError(f"is {form}, and no URDF", where=name, remedy="name the leg's URDF here, then the logs")
     remedy = f"name a table here, after {meant}" if meant else "export its table as CSV"
     raise BadArgumentError(f"is {form}, and no log", where=name, remedy=f"{remedy}: time, q_<joint>, tau_<joint>")
+
+
+def refuse_missing(name: str) -> None:
+    """Refuse a file that is not there, before seconds pass in imports of what reads it."""
+    if Path(name).suffix not in ("", ".urdf") and not os.path.lexists(name):  # refuse_unknown_leg knows more of URDFs
+        usual = "give the file that exoid identify -o wrote" if name.endswith(".json") else "check the path"
+        remedy = f"{nearest(Path(name).name, names_beside(name))}{usual}"
+        raise UnreadableInputError("no such file", where=name, remedy=remedy)
 
 
 def is_readable(name: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,8 @@ def folder_of_robot(name: str) -> Path:
 
 def how_to_name_one() -> str:
     """Say what makes robots known by name."""
-    return "the name of one in example-robot-data" if _robots() else f"a robot's name after {install_extra('robots')}"
+    known = find_spec("example_robot_data") is not None
+    return "the name of one in example-robot-data" if known else f"a robot's name after {install_extra('robots')}"
 
 
 def _robots() -> Mapping[str, Any]:

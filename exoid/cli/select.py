@@ -16,7 +16,6 @@ from .options import (
     FIXED_BASE,
     READ_AS_IT_IS,
     AsJson,
-    DriveFile,
     EstimateOutput,
     LegName,
     LegOptions,
@@ -36,12 +35,9 @@ def select(
     output: EstimateOutput = None,
     test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
-    cutoff: Annotated[
-        Number, Option(metavar="HZ", help="Low-pass of the torques; default: 8, less for logs below 20 Hz.")
-    ] = None,
+    cutoff: Annotated[Number, Option(metavar="HZ", help="Low-pass of both torques; 8, or less below 20 Hz.")] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
-    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Select the friction of each joint of LEG by blocked cross-validation inside the LOGs.
@@ -54,7 +50,7 @@ def select(
     recordings = read_logs(logs, reading, beside=tests)
     tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
     found = find_leg(leg, choice, recordings[0].joint_names)
-    drives = read_drives(actuators, found)
+    drives = read_drives(reading, found)
     if drives is not None:
         recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))
     with progress_bar("selecting friction") as progress:

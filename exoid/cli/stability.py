@@ -31,12 +31,10 @@ def stability(
     kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; 0.1 Kp by default.")] = None,
     target: Annotated[str, Option(metavar="A,B", help="Target angle of each joint [deg].")] = "10,40",
     away: Annotated[str, Option(metavar="A,B", help="Start minus target of each joint [deg].")] = "25,-30",
-    rotor: Annotated[
-        Number, Option(metavar="I", help="Rotor inertia at cuhk's joints [kg·m²]; 0.8 by default.")
-    ] = None,
+    rotor: Annotated[Number, Option(metavar="KGM2", help="Rotor inertia at cuhk's joints; default 0.8.")] = None,
     rate: Annotated[float, Option(metavar="HZ", help="Sampling rate of the controller.")] = 100.0,
     duration: Annotated[float, Option(metavar="S", help="Duration of each run.")] = 20.0,
-    figure: Annotated[Text, Option(metavar="FILE.PNG", help="Draw errors and gain margins.")] = None,
+    figure: Annotated[Text, Option(metavar="PNG", help="Draw errors and gain margins.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Regulate with partial and excessive friction compensation, and find the gain margins.

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from threadpoolctl import threadpool_limits
 from typer import Option
 
+import exoid
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
-from exoid.experiments.excitation.scales import Scales, TorqueNoise
-from exoid.lab import study as studies
-from exoid.lab.study import Protocol
-from exoid.leg.leg import Leg
 from exoid.tools.files import make_folder
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .inputs import given_terms
 from .legs import find_leg
@@ -25,6 +19,12 @@ from .options import ANY_LEG, FIXED_BASE, AsJson, LegName, LegOptions, TermNames
 from .options import TorqueNoise as NoiseLevel
 from .outputs import print_result
 from .progress import progress_bar
+
+if TYPE_CHECKING:
+    from exoid.experiments.excitation import Plan
+    from exoid.lab.study import Protocol
+    from exoid.leg.leg import Leg
+    from exoid.torques import Term
 
 COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
@@ -55,18 +55,20 @@ def study(
 
     Example: exoid study cuhk --replicates 10 --protocols document --duration 10
     """
+    from exoid.experiments.excitation.scales import Scales, TorqueNoise  # noqa: PLC0415 - help needs no plans
+
     if folder is not None:
         make_folder(folder)  # before the minute that planning takes
     found, chosen = find_leg(leg, choice, None), given_terms(terms)
-    chosen = DEFAULT_TERMS if chosen is None else chosen
-    model = TorqueModel(found, chosen)
-    scales = Scales.of(model, MotionLimits.of(found))
+    chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
+    model = exoid.torques.TorqueModel(found, chosen)
+    scales = Scales.of(model, exoid.experiments.excitation.MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
-    truth = studies.plausible_truth(model, scales.typical_torque)
-    noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
+    truth = exoid.study.plausible_truth(model, scales.typical_torque)
+    noises = tuple(exoid.study.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     planning = {"noise": std, "duration": duration, "rate": rate}
-    design = studies.Study(
-        leg=studies.LegText.of(found),
+    design = exoid.study.Study(
+        leg=exoid.study.LegText.of(found),
         terms=chosen,
         truth=truth,
         protocols=tuple(_protocol(name, found, chosen, planning) for name in split_names(protocols) or ()),
@@ -79,7 +81,7 @@ def study(
         followed="exactly" if followed == "exactly" else "by a rig",
     )
     with progress_bar("identifying") as progress:
-        result = studies.run_study(design, folder, None if workers == 1 else workers, progress)
+        result = exoid.study.run_study(design, folder, None if workers == 1 else workers, progress)
     details = [str(combination) for combination in result.combinations] if parameters else []
     print_result("\n\n".join([str(result), *details]), as_json=as_json, data=result.to_json())
 
@@ -87,16 +89,18 @@ def study(
 def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Protocol:
     """Make a protocol by its name."""
     if name == "planned":
-        return studies.planned(_plan(leg, terms, planning))
+        return exoid.study.planned(_plan(leg, terms, planning))
     if name == "document":
-        return studies.document(leg, planning["duration"])
+        return exoid.study.document(leg, planning["duration"])
     raise BadArgumentError(f"--protocols {name}", remedy="use some of planned, document")
 
 
 def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:
     """Plan with few starts, because a good motion is enough."""
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415 - help needs no plans
+
     with threadpool_limits(limits=1):  # the same bits on any number of processors
-        return plan_excitation(leg, terms, criterion="d", starts=2, **planning)
+        return exoid.experiments.excitation.plan_excitation(leg, terms, criterion="d", starts=2, **planning)
 
 
 def _share(colour: str) -> float:

@@ -60,8 +60,8 @@ class MotionOptions(NamedTuple):
 class RigOptions(NamedTuple):
     """How the rig differs from the model."""
 
-    payload: Annotated[Number, Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
-    friction: Annotated[Number, Option(metavar="X", help="Factor of the rig's friction.")] = None
+    rig_payload: Annotated[Number, Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
+    rig_friction: Annotated[Number, Option(metavar="X", help="Factor of the rig's friction.")] = None
 
 
 @expand_options(without={"reading": ("payload", "base_position", "wrench")})
@@ -83,8 +83,8 @@ def track(
     """Run controllers on a rig and compare tracking error, torque, energy and chatter.
 
     cuhk replays document 2's comparison of controllers, on a leg identified from noisy data. With an estimate, rig and
-    controllers have the same model; --payload and --friction change the rig. With --dry-run nothing moves: a controller
-    reads a log.
+    controllers have the same model; --rig-payload and --rig-friction change the rig. With --dry-run a controller reads
+    a log, and nothing moves.
 
     Example: exoid track est.json --rate 50
     """
@@ -108,13 +108,7 @@ def track(
 
 
 def _dry_run(
-    what: str,
-    dry: DryRunOptions,
-    gains: GainOptions,
-    reading: LogOptions,
-    figures: str | None,
-    *,
-    as_json: bool,
+    what: str, dry: DryRunOptions, gains: GainOptions, reading: LogOptions, figures: str | None, *, as_json: bool
 ) -> None:
     """Replay a controller on a log, write and print it."""
     from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
@@ -150,12 +144,12 @@ def _of_leg(
     progress: Callable[[float], None],
 ) -> ReplayReport:
     """Run every controller on a leg."""
+    source = _source(what)
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
 
     from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
 
-    source = _source(what)
     model = exoid.control.ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     if motion.reference is None:
@@ -175,7 +169,7 @@ def _of_leg(
         periods=2 if settle is None else 1,
         settle=settle,
         rate=rate,
-        friction=1.0 if rig.friction is None else rig.friction,
+        friction=1.0 if rig.rig_friction is None else rig.rig_friction,
         payloads=_payloads(leg, motion, rig),
         seed=seed,
         progress=progress,
@@ -205,11 +199,11 @@ def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]
     from exoid.leg.leg_data import joint_roles  # noqa: PLC0415
 
     roles, labels = joint_roles(leg, parse_roles(motion.role)), leg.joint_labels
-    if rig.payload is None:
+    if rig.rig_payload is None:
         return []
     if not leg.limbs:
-        raise BadArgumentError("--payload has no place", where=leg.description.name, remedy="it needs a planar leg")
+        raise BadArgumentError("--rig-payload has no place", where=leg.description.name, remedy="it needs a planar leg")
     joint = roles.index("knee") if "knee" in roles else len(labels) - 1
     rotations = np.vstack([limb.chain.rotations for limb in leg.limbs])
     x, y, z = (-0.3 * rotations[joint].T @ leg.plane.up).tolist()
-    return [exoid.rig.Payload(labels[joint], rig.payload, (x, y, z))]
+    return [exoid.rig.Payload(labels[joint], rig.rig_payload, (x, y, z))]

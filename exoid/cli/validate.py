@@ -9,9 +9,10 @@ from typer import Exit, Option
 
 import exoid
 
+from .column_map import with_remembered
 from .inputs import read_drives, read_logs
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, DriveFile, EstimateName, Figures, LogNames, LogOptions, Number, Report
+from .options import READ_AS_IT_IS, AsJson, EstimateName, Figures, LogNames, LogOptions, Report, TorqueCutoff
 from .outputs import check_outputs, print_result, save_page
 
 
@@ -19,14 +20,11 @@ from .outputs import check_outputs, print_result, save_page
 def validate(
     estimate: EstimateName,
     logs: LogNames,
-    cutoff: Annotated[
-        Number, Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared.")
-    ] = None,
+    cutoff: TorqueCutoff = None,
     report: Report = None,
     figures: Figures = None,
     strict: Annotated[bool, Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
     reading: LogOptions = READ_AS_IT_IS,
-    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Predict the torque of the LOGs from their motion and compare it with the measured one.
@@ -35,12 +33,10 @@ def validate(
 
     Example: exoid validate est.json bleex_swing:test
     """
-    from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
-
-    check_outputs({"--report": report}, [estimate, *logs, reading.segments, actuators], figures)
+    check_outputs({"--report": report}, [estimate, *logs, reading.segments, reading.actuators], figures)
     loaded = exoid.Estimate.load(estimate)
     reading = with_remembered(reading, loaded, estimate, logs)
-    drives = read_drives(actuators, loaded.model.leg)
+    drives = read_drives(reading, loaded.model.leg)
     recordings = read_logs(logs, reading)
     result = exoid.validate(loaded, recordings, cutoff=cutoff, actuators=drives)
     loaded = loaded if drives is None else replace(loaded, actuators=drives)

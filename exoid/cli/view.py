@@ -14,7 +14,8 @@ from typer import Argument, Option
 
 import exoid
 
-from .inputs import read_logs
+from .column_map import with_remembered
+from .inputs import read_drives, read_logs
 from .legs import BUILT_IN, find_leg, refuse_unknown_leg
 from .messages import note
 from .numbers import values_by_name
@@ -27,6 +28,7 @@ from .robots import folder_of_robot, is_robot
 
 if TYPE_CHECKING:
     from exoid.leg.leg import Leg
+    from exoid.signals import Recording
     from exoid.view import Scene
 
 
@@ -63,12 +65,10 @@ def view(
     if not leg.endswith(".json"):
         refuse_unknown_leg(leg)
     elif names:
-        from .column_map import with_remembered  # noqa: PLC0415 - help needs no files
-
         reading = with_remembered(reading, exoid.Estimate.load(leg), leg, names)
     logs = read_logs(names, reading)
-    recording, ghost = (*logs, None, None)[:2]
-    shown, identified = _shown(leg, choice, () if recording is None else recording.joint_names)
+    shown, identified = _shown(leg, choice, logs[0].joint_names if logs else ())
+    recording, ghost = (*(_with_torque(each, shown[0], reading) for each in logs), None, None)[:2]
     with status("drawing"):
         label = "reference"
         if ghost is None and recording is not None and isinstance(shown[0], exoid.Estimate):
@@ -109,6 +109,15 @@ def _shown(
         legs = [find_leg(name, one._replace(inertias=None), logged) for one in each]
         return legs, [] if choice.inertias is None else [find_leg(name, one, logged) for one in each]
     return [find_leg(name, choice, logged or None)], []
+
+
+def _with_torque(log: Recording, shown: Leg | exoid.Estimate, reading: LogOptions) -> Recording:
+    """Compute the torque of a log of currents, with the drives that were given or those of the estimate."""
+    from exoid.actuators.constants import unknown_constants  # noqa: PLC0415 - help needs no drives
+
+    drives = read_drives(reading, shown.model.leg if isinstance(shown, exoid.Estimate) else shown)
+    drives = drives or getattr(shown, "actuators", None)
+    return log if drives is None or unknown_constants(drives) else drives.torque(log)
 
 
 def _folder_of(leg: str) -> Path:

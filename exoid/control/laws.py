@@ -7,7 +7,7 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.tools.numbers import checked
 
-from .friction import AHEAD, PASSIVE, SMOOTH, FrictionCompensation, PassiveFriction, model_to_compensate
+from .friction import AHEAD, PASSIVE, FrictionCompensation, PassiveFriction, model_to_compensate
 from .law import RATE, gains
 from .model import ControlModel, ModelSource
 from .tracking_law import TrackingLaw
@@ -43,16 +43,16 @@ def gravity_friction_pd(
     kp: ArrayLike,
     kd: ArrayLike,
     *,
-    friction: FrictionCompensation | None = SMOOTH,
+    friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
 ) -> TrackingLaw:
-    """Make PD with gravity and friction, τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + G(θ) + F_r(θ, θ̇) (doc. 2, eq. (25)).
+    """Make PD with gravity and friction, τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + G(θ) + F_r(θ, θ̇_d) (doc. 2, eq. (25)).
 
     Args:
         source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        friction: Friction compensation; None for gravity compensation only.
+        friction: Friction compensation, in doc. 2 at the measured velocity (``SMOOTH``); None for gravity only.
         rate: Sampling rate [Hz].
 
     Returns:

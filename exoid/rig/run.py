@@ -10,10 +10,10 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
-from exoid.actuators.actuators import DRIVE_CHANNELS
 from exoid.errors import BadArgumentError
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
+from exoid.signals.torque_delay import DRIVE_CHANNELS
 from exoid.tools.tables import DataTable, to_text, value_range
 
 from .plant import Plant

@@ -31,7 +31,6 @@ def white_noise(signals: FloatArray) -> FloatArray:
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
-
 OF_BASE = 3  # columns beside those of the joints
 
 

@@ -40,10 +40,8 @@ PREFIXES = {quantity.field: quantity.prefix for quantity in QUANTITIES}
 USUAL = ("q", "v", "a", "tau")
 """Quantities that a table of a recording shows even if they were not recorded."""
 
-
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
 _TORQUES = {"N·m": 1.0, "mN·m": 1e-3, "N·mm": 1e-3, "N·cm": 1e-2, "kN·m": 1e3}
-
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 

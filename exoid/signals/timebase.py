@@ -23,7 +23,6 @@ EVENNESS = 1e-3
 At 1 rad/s and 100 Hz it changes an angle by 1e-5 rad, less than one count of a 16-bit encoder (1e-4 rad).
 """
 
-
 NEAR_GAP = 0.5
 """Time before and behind a gap in which rows do not count [s]."""
 

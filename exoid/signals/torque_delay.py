@@ -12,24 +12,28 @@ from exoid._typing import FloatArray
 
 from .recording import Recording
 
+DRIVE_CHANNELS = ("current", "force", "motor_torque", "motor_angle")
+"""Quantities that drives measure; they are as late as the torque."""
 
-def without_torque_delay(recording: Recording, delays: Mapping[int, float | FloatArray]) -> Recording:
+
+def without_torque_delay(
+    recording: Recording, delays: Mapping[int, float | FloatArray], *, readings: bool = False
+) -> Recording:
     """Shift torques against the motion.
 
     Args:
         recording: A recording.
         delays: Time by which the torque of each joint is late [s], by its index; or that of each even time, (N,).
+        readings: Whether to shift what the drives measured, too.
 
     Returns:
-        The recording at even times with torques at t + delay; the first or last value fills the end. Torques that were
-        not measured remain so.
+        The recording at even times with torques at t + delay; the end has its last value. NaN remains NaN.
     """
-    if recording.tau is None:
-        return recording
-    even = recording.resampled()
-    assert even.tau is not None
-    tau, measured = even.tau.copy(), even.measured
-    for joint in (one for one in delays if measured[one]):
-        at = np.clip(even.time + delays[joint], even.time[0], even.time[-1])
-        tau[:, joint] = scipy.interpolate.CubicSpline(even.time, even.tau[:, joint])(at)
-    return replace(even, tau=tau)
+    shifted, even = {}, recording.resampled()
+    late = ("tau", *DRIVE_CHANNELS) if readings else ("tau",)
+    for quantity in (one for one in late if getattr(recording, one) is not None):
+        values = shifted[quantity] = getattr(even, quantity).copy()
+        for joint in (one for one in delays if not np.isnan(values[0, one])):
+            at = np.clip(even.time + delays[joint], even.time[0], even.time[-1])
+            values[:, joint] = scipy.interpolate.CubicSpline(even.time, values[:, joint])(at)
+    return replace(even, **shifted) if shifted else recording

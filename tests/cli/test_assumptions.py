@@ -23,7 +23,7 @@ def run(*arguments):
 def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     path = tmp_path / "e.json"
     done = run(
-        "identify", "bleex_swing", LOG, "-o", str(path), "--noise", "white", "--known", "X1=4.1",
+        "identify", "bleex_swing", LOG, "-o", str(path), "--colour", "white", "--known", "X1=4.1",
         "--prior", "J3=0.05:0.01", "--prior", "Y3=0.1±0.02", "--nonnegative",
     )  # fmt: skip
     assert done.exit_code == 0, done.output

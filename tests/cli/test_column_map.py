@@ -72,7 +72,9 @@ def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
     line = "columns and units of the logs as est.json remembers them; --columns none reads them as they stand\n"
     assert alike.err == line
     for verb in (("interaction", "est.json", "log.csv"), ("view", "est.json", "--log", "log.csv", "--html", "v.html")):
-        assert exoid_(*verb).err.startswith(line)
+        also = exoid_(*verb)
+        assert also.code == 0, also.err
+        assert also.err.startswith(line)
     assert exoid_("check", "bleex", "log.csv", "--columns", "est.json").code == 0
     other = exoid_("validate", "est.json", "log.csv", "--column", "tau_hip=cur:-0.059:3", "--json")
     assert other.out != alike.out
@@ -88,17 +90,124 @@ def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
     [
         ("degree = true", "did you mean 'degrees'"),
         ("degrees = 1", "give true or false"),
-        ("start = 2.0", "keys are columns, plates, degrees"),
+        ("start = 2.0", "keys are columns, plates, delays, actuators, degrees"),
         ("mask = 3", "give a text in quotes"),
         ("wrench = 'left_foot:link'", "give a list of texts"),
         ("columns = 3", "columns is no table of texts"),
         ("[columns]\nq_hip = 3", "columns is no table of texts"),
         ("[columns", "not TOML"),
+        ("[delays]\nknee = '20 ms'", "write [delays] and below it knee = 0.02, in seconds"),
+        ("[delays]\nknee = 20", "give seconds: 0.02 for 20 ms"),
+        ("[delays]\nkne = 0.02", "did you mean 'knee'"),
+        ("actuators = 'drives.toml'", "write [actuators.knee] and below it type"),
+        ("[actuators.knee]\ntype = 'motr'", "lab.toml, [knee]: type is 'motr'"),
         ("[columns]\ntime = 't_ms:ms'\nq_hipp = 'encoder'", "--column q_hipp=HEADER"),
     ],
 )
 def test_mistakes_in_the_file_are_named(exoid_, log, tmp_path, text, what):
-    (tmp_path / "lab.toml").write_text(text, encoding="utf-8")
+    whole = f"{TOML}\n{text}" if text.startswith(("[delays", "[actuators")) else text
+    (tmp_path / "lab.toml").write_text(whole, encoding="utf-8")
     run = exoid_("identify", "bleex", "log.csv", "--columns", "lab.toml")
     assert run.code == 2
     assert what in run.err
+    assert run.err.count("\n") == 1
+
+
+LATE = 0.020  # the drive of the knee logs so much later than the encoders [s]
+AMPERES = """
+[columns]
+time = "t_ms:ms"
+q_hip = "enc_hip:deg"
+q_knee = "enc_knee:deg"
+q_ankle = "enc_ankle:deg"
+i_hip = "cur_hip:mA"
+i_knee = "cur_knee:mA"
+i_ankle = "cur_ankle:mA"
+
+[delays]
+knee = 0.020
+
+[actuators.hip]
+type = "motor"
+torque_constant = 0.1
+ratio = 50
+[actuators.knee]
+type = "motor"
+torque_constant = 0.12
+ratio = 50
+[actuators.ankle]
+type = "motor"
+torque_constant = "unknown"
+ratio = 50
+"""
+CONSTANTS = {"hip": 0.1, "knee": 0.12, "ankle": 0.09}
+
+
+@pytest.fixture
+def amperes(tmp_path, data):
+    """Two logs of currents, the knee's late, with a file of their columns, drives and delay."""
+    for name, log in (("train.csv", data.train), ("test.csv", data.test)):
+        columns = {"t_ms": 1e3 * log.time}
+        for joint, (label, constant) in enumerate(CONSTANTS.items()):
+            at = log.time - (LATE if label == "knee" else 0.0)
+            columns[f"enc_{label}"] = np.rad2deg(log.q[:, joint])
+            columns[f"cur_{label}"] = np.interp(at, log.time, log.tau[:, joint]) / (50 * constant) * 1e3
+        np.savetxt(
+            tmp_path / name, np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments=""
+        )
+    (tmp_path / "lab.toml").write_text(AMPERES, encoding="utf-8")
+
+
+def test_a_map_says_drives_and_delays_and_the_leg_is_that_of_torques_on_time(exoid_, amperes, data, estimate):
+    run = exoid_("identify", "bleex", "train.csv", "--columns", "lab.toml", "-o", "est.json")
+    assert run.code == 0, run.err
+    found = exoid.Estimate.load("est.json")
+    assert not [each.kind for each in found.findings if each.severity != "info"]
+    assert abs(found["kt_ankle"].value / CONSTANTS["ankle"] - 1.0) < 0.02
+    for name in estimate.names:
+        assert abs(found[name].value - estimate[name].value) < 3.0 * estimate[name].std, name
+    assert exoid_("check", "bleex", "train.csv", "--columns", "lab.toml").out == "nothing found\n"
+
+
+def test_without_the_delay_in_the_map_the_check_names_it(exoid_, amperes, tmp_path):
+    (tmp_path / "lab.toml").write_text(AMPERES.replace("knee = 0.020", ""), encoding="utf-8")
+    found = json.loads(exoid_("check", "bleex", "train.csv", "--columns", "lab.toml", "--json").out)["findings"]
+    (late,) = [each for each in found if each["kind"] == "torque-delay"]
+    assert late["joint"] == "left_knee"
+    assert abs(late["value"] - LATE) < 0.002
+    on_time = exoid_("check", "bleex", "train.csv", "--columns", "lab.toml", "--late", "knee=0.02")
+    assert on_time.out == "nothing found\n"
+
+
+def test_drives_and_delays_are_remembered_and_saved(exoid_, amperes, tmp_path):
+    """The constant that was found goes before "unknown" in the file, which the user goes on giving."""
+    run = exoid_(
+        *("identify", "bleex", "train.csv", "--columns", "lab.toml", "--no-check"),
+        *("-o", "est.json", "--save-columns", "saved.toml", "--json"),
+    )
+    assert run.code == 0, run.err
+    options = ("identify", "bleex", "train.csv", "--no-check", "--json", "--columns")
+    assert json.loads(exoid_(*options, "saved.toml").out)["values"] == json.loads(run.out)["values"]
+    for verb in ("validate", "interaction"):
+        alike = exoid_(verb, "est.json", "test.csv", "--json")
+        assert alike.code == 0, alike.err
+        for file in ("lab.toml", "saved.toml", "est.json"):
+            assert exoid_(verb, "est.json", "test.csv", "--json", "--columns", file).out == alike.out
+    for verb in (
+        ("view", "est.json", "--log", "test.csv"),
+        ("view", "bleex", "--log", "test.csv", "--columns", "lab.toml"),
+    ):
+        shown = exoid_(*verb, "--html", "v.html")
+        assert shown.code == 0, shown.err
+    assert exoid_("check", "bleex", "test.csv", "--columns", "est.json").out == "nothing found\n"
+    assert "knee = 0.02" in (tmp_path / "saved.toml").read_text(encoding="utf-8")
+
+
+def test_drives_of_the_command_line_go_before_those_of_the_map(exoid_, amperes, tmp_path):
+    motors = AMPERES.partition("[actuators")[2].replace("actuators.", "").replace('"unknown"', "0.18")
+    (tmp_path / "double.toml").write_text(f"[{motors[1:]}", encoding="utf-8")
+    options = ("identify", "bleex", "train.csv", "--columns", "lab.toml", "--no-check", "--json")
+    run = exoid_(*options, "--actuators", "double.toml")
+    assert run.code == 0, run.err
+    assert "kt_ankle" not in run.out
+    assert "kt_ankle" in exoid_(*options).out

@@ -46,7 +46,8 @@ def test_an_unknown_name_says_what_would_do(exoid_, monkeypatch):
     assert done.code == 2
     assert "no leg or URDF file 'panfa'" in done.err
     assert "example-robot-data" in done.err
-    monkeypatch.setitem(sys.modules, "example_robot_data.robots_loader", None)  # not installed
+    for module in ("example_robot_data", "example_robot_data.robots_loader"):
+        monkeypatch.setitem(sys.modules, module, None)  # not installed
     assert not robots.is_robot("panda")
     assert "pip install 'example-robot-data" in exoid_("identify", "panda", "log.csv").err
 

@@ -55,12 +55,12 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
 @pytest.mark.slow
 def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
     peak = {}
-    for options in ((), ("--payload", 2), ("--friction", 3)):
+    for options in ((), ("--rig-payload", 2), ("--rig-friction", 3)):
         code, out, _ = track(saved, "--period", 1, "--json", "--kp", "40,40", *options)
         assert code == 0
         peak[options] = json.loads(out)["laws"]["feedforward_pd"]["peak_deg"]
-    assert peak["--payload", 2][1] > 1.3 * peak[()][1]
-    assert peak["--friction", 3][1] > 1.1 * peak[()][1]
+    assert peak["--rig-payload", 2][1] > 1.3 * peak[()][1]
+    assert peak["--rig-friction", 3][1] > 1.1 * peak[()][1]
 
 
 @pytest.mark.slow
@@ -128,7 +128,7 @@ def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp
     code, _, err = track("any.json", "--period", 2)
     assert code == 2
     assert "--role HFE=hip" in err
-    code, out, _ = track("any.json", "--period", 2, "--role", "HFE=hip", "--role", "KFE=knee", "--payload", 1)
+    code, out, _ = track("any.json", "--period", 2, "--role", "HFE=hip", "--role", "KFE=knee", "--rig-payload", 1)
     assert code == 0
     assert "HFE" in out
     for role, words in (("HFE", "JOINT=ROLE"), ("HFE=toe", "one of hip, knee, ankle"), ("XYZ=hip", "XYZ=hip")):

@@ -1,6 +1,8 @@
 """Each controller computes its equation, for one leg and for many, and refuses invalid settings."""
 
+import runpy
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from exoid.control import (
 )
 from exoid.experiments import gait_for_leg, healthy_gait
 
+STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_gains.py"))
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
 
@@ -102,6 +105,18 @@ def test_negative_friction_is_compensated_only_with_a_warning():
 
 def test_names_of_the_standard_laws_are_those_of_the_functions_that_make_them():
     assert all(callable(getattr(control, name)) for name in control.LAWS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 4])
+def test_on_own_legs_with_light_ankles_compensation_is_not_worse_than_pd(seed):
+    """The ankle is held while hip and knee move: compensation at the measured velocity cancels what holds it."""
+    plant = STUDY["drawn_leg"](seed)
+    runs = STUDY["track"](plant, 4.0)
+    assert "ankle" in plant.leg.joint_names
+    assert (runs["desired"].peak_deg <= runs["pd"].peak_deg).all()
+    assert (runs["desired"].rms_deg <= runs["pd"].rms_deg).all()
+    assert runs["measured"].peak_deg[-1] > 2.0 * runs["desired"].peak_deg[-1]
 
 
 @pytest.mark.slow

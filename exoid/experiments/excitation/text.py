@@ -22,8 +22,7 @@ def prediction_text(head: str, precision: Precision, more: Iterable[str] = ()) -
             for name, value, std, relative, grade, unit in zip(*columns, strict=True)
         ],
     )
-    closing = [f"condition number {p.condition_number:.0f}", *_identifiability_lines(p), *more]
-    return to_text(head, table) + "\n\n" + "\n".join(closing)
+    return to_text(head, table, f"condition number {p.condition_number:.0f}", *_identifiability_lines(p), *more)
 
 
 def _identifiability_lines(precision: Precision) -> list[str]:

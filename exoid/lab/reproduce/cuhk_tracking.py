@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
+from exoid.control import SMOOTH, ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
 from exoid.control.law import AnyLaw
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
@@ -144,7 +144,8 @@ def document_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     kp, kd = GAINS["kp"], GAINS["kd"]
     gait = healthy_gait(AMPLITUDE, PERIOD)
     # Rate of document 2's PD controller [Hz]; all other laws run at 100 Hz.
-    return {"pd_30hz": pd(kp, kd, rate=30.0), **standard_laws(source, kp, kd, gait, PERIOD)}
+    laws = {"pd_30hz": pd(kp, kd, rate=30.0), **standard_laws(source, kp, kd, gait, PERIOD)}
+    return laws | {"gravity_friction_pd": gravity_friction_pd(source, kp, kd, friction=SMOOTH)}
 
 
 def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
@@ -157,7 +158,9 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
     with warnings.catch_warnings():  # the warning is expected: the model is wrong
         warnings.simplefilter("ignore", UserWarning)
-        laws[f"gravity_friction_pd {PRINTED}"] = gravity_friction_pd(table_iii_model(), GAINS["kp"], GAINS["kd"])
+        laws[f"gravity_friction_pd {PRINTED}"] = gravity_friction_pd(
+            table_iii_model(), GAINS["kp"], GAINS["kd"], friction=SMOOTH
+        )
     return laws
 
 

@@ -140,8 +140,9 @@ def _check_size(points: FloatArray, geometries: Sequence[LegGeometry]) -> None:
 def _check_joints(geometries: Sequence[LegGeometry], *recordings: Recording | None) -> None:
     """Raise an error if a recording has no joint of any leg."""
     names = {name for geometry in geometries for name in geometry.leg.joint_names}
+    labels = {*geometries[0].leg.joint_labels} if len(geometries) == 1 else set()  # of two legs they are the same
     for recording in recordings:
-        if recording is not None and not names & set(recording.joint_names):
+        if recording is not None and not (names | labels) & set(recording.joint_names):
             raise BadArgumentError(
                 f"none of the logged joints ({', '.join(recording.joint_names)}) belongs to the leg",
                 remedy=f"map the log's columns to {', '.join(sorted(names))}",
@@ -151,8 +152,7 @@ def _check_joints(geometries: Sequence[LegGeometry], *recordings: Recording | No
 def _title(geometries: Sequence[LegGeometry]) -> str:
     """Name of the robot, and names of its legs where they differ from that."""
     robot = Path(geometries[0].leg.description.name).stem
-    legs = [_leg_name(geometry) for geometry in geometries]
-    return ", ".join([robot, *(name for name in legs if name != robot)])
+    return ", ".join([robot, *(name for name in map(_leg_name, geometries) if name != robot)])
 
 
 def _leg_name(geometry: LegGeometry) -> str:

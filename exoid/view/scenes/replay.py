@@ -67,10 +67,10 @@ class Replay:
 
     def _at_frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
         """Interpolate a quantity of a leg at the frames; None if the recording has none of its joints."""
-        if not set(leg.joint_names) & set(recording.joint_names):
-            return None
-        values = getattr(recording.select(leg.joint_names), quantity)
-        return at_frames(self.time, recording.time, values)
+        for names in (leg.joint_names, leg.joint_labels):
+            if set(names) & set(recording.joint_names):
+                return at_frames(self.time, recording.time, getattr(recording.select(names), quantity))
+        return None
 
 
 def at_frames(frames: FloatArray, time: FloatArray, values: FloatArray, gap: float = np.inf) -> FloatArray:
