@@ -12,8 +12,8 @@ WEARER = "#780068"
 WEIGHT = "#6B5B4B"
 """Colour of weights."""
 
-RESIDUAL, GUIDE = "#999999", "#cccccc"
-"""Colours of residuals, and of guide lines."""
+RESIDUAL, GUIDE = "#777777", "#cccccc"
+"""Colours of residuals and limits, and of guide lines."""
 
 JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#8C564B", "#A3C644", "#882255", "#7F7F7F")
 """Colours of hip, knee, ankle, and the further joints of an arm; none of them has another meaning."""
