@@ -97,9 +97,16 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
 
 
 def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
-    """Let the search run without a network: by our script in place of one that the theme loads from elsewhere."""
+    """Let the search run without a network: by our script in place of one that the theme loads from elsewhere.
+
+    And name what the theme leaves without a name for those who hear the page: search, navigation, empty headers.
+    """
     root = "../" * page.file.src_uri.count("/")
-    return output.replace("https://unpkg.com/iframe-worker/shim", f"{root}javascripts/local-worker.js")
+    output = output.replace("https://unpkg.com/iframe-worker/shim", f"{root}javascripts/local-worker.js")
+    output = output.replace('role="dialog"', 'role="dialog" aria-label="Search"')
+    output = re.sub(r'aria-labelledby="(__nav_\d[\d_]*)_label"', r'aria-labelledby="\1_title"', output)
+    output = re.sub(r'class="md-nav__title" for="(__nav_\d[\d_]*)"', r'id="\1_title" \g<0>', output)
+    return re.sub(r"<th( [^>]*)?></th>", r"<td\1></td>", output)
 
 
 def public_packages() -> dict[str, ModuleType]:
