@@ -70,7 +70,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         here = "" if page.file.src_uri.count("/") == 0 else "../"
         if files.get_file_from_path(inside) is None:
             return text  # a file of the repository that is no page
-        text = text.removesuffix(".md").replace("-", " ") if text.endswith(".md") else text
+        text = posixpath.basename(text).removesuffix(".md").replace("-", " ") if text.endswith(".md") else text
         return f"[{text}]({here}{inside}{mark}{place})"
 
     return LINK.sub(to_page, markdown)

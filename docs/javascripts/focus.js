@@ -13,7 +13,11 @@ function reach(box) {
   for (const each of [box, ...box.children]) sizes.observe(each);
 }
 
-const reachAll = () => document.querySelectorAll(BOXES).forEach(reach);
-reachAll();
-/* The theme wraps tables after this script has begun. */
-new MutationObserver(reachAll).observe(document.querySelector("main"), { childList: true, subtree: true });
+function all() {
+  document.querySelectorAll(BOXES).forEach(reach);
+  /* The theme makes a landmark of the buttons of each piece of code. */
+  document.querySelectorAll("nav.md-code__nav:not([role])").forEach((buttons) => buttons.setAttribute("role", "group"));
+}
+all();
+/* The theme wraps tables, and adds buttons, after this script has begun. */
+new MutationObserver(all).observe(document.querySelector("main"), { childList: true, subtree: true });

@@ -73,12 +73,12 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
     rows = np.arange(len(runs))
     least = 0.3 * min(peak for run in runs.values() for peak in run.peak_deg if peak > 0.0)
     for joint, name in enumerate(names):
-        peaks = np.array([run.peak_deg[joint] for run in runs.values()])
+        peaks = [run.peak_deg[joint] for run in runs.values()]
         at, colour = rows + 0.8 * ((joint + 0.5) / len(names) - 0.5), joint_colour(joint)
-        shown = np.maximum(peaks, least)  # a logarithmic axis has no zero
-        ax.plot(shown, at, "o", ms=4, color=colour, label=name)
-        for place, peak, row in zip(shown, peaks, at, strict=True):
-            ax.annotate(f"{peak:.2g}", (place, row), (4, 0), textcoords="offset points", va="center", fontsize=6)
+        ax.plot(np.maximum(peaks, least), at, "o", ms=4, color=colour, label=name)
+        for peak, row in zip(peaks, at, strict=True):
+            place = (max(peak, least), row)  # a logarithmic axis has no zero
+            ax.annotate(f"{peak:.2g}", place, (4, 0), textcoords="offset points", va="center", fontsize=6)
     ax.set_yticks(rows, list(runs))
     ax.invert_yaxis()
     ax.margins(x=0.15)

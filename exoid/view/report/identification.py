@@ -159,8 +159,7 @@ def _settings(estimate: Estimate) -> Text:
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     described = estimate.preparation.describe()
     name = str(described.pop("name"))
-    numbers = {key: value for key, value in described.items() if isinstance(value, float)}
-    rounded = {key: f"{value:.4g}" + " Hz" * key.endswith("cutoff") for key, value in numbers.items()}
+    rounded = {key: f"{x:.4g}" + " Hz" * key.endswith("cutoff") for key, x in described.items() if isinstance(x, float)}
     values = (f"{key.replace('_', ' ')} {value}" for key, value in {**described, **rounded}.items())
     return Text(
         [
