@@ -16,7 +16,7 @@ function reach(box) {
 function all() {
   document.querySelectorAll(BOXES).forEach(reach);
   /* The theme makes a landmark of the buttons of each piece of code. */
-  document.querySelectorAll("nav.md-code__nav:not([role])").forEach((buttons) => buttons.setAttribute("role", "group"));
+  document.querySelectorAll("nav.md-code__nav:not([role])").forEach((buttons) => buttons.setAttribute("role", "presentation"));
 }
 all();
 /* The theme wraps tables, and adds buttons, after this script has begun. */

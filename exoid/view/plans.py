@@ -57,4 +57,4 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
-    return decorate(ax, "predicted standard deviation [% of scale]", "")
+    return decorate(ax, "predicted standard deviation [% of scale]", "", columns=2)
