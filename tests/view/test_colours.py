@@ -12,6 +12,7 @@ from exoid.view.colours import (
     CAD,
     IDENTIFIED,
     JOINT_COLOURS,
+    LAW_COLOURS,
     MEASURED,
     PREDICTED,
     RESIDUAL,
@@ -80,7 +81,7 @@ def test_figures_in_the_dark_have_colours_that_are_seen():
     style = files("exoid.view.report").joinpath("page.html.jinja").read_text(encoding="utf-8")
     assert f"invert({INVERT}) hue-rotate(180deg)" in style
     assert f"--paper: {DARK}" in style
-    for colour in (*MEANINGS.values(), *JOINT_COLOURS[:3], RESIDUAL, "#000000"):
+    for colour in (*MEANINGS.values(), *JOINT_COLOURS[:3], *LAW_COLOURS, RESIDUAL, "#000000"):
         rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
         turned = np.clip(TURN @ (INVERT + (1.0 - 2.0 * INVERT) * rgb), 0.0, 1.0)
         seen = "#" + "".join(f"{round(255 * part):02x}" for part in turned)
@@ -88,7 +89,7 @@ def test_figures_in_the_dark_have_colours_that_are_seen():
 
 
 def test_thin_lines_are_seen_on_white():
-    for colour in (*MEANINGS.values(), RESIDUAL):
+    for colour in (*MEANINGS.values(), *LAW_COLOURS, RESIDUAL):
         assert 1.05 / (luminance(colour) + 0.05) > 3.0, colour
 
 
