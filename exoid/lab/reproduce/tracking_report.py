@@ -111,7 +111,6 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
     def draw_peaks(figure: Figure) -> None:
         plot_peak_errors(figure.add_subplot(), every, names=joints)
 
-    height = 0.25 + 0.034 * len(every) * len(joints)  # a line of text for each dot
     with_errors = partial(each_joint, plot=plot_tracking_errors)
     with_torques = partial(each_joint, plot=plot_law_torques)
     drawings = {
@@ -119,7 +118,9 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
         torques: with_torques(f"{numbers[1]} under PD and with compensation", shown=pair),
         "laws_errors": with_errors("Tracking errors of every law at the same rate and gains", shown=every),
         "laws_torques": with_torques("Torques of every law", shown=every),
-        "laws_peak_errors": Drawing("Largest tracking error of every law", draw_peaks, height, WIDTH),
+        "laws_peak_errors": Drawing(
+            "Peak errors of all laws", draw_peaks, 0.25 + 0.034 * len(every) * len(joints), WIDTH
+        ),
     }
     if 0 < len(close) < len(every):
         caption = "Tracking errors of the most accurate laws, on a finer scale"
