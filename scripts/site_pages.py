@@ -70,7 +70,7 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         here = "" if page.file.src_uri.count("/") == 0 else "../"
         if files.get_file_from_path(inside) is None:
             return text  # a file of the repository that is no page
-        text = text.removesuffix(".md").replace("-", " ") if text.endswith(".md") else text
+        text = posixpath.basename(text).removesuffix(".md").replace("-", " ") if text.endswith(".md") else text
         return f"[{text}]({here}{inside}{mark}{place})"
 
     return LINK.sub(to_page, markdown)
@@ -99,7 +99,27 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
 def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
     """Let the search run without a network: by our script in place of one that the theme loads from elsewhere."""
     root = "../" * page.file.src_uri.count("/")
-    return output.replace("https://unpkg.com/iframe-worker/shim", f"{root}javascripts/local-worker.js")
+    return named(output.replace("https://unpkg.com/iframe-worker/shim", f"{root}javascripts/local-worker.js"))
+
+
+def on_post_template(output: str, template_name: str, config: MkDocsConfig) -> str:
+    """Do the same for the page that says that there is no such page."""
+    return named(output) if template_name.endswith(".html") else output
+
+
+def named(output: str) -> str:
+    """Name what the theme leaves without a name for those who hear a page: search, navigation, empty headers.
+
+    Args:
+        output: The page in HTML.
+
+    Returns:
+        The page with names.
+    """
+    output = output.replace('role="dialog"', 'role="dialog" aria-label="Search"')
+    output = re.sub(r'aria-labelledby="(__nav_\d[\d_]*)_label"', r'aria-labelledby="\1_title"', output)
+    output = re.sub(r'class="md-nav__title" for="(__nav_\d[\d_]*)"', r'id="\1_title" \g<0>', output)
+    return re.sub(r"<th( [^>]*)?></th>", r"<td\1></td>", output)
 
 
 def public_packages() -> dict[str, ModuleType]:

@@ -12,8 +12,8 @@ WEARER = "#780068"
 WEIGHT = "#6B5B4B"
 """Colour of weights."""
 
-RESIDUAL, GUIDE = "#999999", "#cccccc"
-"""Colours of residuals, and of guide lines."""
+RESIDUAL, GUIDE = "#777777", "#cccccc"
+"""Colours of residuals and limits, and of guide lines."""
 
 JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#8C564B", "#A3C644", "#882255", "#7F7F7F")
 """Colours of hip, knee, ankle, and the further joints of an arm; none of them has another meaning."""
@@ -21,7 +21,7 @@ JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#8C564B", "#A3C644", "#882255
 SHADES = ("#B8C0CC", "#8492A6", "#56657A", "#2E3B4E")
 """Colours of several data sets of one kind, from light to dark."""
 
-LAW_COLOURS = ("#555555", "#332288", "#44AA99", "#999933", "#661100", "#88CCEE", "#DDCC77", "#CC6677")
+LAW_COLOURS = ("#555555", "#332288", "#2E9484", "#858526", "#661100", "#3C93C2", "#C08A00", "#D94F70")
 """Colours of control laws, in the order in which they are drawn."""
 
 

@@ -11,7 +11,7 @@ from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.precision import Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 
-from .colours import GUIDE, MEASURED, joint_colour
+from .colours import MEASURED, RESIDUAL, joint_colour
 from .style import decorate, decorate_column
 
 MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASURED)}
@@ -39,22 +39,22 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
             for limit in (lower[joint], upper[joint]):
                 if bottom - margin <= limit <= top + margin:
                     ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
+    axes[0].plot([], [], color=MEASURED, lw=0.7, ls=":", label="limits")
     return decorate_column(axes, [label for label, *_ in quantities])
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:
     """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class."""
-    # Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
     relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, np.inf), 10.0)  # of 1000 %
     rows, grades = np.arange(len(relative))[::-1], np.array(precision.identifiability)
     for grade, (marker, filling) in MARKERS.items():
         if len(of_grade := np.flatnonzero(grades == grade)):
             x, y = 100.0 * relative[of_grade], rows[of_grade]
             ax.plot(x, y, marker, ms=4, mec=MEASURED, mfc=filling, ls="none", label=grade)
-    for limit in (WELL, WEAKLY):
-        ax.axvline(100.0 * limit, color=GUIDE, lw=1.0, zorder=0)
+    for limit, name, dashes in ((WELL, "well", "-"), (WEAKLY, "weakly", "--")):
+        ax.axvline(100.0 * limit, color=RESIDUAL, lw=1.0, ls=dashes, zorder=0, label=f"limit of {name}")
     ax.set_yticks(rows, precision.names)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
-    return decorate(ax, "predicted standard deviation [% of scale]", "")
+    return decorate(ax, "predicted standard deviation [% of scale]", "", columns=2)

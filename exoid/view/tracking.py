@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.control import LawReplay, Tracking
 
-from .colours import GUIDE, LAW_COLOURS, MEASURED, PREDICTED, joint_colour
+from .colours import GUIDE, LAW_COLOURS, MEASURED, PREDICTED, RESIDUAL, joint_colour
 from .style import decorate, decorate_column
 
 
@@ -71,12 +71,14 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
         The axes.
     """
     rows = np.arange(len(runs))
+    least = 0.3 * min(peak for run in runs.values() for peak in run.peak_deg if peak > 0.0)
     for joint, name in enumerate(names):
         peaks = [run.peak_deg[joint] for run in runs.values()]
-        at, colour = rows + 0.6 * ((joint + 0.5) / len(names) - 0.5), joint_colour(joint)
-        ax.plot(peaks, at, "o", ms=4, color=colour, label=name)
+        at, colour = rows + 0.8 * ((joint + 0.5) / len(names) - 0.5), joint_colour(joint)
+        ax.plot(np.maximum(peaks, least), at, "o", ms=4, color=colour, label=name)
         for peak, row in zip(peaks, at, strict=True):
-            ax.annotate(f"{peak:.2g}", (peak, row), (4, 0), textcoords="offset points", va="center", fontsize=6)
+            place = (max(peak, least), row)  # a logarithmic axis has no zero
+            ax.annotate(f"{peak:.2g}", place, (4, 0), textcoords="offset points", va="center", fontsize=6)
     ax.set_yticks(rows, list(runs))
     ax.invert_yaxis()
     ax.margins(x=0.15)
@@ -109,6 +111,6 @@ def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
             ax.plot(replay.time, replay.recorded[:, joint], color=MEASURED, lw=0.8, label="recorded")
         ax.plot(replay.time, replay.commanded[:, joint], color=PREDICTED, lw=0.8, label=replay.law)
         if np.isfinite(replay.limit[joint]):
-            for limit in (-replay.limit[joint], replay.limit[joint]):
-                ax.axhline(limit, color=GUIDE, lw=0.8, ls="--")
+            for limit, label in ((-replay.limit[joint], None), (replay.limit[joint], "limit")):
+                ax.axhline(limit, color=RESIDUAL, lw=0.8, ls="--", label=label)
     return decorate_column(axes, [f"{name} torque [N·m]" for name in replay.joint_names])

@@ -8,7 +8,18 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS, MEASURED, PREDICTED, WEARER, WEIGHT, joint_colour
+from exoid.view.colours import (
+    CAD,
+    IDENTIFIED,
+    JOINT_COLOURS,
+    LAW_COLOURS,
+    MEASURED,
+    PREDICTED,
+    RESIDUAL,
+    WEARER,
+    WEIGHT,
+    joint_colour,
+)
 
 MEANINGS = {"measured": MEASURED, "predicted": PREDICTED, "identified": IDENTIFIED, "CAD": CAD, "wearer": WEARER}
 
@@ -70,11 +81,22 @@ def test_figures_in_the_dark_have_colours_that_are_seen():
     style = files("exoid.view.report").joinpath("page.html.jinja").read_text(encoding="utf-8")
     assert f"invert({INVERT}) hue-rotate(180deg)" in style
     assert f"--paper: {DARK}" in style
-    for colour in (*MEANINGS.values(), *JOINT_COLOURS[:3], "#000000"):
+    for colour in (*MEANINGS.values(), *JOINT_COLOURS[:3], *LAW_COLOURS, RESIDUAL, "#000000"):
         rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
         turned = np.clip(TURN @ (INVERT + (1.0 - 2.0 * INVERT) * rgb), 0.0, 1.0)
         seen = "#" + "".join(f"{round(255 * part):02x}" for part in turned)
         assert (luminance(seen) + 0.05) / (luminance(DARK) + 0.05) > 3.0, (colour, seen)
+
+
+def test_thin_lines_are_seen_on_white():
+    for colour in (*MEANINGS.values(), *LAW_COLOURS, RESIDUAL):
+        assert 1.05 / (luminance(colour) + 0.05) > 3.0, colour
+
+
+def test_a_residual_is_seen_on_the_band():
+    band = 0.3 * np.array([int(PREDICTED[k : k + 2], 16) for k in (1, 3, 5)]) + 0.7 * 255.0
+    shown = "#" + "".join(f"{round(part):02x}" for part in band)
+    assert (luminance(shown) + 0.05) / (luminance(RESIDUAL) + 0.05) > 2.5
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")

@@ -294,6 +294,14 @@ def test_peak_errors_are_dots_in_the_colours_of_the_joints():
     assert inside(figure, ax)
 
 
+def test_a_peak_error_of_zero_is_a_dot_at_the_left_end_that_says_so():
+    still = replace(RUNS["LQR"], q=np.zeros_like(RUNS["LQR"].q))
+    _, ax = drawn(lambda ax: plot_peak_errors(ax, {**RUNS, "held": still}, names=NAMES[:2]))
+    for line in ax.lines:
+        assert line.get_xdata().argmin() == 2
+    assert [text.get_text() for text in ax.texts].count("0") == 2
+
+
 def test_a_law_replay_shows_both_torques_and_the_limits():
     time = np.arange(50) / 100.0
     known = np.column_stack([np.sin(time), np.full(50, np.nan)])
@@ -301,4 +309,4 @@ def test_a_law_replay_shows_both_torques_and_the_limits():
     replay = LawReplay("pd", 100.0, NAMES[:2], time, commanded, known, np.array([1.0, np.inf]), np.full(2, np.inf))
     _, axes = drawn(lambda axes: plot_law_replay(axes, replay), rows=2)
     assert [len(ax.get_lines()) for ax in axes] == [4, 1]
-    assert axes[0].get_legend_handles_labels()[1] == ["recorded", "pd"]
+    assert axes[0].get_legend_handles_labels()[1] == ["recorded", "pd", "limit"]

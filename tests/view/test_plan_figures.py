@@ -29,7 +29,7 @@ def test_a_planned_motion_is_drawn_for_one_period_between_its_limits(plan):
     np.testing.assert_allclose(hip.get_ydata()[0], np.rad2deg(plan.recordings[0].q[0, 0]))
     limits = {line.get_ydata()[0] for line in axes[1].lines if line.get_linestyle() == ":"}
     assert limits == {-1.5, 1.5}
-    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["hip", "knee"]
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["hip", "knee", "limits"]
 
 
 def test_dots_are_at_the_precision_with_the_marker_of_their_class(plan):
@@ -49,5 +49,5 @@ def test_dots_are_at_the_precision_with_the_marker_of_their_class(plan):
     assert np.isfinite(lines["not"].get_xdata()).all()
     assert rows[precision.names.index("c0_knee")] in lines["not"].get_ydata()
     assert {lines[grade].get_marker() for grade in ("well", "not")} == {"o", "x"}
-    assert [text.get_text() for text in ax.get_legend().get_texts()][-1] == "not"
+    assert [text.get_text() for text in ax.get_legend().get_texts()][-3:] == ["not", "limit of well", "limit of weakly"]
     assert not ax.patches  # a bar has no length on a logarithmic scale

@@ -1,6 +1,7 @@
 """The report states what the estimate holds, in one valid self-contained page."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,9 +13,15 @@ from exoid.regression import Prior
 from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
-from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
+from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, TorqueModel, Viscous
 from exoid.view.report import identification_report
-from exoid.view.report.fit import predict_recording, torque_pictures, trend_notes
+from exoid.view.report.fit import (
+    RecordingPrediction,
+    friction_blocks,
+    predict_recording,
+    torque_pictures,
+    trend_notes,
+)
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
@@ -218,6 +225,25 @@ def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
 def test_the_same_estimate_gives_the_same_page(drawn, swing):
     data, estimate = swing
     assert identification_report(estimate, [data.train], [data.test]).html() == drawn.html()
+
+
+def test_a_table_explains_each_column_once_and_leaves_no_header_empty():
+    table = DataTable("errors", ["controller", "± std", "± std"], [["pd", "1", "2"], ["", "3", "4"]])
+    tree = check(Page("Errors", [], [Section("Tables", [table])]).html())
+    assert text_of(tree).count("standard deviation") == 1
+    assert [cell.text for cell in tree.iter("th")] == ["controller", "± std", "± std", "pd"]
+
+
+def test_friction_is_drawn_for_every_joint_of_a_floating_base(exo):
+    model = TorqueModel(exo, (Viscous(),))
+    zero = np.zeros((20, 6))
+    validation = SimpleNamespace(residual=zero)
+    found = list(
+        friction_blocks(SimpleNamespace(model=model), [RecordingPrediction(None, zero, zero, validation, zero)])
+    )
+    assert [block.alt_text for block in found if isinstance(block, Picture)] == [
+        f"Friction torque of {name} over its velocity, measured and fitted" for name in exo.joint_names
+    ]
 
 
 def test_names_from_files_cannot_break_the_page():

@@ -113,7 +113,14 @@ def test_ellipsoids_have_the_inertia_and_balls_the_mass_of_the_body(leg):
         moments = np.linalg.eigvalsh(inertia.inertia)
         if moments[2] > 0.99 * (moments[0] + moments[1]):
             continue
-        ((_, _, place),) = meshes(objects(drawn)[f"{path}/inertia CAD"])
+        (_, _, place), *rings = meshes(objects(drawn)[f"{path}/inertia CAD"])
+        circle = np.array([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.6, 0.8, 0.0, 1.0]]).T
+        for _, material, ring in rings:
+            np.testing.assert_allclose(
+                np.linalg.norm(np.linalg.solve(place, ring @ circle)[:3], axis=0), 1.0, atol=1e-3
+            )
+            assert "opacity" not in material  # colours of rings do not mix where ellipsoids overlap
+        assert len(rings) == 3
         axes = np.linalg.norm(place[:3, :3], axis=0)
         turned = pin.SE3(place[:3, :3] / axes, place[:3, 3])
         solid = turned.act(pin.Inertia.FromEllipsoid(inertia.mass, *axes))
@@ -195,7 +202,7 @@ def test_an_estimate_shows_its_links_beside_those_of_cad():
         ((_, material, place),) = meshes(objects(drawn)[f"{mount}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], row[1:4] / row[0], atol=1e-5)
         assert material["color"] == int(IDENTIFIED[1:], 16)
-        ((_, material, _),) = meshes(objects(drawn)[f"{mount}/body/inertia CAD"])
+        (_, material, _), *_ = meshes(objects(drawn)[f"{mount}/body/inertia CAD"])
         assert material["color"] == int(CAD[1:], 16)
         assert material["opacity"] < 0.5
 

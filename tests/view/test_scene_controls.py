@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import distance_to
+from standing import standing
 
 import exoid
 from exoid.estimate import predict_motion, validate
@@ -146,6 +147,32 @@ def test_arrows_have_a_scale(browser, url):
     assert "N·m" in torques
 
 
+def test_feet_come_first_and_all_plots_of_two_legs_are_seen(browser, exo, tmp_path):
+    stand = standing(exo, "both", seconds=2.0)
+    scene(exo, recording=replace(stand.recording, wrenches=stand.wrenches)).save(tmp_path / "stand.html")
+    with browser.page((tmp_path / "stand.html").as_uri(), (1280, 800)) as page:
+        page.wait_for(READY)
+        page.screenshot("scene_stand")
+        charts = page.evaluate(
+            "[...document.querySelectorAll('#plot figure')].map(f => [f.querySelector('span').textContent,"
+            " f.getBoundingClientRect().left, f.getBoundingClientRect().bottom])"
+        )
+        inside = page.evaluate("(p => [p.scrollHeight <= p.clientHeight, p.tabIndex])(document.querySelector('#plot'))")
+    left = [f"left_{name}" for name in ("foot", "hip", "knee", "ankle")]
+    assert [name for name, *_ in charts[:2]] == ["left_foot", "right_foot"]
+    assert {at for name, at, _ in charts if name in left} == {charts[0][1]}
+    assert {at for name, at, _ in charts if name not in left} == {charts[1][1]}
+    assert max(bottom for *_, bottom in charts) < 700.0
+    assert inside == [True, 0]
+
+
+def test_boxes_of_the_legend_are_far_enough_apart_for_a_finger(browser, url):
+    with browser.page(url, (1280, 800)) as page:
+        page.wait_for(READY)
+        heights = page.evaluate("[...document.querySelectorAll('#legend label')].map(l => l.offsetHeight)")
+    assert min(heights) >= 24
+
+
 def test_a_phone_shows_panels_inside_its_window(browser, url):
     with browser.page(url, (390, 844)) as page:
         page.wait_for(READY)
@@ -177,15 +204,20 @@ def test_a_dark_scheme_has_a_dark_background(browser, url):
     np.testing.assert_array_equal(again, light)
 
 
-def test_paper_has_the_scene_and_no_controls(browser, url):
-    with browser.page(url) as page:
+@pytest.mark.parametrize("size", [(800, 600), (390, 844)])
+def test_paper_has_the_scene_and_no_controls(browser, url, size):
+    with browser.page(url, size) as page:
         page.wait_for(READY)
         page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        # Whatever the window, whose size is not definite while it is printed.
+        still = page.evaluate("(c => [c.width, c.height])(document.querySelector('#still'))")
         page.send("Emulation.setEmulatedMedia", media="print")
         picture = page.screenshot("scene_paper")
         for selector in ("#legend", "#player", "#meshcat-pane"):
             assert page.evaluate(f"document.querySelector('{selector}').offsetHeight") == 0
-    assert (picture.min(axis=-1) < 120).mean() > 0.02
+    assert still == [1600, 800]
+    share = 0.5 * size[0] / size[1]  # of the window that the picture covers
+    assert (picture.min(axis=-1) < 120).mean() > 0.02 * share
     assert (distance_to(picture, "#ffffff") > 60).mean() < 0.6
 
 

@@ -23,9 +23,8 @@ MAX_LINE_POINTS = 1000
 
 def shown_part(time: FloatArray, source: str) -> str:
     """Name the part of a recording that is drawn."""
-    duration = float(time[-1] - time[0])
-    whole = duration <= SHOWN_SECONDS
-    return f"{source} ({duration:.0f} s)" if whole else f"the first {SHOWN_SECONDS:.0f} s of {source}"
+    seconds = float(time[-1] - time[0])
+    return f"{source} ({seconds:.0f} s)" if seconds <= SHOWN_SECONDS else f"the first {SHOWN_SECONDS:.0f} s of {source}"
 
 
 def finding_blocks(findings: Sequence[Finding]) -> Iterator[Block]:

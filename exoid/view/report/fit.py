@@ -110,13 +110,12 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
         np.concatenate(parts)
         for parts in zip(*((p.v, p.validation.residual, p.friction) for p in predictions), strict=True)
     )
-    joints = [j for j in range(len(model.leg.joint_labels)) if model.friction[model.acting[j]].any()]
+    joints = [j for j, row in enumerate(model.acting[model.leg.base_rows :]) if model.friction[row].any()]
     if joints:
         yield Text(
             [
-                "Black dots are measured torque less all modelled torque except friction. Violet dots "
-                "are the friction terms of the model at the same samples. Both passed the filter, which rounds the "
-                "step at a reversal."
+                "Measured is the torque less all modelled torque except friction. Fitted are the friction terms of the "
+                "model at the same samples. Both passed the filter, which rounds the step at a reversal."
             ]
         )
     for joint in joints:

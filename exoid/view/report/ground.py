@@ -61,10 +61,11 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
             continue
         shown.add(links)
         for foot in feet:
+            seconds = min(foot.predicted.time[-1] - foot.predicted.time[0], SHOWN_SECONDS)
             yield Picture(
                 partial(_draw, foot=foot),
                 f"Vertical force of the ground on {foot.link} and its centre of pressure over time, with 95 % bands",
-                f"{foot.link} in {name}, {SHOWN_SECONDS:.0f} s from its first rest",
+                f"{foot.link} in {name}, {seconds:.0f} s from its first rest",
                 "ground_force",
                 height=0.9 * PAGE_COLUMN,
             )

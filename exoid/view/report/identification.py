@@ -123,13 +123,11 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
     """Recordings, drives, the influence of each recording, and the settings."""
-    rows: list[tuple[str, ...]] = [(i.label, f"{i.samples}", f"{i.sample_rate:.4g}", i.sha256) for i in estimate.inputs]
-    headers: tuple[str, ...] = ("name", "samples", "rate [Hz]", "sha256")
-    if any(i.moving_base for i in estimate.inputs):
-        headers = (*headers, "base")
-        bases = ("moves" if i.moving_base else "at rest" for i in estimate.inputs)
-        rows = [(*row, base) for row, base in zip(rows, bases, strict=True)]
-    yield DataTable("Recordings", headers, rows)
+    rows = [
+        (i.label, f"{i.samples}", f"{i.sample_rate:.4g}", "moves" if i.moving_base else "at rest", i.sha256)
+        for i in estimate.inputs
+    ]
+    yield DataTable("Recordings", ("name", "samples", "rate [Hz]", "base", "sha256"), rows)
     if estimate.actuators is not None:
         yield Text(["Torques were computed of what these drives measured.", *describe_actuators(estimate.actuators)])
     yield from _influence(estimate)
@@ -161,8 +159,8 @@ def _settings(estimate: Estimate) -> Text:
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     described = estimate.preparation.describe()
     name = str(described.pop("name"))
-    units = {key: " Hz" * (key.endswith("cutoff") and isinstance(described[key], float)) for key in described}
-    values = (f"{key.replace('_', ' ')} {value}{units[key]}" for key, value in described.items())
+    rounded = {key: f"{x:.4g}" + " Hz" * key.endswith("cutoff") for key, x in described.items() if isinstance(x, float)}
+    values = (f"{key.replace('_', ' ')} {value}" for key, value in {**described, **rounded}.items())
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",

@@ -85,5 +85,5 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     """Replay the beginning of a recording with arrows."""
     shown = for_leg(estimate.model, recording)
     shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
-    said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."
+    said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer, the limb is theirs."
     return replay_blocks(estimate, shown, said, interaction=part)

@@ -47,7 +47,9 @@ class Picture:
             figure = Figure(figsize=(self.width, self.height))
             self.draw(figure)
         # Resolution of scatter plots, which are bitmaps within the drawing. The page is the background.
-        return PATH.sub(_rounded, render(figure, "svg", dpi=130, transparent=True))
+        drawing = render(figure, "svg", dpi=130, transparent=True)
+        # Hundredths of a point are finer than a screen, and make the file half as long.
+        return PATH.sub(lambda path: DIGITS.sub(rb"\1", path[0]), drawing)
 
     @property
     def data_url(self) -> str:
@@ -145,8 +147,3 @@ def paper_figure(panels: Sequence[Picture]) -> Figure:
                 each.remove()
             sheet.legend(handles, labels, loc="outside upper left", ncols=len(labels))
     return sheet
-
-
-def _rounded(path: re.Match[bytes]) -> bytes:
-    """Cut the coordinates of a path to hundredths of a point: finer than a screen, half as long."""
-    return DIGITS.sub(rb"\1", path[0])

@@ -23,7 +23,7 @@ from .placeholders import body_placeholder, torso_placeholder
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
 from .urdf_visuals import read_visuals
-from .visual import Material, Visual, cylinder, ellipsoid
+from .visual import Material, Visual, cylinder, ellipsoid, torus
 
 STEEL = 7850.0
 """Density of the balls that represent masses [kg/m³]."""
@@ -112,10 +112,14 @@ class LegGeometry:
                 yield set_object(f"{path}/body/mass {inertias.label}", [ball], shadows=False)
 
     def draw_inertias(self, inertias: Inertias) -> Iterator[Command]:
-        """Commands that draw the inertias from one source as ellipsoids."""
+        """Commands that draw the inertias from one source as ellipsoids with three rings."""
+        # Fillings mix their colours where ellipsoids overlap; rings keep theirs.
+        ring = torus(1.0, 0.012, 2.0 * np.pi, Material(inertias.colour, finish="flat"))
+        turns = [homogeneous(np.zeros(3), np.roll(np.eye(3), axis, axis=0)) for axis in range(3)]
         for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
             body = inertia_ellipsoid(inertia, inertias.colour)
-            yield set_object(f"{path}/body/inertia {inertias.label}", [body], shadows=False)
+            rings = [ring.placed(body.transform @ turn) for turn in turns]
+            yield set_object(f"{path}/body/inertia {inertias.label}", [body, *rings], shadows=False)
 
     def bounding_points(self, q: FloatArray) -> FloatArray:
         """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""
@@ -187,4 +191,4 @@ def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:
     axes[:, 2] *= np.sign(np.linalg.det(axes))  # right-handed
     # Bodies that cannot exist have semi-axes of zero.
     drawn = np.maximum(semi_axes, 0.03 * max(float(semi_axes.max()), 1e-3))
-    return ellipsoid(drawn, Material(colour, opacity=0.2)).placed(homogeneous(inertia.lever, axes))
+    return ellipsoid(drawn, Material(colour, opacity=0.14)).placed(homogeneous(inertia.lever, axes))

@@ -4,6 +4,7 @@ const COLOURS = {  // ground, its lines, measured data, weights, wearer: the sam
   day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@", "@WEARER@"],
   night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80", "#e07ad0"],
 };
+const PAPER = [1600, 800];  // size of the printed picture: a window has no definite size while it is printed
 const DARKEST = 104;  // of 255: darker parts of the leg vanish before the background of the night
 
 const element = id => document.getElementById(id);
@@ -31,10 +32,10 @@ function finder(viewer) {
 function fitCamera(viewer, view) {
   let turned = false;
   viewer.controls.addEventListener("start", () => { turned = true; });
-  function frame() {
+  function frame(printed = false) {
     if (turned) return;
-    const width = window.innerWidth, height = Math.max(window.innerHeight, 1), narrow = width <= 620;
-    const below = element("player").offsetHeight + (narrow && !element("plot").hidden ? element("plot").offsetHeight : 0);
+    const [width, height] = printed ? PAPER : [window.innerWidth, Math.max(window.innerHeight, 1)], narrow = width <= 620;
+    const below = printed ? 0 : element("player").offsetHeight + (narrow && !element("plot").hidden ? element("plot").offsetHeight : 0);
     const covered = below > 0 ? Math.min((below + 16) / height, 0.6) : 0;
     const slope = Math.tan(viewer.camera.fov * Math.PI / 360);
     const needed = Math.max(view.half_height / (slope * (1 - covered)), view.half_width * height / (slope * width));
@@ -46,7 +47,7 @@ function fitCamera(viewer, view) {
     viewer.camera.position.set(eye_x, eye_z, -eye_y);
     viewer.set_dirty();
   }
-  window.addEventListener("resize", frame);
+  window.addEventListener("resize", () => frame());
   return frame;
 }
 
@@ -118,10 +119,9 @@ function followScheme(viewer, scene) {
 
 // A WebGL picture is empty on paper: copy it. A browser does not draw a page outside of its window before.
 function drawStill(viewer) {
-  viewer.set_3d_pane_size();
+  viewer.set_3d_pane_size(...PAPER);
   viewer.controls.update();
   const size = viewer.renderer.domElement, still = element("still");
-  if (size.width === 0 || size.height === 0) return;
   viewer.renderer.render(viewer.scene, viewer.camera);
   still.width = size.width;
   still.height = size.height;
@@ -209,7 +209,8 @@ function play(viewer, scene) {
   if (player) updates.push(player.update);
   if (player && scene.joints.some(joint => joint.measured)) updates.push(showPlot(scene, player.seek, frame));
   frame();
-  window.addEventListener("beforeprint", () => { frame(); drawForPaper(); });
+  window.addEventListener("beforeprint", () => { frame(true); drawForPaper(); });
+  window.addEventListener("afterprint", () => { viewer.set_3d_pane_size(); frame(); });
   (function update() {
     for (const each of updates) each(viewer.animator.time);
     requestAnimationFrame(update);

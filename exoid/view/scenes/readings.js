@@ -65,26 +65,32 @@ function showSole(figure, foot) {
   svg.setAttribute("aria-label", `Sole of ${foot.name} from above with the centre of pressure`);
   const [sole, dot] = ["rect", "circle"].map(tag => svg.appendChild(document.createElementNS(SVG, tag)));
   for (const [name, value] of Object.entries({ x: back, y: -left, width: front - back, height: left - right, rx: 8 })) sole.setAttribute(name, value);
-  dot.setAttribute("r", 6);
+  dot.setAttribute("r", 8);
   figure.append(svg);
-  const label = make("small", figure);
+  const label = make("small", figure), way = (value, words) => `${round(Math.abs(value), 0)} mm ${words[value < 0 ? 0 : 1]}`;
   return time => {
     const force = at(foot.torque, time) ?? at(foot.predicted, time), x = at(foot.angle, time), y = at(foot.sole.sideways, time);
     dot.style.display = force > 0 ? "" : "none";
     dot.setAttribute("cx", x);
     dot.setAttribute("cy", -y);
-    label.textContent = force > 0 ? `centre of pressure ${round(x, 0)} mm forward, ${round(y, 0)} mm to the left` : "in the air";
+    label.textContent = force > 0 ? `centre of pressure ${way(x, ["back", "forward"])}, ${way(y, ["right", "left"])}` : "in the air";
   };
 }
 
-// Measured and predicted torque over time, with a line at the time of the playback; a click goes to a time.
+// Measured and predicted torque over time, feet first, with a line at the time of the playback; a click goes to a time.
 function showPlot(scene, seek, frame) {
   const plot = element("plot"), joints = scene.joints.filter(joint => joint.measured);
   const key = make("p", plot);
   make("b", key, "measured").style.borderColor = "var(--measured)";
   if (joints.some(joint => joint.predicted)) make("b", key, scene.predicted).style.borderColor = "var(--predicted)";
-  const charts = joints.map(joint => {
-    const figure = make("figure", plot), caption = make("figcaption", figure);
+  const feet = joints.filter(joint => joint.sole).sort((a, b) => a.path < b.path ? -1 : 1), many = joints.length > 4;
+  plot.classList.toggle("many", many);  // two columns: left and right
+  const charts = [feet, joints.filter(joint => !joint.sole)].flatMap(group => {
+    const box = make("div", plot);
+    box.style.setProperty("--rows", Math.ceil(group.length / 2));
+    return group.map(joint => [joint, box]);
+  }).map(([joint, box]) => {
+    const figure = make("figure", box), caption = make("figcaption", figure);
     make("span", caption, joint.name).style.borderColor = joint.colour;
     const number = make("span", caption);
     const svg = document.createElementNS(SVG, "svg");
@@ -111,7 +117,7 @@ function showPlot(scene, seek, frame) {
   });
   let shown = false;
   const set = toggle("show-plot", on => { shown = on; plot.hidden = !on; frame(); });
-  set(window.innerWidth >= 1000);
+  set(window.innerWidth >= (many ? 1200 : 1000));
   return time => {
     if (!shown) return;
     for (const { joint, number, now, dots } of charts) {
