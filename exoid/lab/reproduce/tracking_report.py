@@ -118,9 +118,7 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
         torques: with_torques(f"{numbers[1]} under PD and with compensation", shown=pair),
         "laws_errors": with_errors("Tracking errors of every law at the same rate and gains", shown=every),
         "laws_torques": with_torques("Torques of every law", shown=every),
-        "laws_peak_errors": Drawing(
-            "Peak errors of all laws", draw_peaks, 0.25 + 0.034 * len(every) * len(joints), WIDTH
-        ),
+        "laws_peak_errors": Drawing("Peak errors", draw_peaks, 0.25 + 0.034 * len(every) * len(joints), WIDTH),
     }
     if 0 < len(close) < len(every):
         caption = "Tracking errors of the most accurate laws, on a finer scale"
