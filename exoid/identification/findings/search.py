@@ -145,7 +145,7 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
             likely.append(again)
     # straps and cross-talk of many columns imitate a late torque, which one number explains
     late = any(_is_late(one) for one in likely)
-    likely.sort(key=lambda one: (late and len(one.nuisance.columns) > 1, -one.evidence))
+    likely.sort(key=lambda one: (late and one.nuisance.kind in ("unmodelled-force", "cross-talk"), -one.evidence))
     return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
 
 
