@@ -92,6 +92,7 @@ def _declared(parameter: Parameter, group: str | None = None) -> Parameter:
     option = copy(declared[0])
     option.metavar = option.metavar or METAVARS.get(kind)
     completing = "_EXOID_COMPLETE" in os.environ  # a shell completes options that help leaves out, too
+    group = group or str(option.rich_help_panel or "") or None  # one option may say itself that it is on request
     option.hidden, option.rich_help_panel = group is not None and not completing, group
     return parameter.replace(annotation=Annotated[kind, option])
 

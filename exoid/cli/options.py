@@ -94,7 +94,12 @@ class LegOptions(NamedTuple):
     )
     floating_base: Annotated[bool, Option("--floating-base", help="Rows of the torso too, to stand or walk.")] = False
     contact: Annotated[
-        Texts, Option(metavar="LINK=KIND", help="How a foot rests: point, edge or flat (default). Repeatable.")
+        Texts,
+        Option(
+            metavar="LINK=KIND",
+            help="How a foot rests: point, edge or flat (default). Repeatable.",
+            rich_help_panel="log",  # few legs need it: shown with the options of logs
+        ),
     ] = None
 
 
