@@ -145,7 +145,6 @@ def stateful(law: AnyLaw) -> StatefulLaw:
         >>> import numpy as np
         >>> from exoid.control import State, pd, stateful
         >>> from exoid.rig import Target
-    from exoid.tools.numbers import checked
         >>> law, state = stateful(pd(10.0, 1.0)), State(np.zeros(2), np.zeros(2))
         >>> torque, memory = law.step(law.begin(state), state, Target(np.ones(2), np.zeros(2)))
         >>> torque, memory
