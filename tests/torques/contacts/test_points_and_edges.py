@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
+from free_flyers import Flight
+from public_robots import urdf_of
 
 import exoid
 from exoid.errors import BadArgumentError, UnreadableInputError
@@ -17,8 +19,6 @@ from exoid.torques.contacts import level_rotation
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
-from tests.free_flyers import Flight
-from tests.public_robots import urdf_of
 
 FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 
