@@ -234,4 +234,4 @@ def _borne(leg: Leg, link: str) -> FloatArray:
     """Projector on what a contact bears of a wrench in level axes, (6, 6)."""
     moments = np.eye(3) - np.outer(leg.plane.lateral, leg.plane.lateral)
     of_kind = {"flat": np.eye(3), "edge": moments, "point": np.zeros((3, 3))}
-    return scipy.linalg.block_diag(np.eye(3), of_kind[leg.contacts.get(link, "flat")])
+    return scipy.linalg.block_diag(np.eye(3), of_kind[leg.contact_kind(link)])

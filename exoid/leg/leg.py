@@ -289,7 +289,7 @@ class Leg(LegData):
             ExoidError: The shape does not fit, or the URDF has no such link.
         """
         J = self.frame_jacobian(q, link)
-        kind = self.contacts.get(link, "flat")
+        kind = self.contact_kind(link)
         if kind == "flat" and not self.limbs:
             return J
         directions = held_directions(self.model, self.description, link, self.plane)

@@ -116,6 +116,17 @@ class LegData:
         """Joint names without ``left_`` or ``right_``, which occur in the names of parameters."""
         return without_side(self.joint_names)
 
+    def contact_kind(self, link: str) -> Contact:
+        """Tell how a link rests on the ground.
+
+        Args:
+            link: Name of a link in the URDF.
+
+        Returns:
+            Its kind in :attr:`contacts`; "flat" for all others.
+        """
+        return self.contacts.get(link, "flat")
+
     @property
     def link_names(self) -> tuple[str, ...]:
         """Names of the links that the joints carry."""

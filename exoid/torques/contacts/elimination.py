@@ -89,7 +89,7 @@ def _constraints(leg: Leg, links: Sequence[str], q: FloatArray) -> tuple[FloatAr
     """Form K of the first flat link, and C of the others; None for what there is not."""
     base = leg.base_rows
     jacobians = [leg.contact_jacobian(q, link) for link in links]
-    flat = [k for k, link in enumerate(links) if leg.contacts.get(link, "flat") == "flat"]
+    flat = [k for k, link in enumerate(links) if leg.contact_kind(link) == "flat"]
     lever: FloatArray | None = None
     if base and flat:
         first = jacobians.pop(flat[0])

@@ -54,7 +54,7 @@ def slipping(
     v = np.gradient(q, time, axis=0)
     levers, places = dict[str, FloatArray](), dict[str, FloatArray]()
     for link in rest:
-        if leg.contacts.get(link, "flat") != "flat":
+        if leg.contact_kind(link) != "flat":
             places[link] = link_placements(leg, q, link).translation
             continue
         jacobian = leg.contact_jacobian(q, link)

@@ -93,7 +93,8 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
-    soles = {link: flags for link, flags in feet.items() if _is_flat(leg, link)}
+    # a foot on a point or an edge does not say how the base stands
+    soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
     raw, slip = recording, Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
@@ -138,11 +139,6 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
-
-
-def _is_flat(leg: Leg, link: str) -> bool:
-    """Whether a link that rests says how the base stands, as a point or an edge does not."""
-    return leg.contacts.get(link, "flat") == "flat"
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
@@ -206,7 +202,8 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
     """Motion of the base: as it was measured, or as a link that rests on level ground says."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
-    feet = [link for link in resting if link != leg.description.root_link and _is_flat(leg, link)]
+    feet = [link for link in resting if link != leg.description.root_link]
+    feet = [link for link in feet if leg.contact_kind(link) == "flat"]
     if feet:
         return standing_base(leg, recording, feet[0])
     if leg.description.root_link in links:
