@@ -275,8 +275,8 @@ class Leg(LegData):
 
         For a planar leg this is the velocity of the link's origin along the axes that point forward and up at the zero
         pose and turn with the link, and its rate of turn, positive like the pitch. Otherwise it is the twist of
-        :meth:`frame_jacobian`. A link whose contact is an edge or a point may turn about it: these rows are left out, and
-        the others are along and about axes that point forward, sideward and up at the zero pose and turn with the link.
+        :meth:`frame_jacobian`. A link whose contact is an edge or a point may turn about it. These rows are left out,
+        and the others are along axes that point forward, sideward and up at the zero pose and turn with the link.
         Columns of a floating base come first; for a flat contact they are an invertible matrix.
 
         Args:
