@@ -99,8 +99,7 @@ class Machine:
 
     def __init__(self, scene: Scene, count: int, seed: int, begin: float = 0.0) -> None:
         """Begin in the motion at this time, under PD control."""
-        noise = np.array(scene.torque_noise)[:, None]
-        self.scene, self._noise = scene, Sensors(torque_noise=noise)
+        self.scene, self._noise = scene, Sensors(torque_noise=scene.torque_noise)
         self._rng = np.random.default_rng(seed)
         start = scene.motion.at(begin)
         self._q, self._v = (np.tile(x, (1, count)) for x in (start.q, start.v))
