@@ -24,10 +24,10 @@ SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
 """Half widths by which a fault moves a parameter if it matters, makes it doubtful, or is an error; and evidence below
 that of the best (20 times less likely) from which on others are not named beside it."""
 
-
 LATE, COMMON = 0.01, 10.0
 """A torque that is later than this [s] is a common mistake: its probability in noise may be so many times as large as
-that of other faults, and it matters from half their move on (chosen on the proving ground, seeds below 60)."""
+that of other faults, and it matters from half their move on. Chosen on the proving ground, seeds below 60, where each
+place that asks for it names one to three of 40 machines more."""
 
 
 class Fault(NamedTuple):

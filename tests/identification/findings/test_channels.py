@@ -66,3 +66,16 @@ def test_gaps_are_counted_where_samples_are_missing(lost, words):
     assert finding.message.startswith(words)
     assert finding.value == pytest.approx(0.06 * len(lost), rel=0.05)
     assert (finding.interval is None) == (len(lost) > 1)
+
+
+def test_a_joint_at_rest_does_not_hide_lost_samples_and_a_frozen_one_is_none():
+    """Encoders of 13 bits; the knee stands while the hip moves."""
+    t, count = np.arange(1200) / 500.0, 2.0 * np.pi / 2**13
+    q = np.rint(np.column_stack([0.5 * np.sin(4.0 * t), 0.0 * t + 0.3]) / count) * count
+    kept = np.setdiff1d(np.arange(len(t)), np.arange(700, 730))
+    log = exoid.Recording(t[: len(kept)], q[kept], tau=q[kept], joint_names=("hip", "knee"))
+    (finding,) = missing_samples(log)
+    assert finding.value == pytest.approx(0.06, rel=0.1)
+    held = q.copy()
+    held[700:730, 0] = held[700, 0]  # and jumps to where it should be
+    assert not [*missing_samples(dataclasses.replace(log, time=t, q=held, tau=held))]
