@@ -36,10 +36,10 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     rate = recording.sample_rate
     q = np.ascontiguousarray(recording.q.T)
     jump, velocity = _jumps(q, 1.0 / rate)
-    # A joint that stands, sticks or is frozen for most of the eight samples says nothing of the time that passes.
-    inner, steps = slice(WINDOW - 1, q.shape[1] - WINDOW), np.diff(q, axis=1)
-    still = (steps == 0.0).astype(np.float64)
-    moves = np.array([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still])[:, inner] < 5.0
+    steps = np.diff(q, axis=1)
+    # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
+    still = np.lib.stride_tricks.sliding_window_view(np.abs(steps), WINDOW - 1, axis=1).max(axis=2) == 0.0
+    moves = ~(still[:, :-WINDOW] | still[:, WINDOW:])
     moving = (x[here] for x, here in zip(jump, moves, strict=True))
     noise = np.array([robust_std(x - np.median(x)) if x.size else 0.0 for x in moving])
     jump, velocity = jump * moves, velocity * moves
@@ -52,7 +52,7 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     odd: BoolArray = (size > 9.0) & (gap > max(0.7 / rate, 5e-3))
     if not odd.any():
         return
-    odd &= ~np.asarray((np.abs(steps) > np.pi).any(axis=0))[inner]  # a wrap
+    odd &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
     places = _peaks(odd, size)
     if not places:
