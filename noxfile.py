@@ -35,7 +35,9 @@ def tests(session: nox.Session) -> None:
 @nox.session
 def slow(session: nox.Session) -> None:
     """What the README's command leaves out: slow tests and those that need real data."""
-    session.run("pytest", "-p", "no:cacheprovider", "-m", "(slow or real_data) and not nightly", *session.posargs)
+    wanted = "(slow or real_data) and not nightly"
+    # A file stays in one process: what its tests share, such as a replay, is made once.
+    session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, "--dist", "loadfile", *session.posargs)
 
 
 @nox.session

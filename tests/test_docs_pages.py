@@ -19,7 +19,16 @@ TESTED_ELSEWHERE = {
     "view": "tests/view/test_view_docs.py",
 }
 """Pages that need a compiler, minutes, or a look at what they write."""
-LONG = ("amperes", "amplification", "commissioning", "wearer")  # more than ten seconds each
+LONG = (
+    "amperes",
+    "amplification",
+    "commissioning",
+    "figures",
+    "gains",
+    "ground-rig",
+    "index",
+    "wearer",
+)  # more than ten seconds each
 
 ALL = {path.stem: Page.read(f"docs/{path.name}") for path in sorted(DOCS.glob("*.md"))}
 PAGES = [name for name, page in ALL.items() if page.python or page.commands]

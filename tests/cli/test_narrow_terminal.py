@@ -26,7 +26,7 @@ COMMANDS = {
     "wear": "wear est.json --period 2",
     "reproduce": "reproduce cuhk",
 }
-MARKS = {"select": pytest.mark.nightly, "wear": pytest.mark.slow, "reproduce": pytest.mark.nightly}
+MARKS = {"select": pytest.mark.nightly, "wear": pytest.mark.nightly, "reproduce": pytest.mark.nightly}
 
 
 @pytest.fixture(scope="module")

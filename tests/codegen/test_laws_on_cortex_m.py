@@ -1,6 +1,6 @@
 """Laws on an emulated Cortex-M4F: the torques of Python, and how many instructions a step takes.
 
-``pytest -m slow tests/codegen/test_laws_on_cortex_m.py -s`` prints the instructions.
+``pytest -m nightly tests/codegen/test_laws_on_cortex_m.py -s`` prints the instructions.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from laws_of_bleex import laws, random_values, torques_in_python
 
 from exoid.codegen import c_source
 
-pytestmark = [needs_cortex_m, pytest.mark.slow]
+pytestmark = [needs_cortex_m, pytest.mark.nightly]
 
 ROWS = 20
 STATE, INPUT, TORQUE = RAM + 0x1000, RAM + 0x8000, RAM + 0x9000

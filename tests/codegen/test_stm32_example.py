@@ -13,7 +13,7 @@ from stm32_firmware import CAN1_RX0, EXAMPLE, RATE, SLEW, Firmware, InTheLoop, L
 
 pytestmark = [
     needs_cortex_m,
-    pytest.mark.slow,
+    pytest.mark.nightly,
     pytest.mark.skipif(not EXAMPLE.is_dir(), reason="needs the source tree"),
     pytest.mark.skipif(shutil.which("make") is None, reason="needs make"),
 ]
