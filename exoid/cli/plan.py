@@ -19,7 +19,6 @@ from .numbers import parse_numbers, split_names, values_by_name
 from .option_groups import expand_options
 from .options import (
     ANY_LEG,
-    FIXED_BASE,
     READ_AS_IT_IS,
     AsJson,
     LegName,
@@ -123,7 +122,7 @@ class StanceOptions(NamedTuple):
     doubt: Annotated[Number, Option(metavar="SHARE", help="--stance: doubt about parameters; default 0.05.")] = None
 
 
-@expand_options(without=FIXED_BASE)
+@expand_options(without={"choice": ("moving_base",)})
 def plan(
     leg: LegName,
     output: Annotated[Text, Option("--output", "-o", metavar="PLAN.CSV", help="Write the motion (and poses).")] = None,
@@ -152,11 +151,14 @@ def plan(
         refuse({"-o": output}, "--assess plans nothing")
     else:
         refuse(given(reading), "only the log of --assess is read")
+        floats = choice.floating_base and stance.stance is None
+        refuse({"--floating-base": floats or None}, "motions on the ground are planned with --stance")
     files = {f"--output ({file.name})": file for file in _files(output, torso, stance)}
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
-    found = find_leg(leg, choice._replace(floating_base=stance.stance is not None), logged)
+    floats = choice.floating_base or stance.stance is not None
+    found = find_leg(leg, choice._replace(floating_base=floats), logged)
     allowed, chosen, excitation = limits.of(found), given_terms(terms), exoid.experiments.excitation
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan

@@ -13,15 +13,16 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.leg.leg_data import refuse_floating_base
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .limits import MotionLimits
-from .precision import Information, Precision, StaticRows, information_of
-from .scales import Scales, TorqueNoise
+from .precision import Information, Precision, StaticRows, information_of, supports_during
+from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
 from .text import prediction_text
 
 DURATION, RATE = 20.0, 100.0
@@ -78,7 +79,7 @@ class Assessment:
         p = self.precision
         head = f"{p.duration:.4g} s of motion, torque noise {self.noise}"
         more = list(map(str, self.advice))
-        if not set(p.identifiability) <= {"well"}:
+        if self.advice:
             more.append("exoid plan without --assess finds the best motion within your limits.")
         return prediction_text(head, p, more)
 
@@ -107,23 +108,41 @@ def assess(
         preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
 
     Returns:
-        Predicted precision, and experiments to add.
+        Predicted precision, and experiments to add; none to add for a floating base, whose motion each machine has of
+        its own.
 
     Raises:
-        ExoidError: The base of the leg floats, there is no recording, a joint is missing, or a recording is too short
-            for the filter.
+        ExoidError: There is no recording, a joint is missing, a recording is too short for the filter, or a log of a
+            floating base has poses, or no stretch on links without measured wrenches.
     """
-    refuse_floating_base(leg, "an assessment")
     items = [data] if isinstance(data, (Recording, Poses)) else list(data)
     if not items:
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
-    scales = Scales.of(model, limits, values)
-    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
+    floats = leg.base == "floating"
+    scales = _scales_on_ground(model, limits, values, rows) if floats else Scales.of(model, limits, values)
+    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     recorded = information_of(model, rows, torque_noise, preparation)
-    advice = _advise(model, limits, torque_noise, scales, recorded)
+    advice = () if floats else _advise(model, limits, torque_noise, scales, recorded)
     return Assessment(recorded.precision(model, scales), advice, torque_noise)
+
+
+def _scales_on_ground(
+    model: TorqueModel,
+    limits: MotionLimits,
+    values: Mapping[str, float] | None,
+    recordings: Sequence[Recording | StaticRows],
+) -> Scales:
+    """Compute the scales over random states on the supports of a log, with the least joint torques that hold them."""
+    expected, rng, tables = expected_parameters(model, values), np.random.default_rng(0), []
+    for support, _ in supports_during(model, recordings):
+        q, v, a = reference_states(limits, STATES // 4, rng)
+        turn, change, force = rng.uniform(-1.0, 1.0, (3, len(q), 3))
+        W = support.regressor(q, v, a, BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])))
+        shares = support.row_shares(q)
+        tables.append(W if shares is None else np.einsum("njr,nrp->njp", shares, W))
+    return Scales.over(expected, np.vstack(tables))
 
 
 def _advise(

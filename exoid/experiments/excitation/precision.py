@@ -130,7 +130,7 @@ def information_of(
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
     for item in items:
         if isinstance(item, Recording):
-            duration += item.duration
+            duration += item.duration * (1.0 if item.mask is None else float(np.mean(item.mask)))
         for W, filtered in _rows(model, item, noise, preparation):
             R = _r_factor(R, W)
             score_covariance += filtered.T @ filtered
@@ -148,13 +148,25 @@ def _information_on_ground(
     # The noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base
     # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
     # intervals up to twice as wide.
+    total: Information | None = None
+    for support, parts in supports_during(model, recordings):
+        information = information_of(support, parts, noise, preparation)
+        total = information if total is None else total.plus(information)
+    if total is None:
+        raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
+    return total
+
+
+def supports_during(
+    model: TorqueModel, recordings: Sequence[Recording | StaticRows]
+) -> Iterator[tuple[SupportModel, list[Recording]]]:
+    """Sets of links that rest, with the parts of the recordings during which they do."""
     found: dict[tuple[str, ...], list[Recording]] = {}
     for recording in recordings:
         if isinstance(recording, StaticRows):
             raise NotSupportedError("static poses of a floating base", remedy="predict the precision of motions")
         for links, _, part in split(model.leg, for_leg(model, recording)).stretches:
             found.setdefault(links, []).append(part)
-    total: Information | None = None
     for links, parts in found.items():
         if not links:
             raise NotSupportedError(
@@ -162,12 +174,7 @@ def _information_on_ground(
                 remedy="leave the wrenches of the feet out: their noise is not known",
             )
         q = np.vstack([one.q[one.mask] for one in parts])
-        support = SupportModel.of(model, links, reference_axes(model.leg, links, q[:: 1 + len(q) // 2000]))
-        information = information_of(support, parts, noise, preparation)
-        total = information if total is None else total.plus(information)
-    if total is None:
-        raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
-    return total
+        yield SupportModel.of(model, links, reference_axes(model.leg, links, q[:: 1 + len(q) // 2000])), parts
 
 
 def predict(

@@ -13,8 +13,9 @@ from public_robots import urdf_of
 from scipy.linalg import null_space
 
 import exoid
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
 from exoid.estimate import Estimate, ground_forces
+from exoid.experiments.excitation import assess
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques.contacts import level_rotation
 from exoid.torques.contacts.elimination import reference_axes
@@ -146,6 +147,28 @@ def test_a_quadruped_is_identified_from_point_feet_without_their_forces(walked):
         assert len(at) > 1000
         assert np.mean(np.abs(one.force - forces[at, k]) < one.force_half) > 0.9
         np.testing.assert_allclose(one.moment, 0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_what_a_log_on_point_feet_determines_is_predicted():
+    """Without noise but that of the torques, as the prediction assumes; four feet at rest leave parameters open."""
+    leg = quadruped()
+    log, _ = walk(leg, 20.0, np.random.default_rng(1002), noise=0.01)
+    std = 0.01 * log.tau.std(axis=0)
+    said = assess(leg, log, (), noise=std).precision
+    assert said.duration == pytest.approx(20.0, rel=0.2)  # less what is left out beside changes
+    estimate = exoid.identify(leg, log, terms=(), check=False)
+    assert np.median(said.std / estimate.std) == pytest.approx(1.0, abs=0.25)
+    down = dict.fromkeys(FEET, np.ones(len(log), dtype=bool))
+    always = assess(leg, replace(log, contacts=down), (), noise=std)
+    with pytest.raises(NotIdentifiableError) as refused:
+        exoid.identify(leg, replace(log, contacts=down), terms=(), check=False)
+    grades = zip(leg.parameter_names, always.precision.identifiability, strict=True)
+    loose = {name for name, grade in grades if grade == "not"}
+    print(f"four feet at rest leave {len(loose)} of {len(leg.parameter_names)} parameters open")
+    assert len(loose) > 15
+    assert len(loose ^ {*refused.value.parameters}) <= 3  # some are hardly part of what is open
+    assert always.advice == ()
 
 
 @pytest.mark.slow
