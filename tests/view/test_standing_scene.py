@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawings import places
+from public_robots import urdf_of
+from scipy.spatial.transform import Rotation
 from standing import mirrored, standing
 
 import exoid
@@ -133,6 +135,34 @@ def test_steps_continue_where_the_other_foot_rests(exo, log):
         assert np.abs(found - found[0]).max() < 1e-3
     arrow = places(drawn, 3.5)["/exoid/measured ground force left_foot/arrow"]
     assert np.linalg.norm(arrow[:3, 2]) < 2e-3
+
+
+@pytest.mark.slow
+def test_feet_on_points_carry_a_torso_that_sways_and_turns():
+    """Joint angles by Newton's method for a pose of the torso; one foot is up in the second half."""
+    feet = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
+    leg = exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=dict.fromkeys(feet, "point"))
+    time = np.arange(0.0, 2.0, 0.02)
+    turns = Rotation.from_euler("xyz", np.outer(np.sin(3.0 * time), [0.1, -0.08, 0.12]))
+    sway = np.outer(np.sin(2.0 * time), [0.03, 0.02, -0.02])
+    q = np.tile([0.0, 0.6, -1.2, 0.0, -0.6, 1.2] * 2, (len(time), 1))
+    goals = [turns.inv().apply(link_placements(leg, q[:1], link).translation - sway) for link in feet]
+    for _ in range(8):
+        J = np.concatenate([leg.contact_jacobian(q, link)[..., 6:] for link in feet], axis=1)
+        axes = [link_placements(leg, q, link) for link in feet]
+        left = [
+            np.einsum("nji,nj->ni", at.rotation, goal - at.translation) for at, goal in zip(axes, goals, strict=True)
+        ]
+        q += np.linalg.solve(J, np.hstack(left)[..., None])[..., 0]
+    base = BaseMotion.from_imu(np.zeros((len(time), 3)), turns.inv().apply([0.0, 0.0, 9.81]))
+    down = {link: (time < 1.0) | (link != "RH_FOOT") for link in feet}
+    drawn = scene(leg, recording=exoid.Recording(time, q, joint_names=leg.joint_names, base=base, contacts=down))
+    first = places(drawn, 0.0)[drawn.legs[0].root]
+    for when in (0.5, 1.5, 1.9):
+        now = places(drawn, when)[drawn.legs[0].root]
+        k = round(when / 0.02)
+        np.testing.assert_allclose(first[:3, :3].T @ now[:3, :3], turns[k].as_matrix(), atol=2e-3)
+        np.testing.assert_allclose(now[:3, 3] - first[:3, 3], first[:3, :3] @ sway[k], atol=2e-3)
 
 
 def test_a_recorded_pose_moves_the_torso(exo, log):

@@ -12,12 +12,14 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
+from exoid.signals import BaseMotion
 from exoid.signals.link_wrenches import link_placements, refuse_unknown_links, wrenches_on_links
 from exoid.torques.contacts import level_rotation
 from exoid.torques.contacts.stretches import contact_of
 
 from .leg_geometry import LegGeometry
 from .replay import Replay
+from .transforms import align_z
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,11 @@ class Standing:
             rotation = scipy.spatial.transform.Slerp(recording.time, turns)(replay.time).as_matrix()
             position = np.column_stack([np.interp(replay.time, recording.time, x) for x in pose.position.T])
         elif any(rests.any() for rests in contacts.values()):
-            rotation, position = _carried(leg, q, contacts, soles)
+            flat = {link: rests for link, rests in contacts.items() if leg.contact_kind(link) == "flat"}
+            if any(rests.any() for rests in flat.values()):
+                rotation, position = _carried(leg, q, flat, soles)
+            else:
+                rotation, position = _carried_on_points(leg, q, contacts, soles, recording.base)
         else:
             return None
         standing = cls(position, rotation, 0.0, soles, sides, contacts)
@@ -117,6 +123,32 @@ def _carried(
         rotation[f] = level[held] @ inside[held].rotation[f].T
         position[f] = anchor - rotation[f] @ inside[held].translation[f]
     rotation[:first], position[:first] = rotation[first], position[first]
+    return rotation, position
+
+
+def _carried_on_points(
+    leg: Leg, q: FloatArray, contacts: Mapping[str, BoolArray], soles: Mapping[str, float], imu: BaseMotion | None
+) -> tuple[FloatArray, FloatArray]:
+    """Rotation and position of a base whose resting feet keep their points; three of them turn it, fewer move it."""
+    inside = {link: link_placements(leg, q, link).translation for link in contacts}
+    upright = np.eye(3) if imu is None or imu.specific_force is None else align_z(imu.specific_force[0]).T
+    rotation, position = np.tile(upright, (len(q), 1, 1)), np.zeros((len(q), 3))
+    anchors: dict[str, FloatArray] = {}
+    for f in range(len(q)):
+        turn, place = (rotation[f - 1], position[f - 1]) if f else (upright, position[0])
+        resting = {link: inside[link][f] for link, rests in contacts.items() if rests[f]}
+        put_down = {link: place + turn @ inside[link][max(f - 1, 0)] for link in resting}
+        anchors = {
+            link: anchors.get(link, put_down[link] * [1.0, 1.0, 0.0] - [0.0, 0.0, soles[link]]) for link in resting
+        }
+        if resting:
+            at, to = (np.array([each[link] for link in resting]) for each in (resting, anchors))
+            if len(resting) >= 3:
+                turn = scipy.spatial.transform.Rotation.align_vectors(to - to.mean(axis=0), at - at.mean(axis=0))[
+                    0
+                ].as_matrix()
+            place = to.mean(axis=0) - turn @ at.mean(axis=0)
+        rotation[f], position[f] = turn, place
     return rotation, position
 
 
