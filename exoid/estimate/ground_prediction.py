@@ -18,7 +18,7 @@ from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.cutoff import white_noise
-from exoid.signals.link_wrenches import wrenches_on_links
+from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
@@ -89,8 +89,6 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         ExoidError: The base does not float, torque is missing, or no link rests.
     """
     model, leg = estimate.model, estimate.model.leg
-    if not leg.base_rows:
-        raise NotSupportedError("the base of this leg does not float", remedy='identify a leg with base="floating"')
     recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
     if recording.tau is None or not recording.measured.all():
         raise UnreadableInputError(
@@ -226,7 +224,9 @@ def _solve(
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
-    turned = level_rotation(leg, link) @ jacobian.reshape(len(q), 2, 3, -1)
+    # the angles say how a link stands in the laboratory where the base does not turn
+    level = level_rotation(leg, link) if leg.base_rows else link_placements(leg, q, link).rotation[:, np.newaxis]
+    turned = level @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
-from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
+from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
@@ -105,6 +105,15 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     for (links, plates), data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
+        measured = np.logical_or.reduce([one.measured for one in data])
+        if axes is not None and not measured.all():
+            missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
+            raise UnreadableInputError(
+                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} mix those of all joints",
+                where=source_of(data[0]),
+                remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
+                joints=tuple(missing),
+            )
         cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
         preparation = group.preparation if cutoff is None else ZeroPhase(cutoff)
         groups.append(
