@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
@@ -32,7 +32,8 @@ from .torque_band import parameter_variance
 class GroundForce(NamedTuple):
     """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
-    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. No joint torque
+    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. Where the base
+    does not float, the axes are those of the laboratory, as the angles say how the link stands. No joint torque
     of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques do not
     determine are zero with an infinite band.
 
@@ -79,7 +80,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     links were measured, contacts are found from them, and the wrenches are not used otherwise.
 
     Args:
-        estimate: Estimate of a leg with a floating base.
+        estimate: Estimate of a leg with a floating base, on a rail, or on a base that is held.
         recording: Motion, torques and contacts.
 
     Returns:

@@ -54,7 +54,7 @@ class Compared(NamedTuple):
 
 def stands(estimate: EstimateData, recording: Recording) -> bool:
     """Tell whether a recording has to be split by the links that rest on the ground."""
-    return bool(estimate.model.leg.base_rows or {*recording.contacts} - {*recording.wrenches})
+    return bool(estimate.model.leg.base_rows or recording.contacts)
 
 
 def compare_on_ground(

@@ -109,7 +109,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         if axes is not None and not measured.all():
             missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
             raise UnreadableInputError(
-                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} mix those of all joints",
+                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
                 where=source_of(data[0]),
                 remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
                 joints=tuple(missing),

@@ -1,4 +1,4 @@
-"""Rewriting numbers in a URDF, and putting it on a rail; meshes, geometry, comments and unknown elements do not change."""
+"""Rewriting numbers in a URDF, and a rail before it; meshes, geometry, comments and unknown elements do not change."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Slip(NamedTuple):
 def slipping(
     leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, time: FloatArray, widened: int
 ) -> NDArray[np.bool_]:
-    """Find the samples at which links that rest move: against the laboratory, or against each other if the base floats."""
+    """Find the samples at which links that rest move: against each other where the base floats."""
     slips = np.zeros(len(q), dtype=np.bool_)
     base = leg.base_rows
     v = np.gradient(q, time, axis=0)
