@@ -15,7 +15,6 @@ import mujoco
 import numpy as np
 from lxml import etree
 from scipy.interpolate import make_interp_spline
-from scipy.spatial.transform import Rotation
 from study_point_feet import ACCELEROMETER, ENCODER, FEET, GYRO, RATE, STEP, TORQUE, Kinematics, urdf, waves
 
 import exoid
@@ -66,7 +65,7 @@ def simulate(text: str, support: str, seconds: float, rng: np.random.Generator) 
     places, rates = (np.array([getattr(each, key)[0] for each in joints]) for key in ("qposadr", "dofadr"))
     act = np.array([model.actuator(name).id for name in kinematics.names])
     data.qpos[places], data.qvel[rates] = spline(0.0), speed(0.0)
-    turn, spin = (0, 0) if support == "hook" else (3, 3)
+    spin = 0 if support == "hook" else 3
     rows, every = [], round(1.0 / (RATE * STEP))
     for k in range(round(seconds / STEP) - 1):
         now = k * STEP
@@ -95,3 +94,46 @@ def simulate(text: str, support: str, seconds: float, rng: np.random.Generator) 
         base=base,
         contacts={link: np.full(len(time), support == "hook")},
     )
+
+
+def figures(text: str, seed: int) -> dict[str, float]:
+    """Figures of one seed."""
+    contacts = {"hook": "point", **dict.fromkeys(FEET, "point")}
+    leg = exoid.Leg.from_description(describe(text, "anymal.urdf"), base="floating", contacts=contacts)
+    mass, truth, found = leg.parameter_names[0], leg.parameters, {}
+    for support in ("hook", "flight"):
+        logs = [simulate(text, support, 20.0, np.random.default_rng([seed, k])) for k in range(2)]
+        try:
+            estimate = exoid.identify(leg, logs, terms=(), check=False)
+            refused = 0.0
+        except NotIdentifiableError as error:
+            refused = float(mass in error.parameters)
+            estimate = exoid.identify(leg, logs, terms=(), check=False, known={mass: float(truth[0])})
+        std, rest = estimate.std, estimate.std > 0.0
+        error = np.abs(estimate.values - truth)
+        found |= {
+            f"{support}: total mass refused by name": refused,
+            f"{support}: total mass, error [%]": 100.0 * float(error[0] / truth[0]),
+            f"{support}: total mass, standard deviation [%]": 100.0 * float(std[0] / truth[0]),
+            f"{support}: other parameters in their 95 % interval [%]": 100.0
+            * float(np.mean(error[1:][rest[1:]] < 1.96 * std[1:][rest[1:]])),
+        }
+    return found
+
+
+def main() -> None:
+    """Print the figures of all seeds."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
+    options = parser.parse_args()
+    text = with_hook(urdf())
+    found = [figures(text, seed) for seed in range(options.first, options.first + options.seeds)]
+    print(f"{options.seeds} seeds from {options.first}")
+    for name in found[0]:
+        values = np.array([each[name] for each in found])
+        print(f"  {name}: mean {values.mean():.3g}, from {values.min():.3g} to {values.max():.3g}")
+
+
+if __name__ == "__main__":
+    main()

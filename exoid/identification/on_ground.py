@@ -13,7 +13,8 @@ from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, Un
 from exoid.estimate.finding import Finding
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
-from exoid.signals.cutoff import robust_std
+from exoid.signals.base_checks import flies
+from exoid.signals.cutoff import robust_std, white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ImuErrors
@@ -49,7 +50,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     footing = find_footing(fitted)
     if footing is None:
-        return fitted
+        return _in_flight(fitted, estimator)
     problem = without_outliers(fit_linear(tilted(problem, footing), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), footing) or footing
@@ -59,6 +60,45 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
     slopes = footing.found.slopes
     return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
+
+
+def _in_flight(fitted: Fitted, estimator: Estimator) -> Fitted:
+    """Allow for the noise of an accelerometer in flight, where no gravity is beside it in the columns."""
+    # Rows of a base that flies have no measured side, so that noise of their columns shrinks the parameters: of readings
+    # of 0.1 m/s², 0.02 m/s² are no trifle. The same noise once more moves them by about as much again.
+    rng, groups, found = np.random.default_rng(0), [], []
+    for group in fitted.problem.groups:
+        data = list(group.data)
+        for k, one in enumerate(data):
+            if group.links != MEASURED or not isinstance(one, Recording) or not group.model.leg.base_rows:
+                continue
+            if one.base is None or one.base.pose is not None or not flies(one.base.specific_force[one.mask]):
+                continue
+            noise = white_noise(one.base.columns) * rng.standard_normal(one.base.columns.shape)
+            gyro, force = np.hsplit(one.base.columns + noise, 2)
+            data[k] = replace(one, base=replace(one.base, angular_velocity=gyro, specific_force=force))
+            found.append(float(np.sqrt(np.mean(one.base.specific_force[one.mask] ** 2))))
+        groups.append(replace(group, data=tuple(data)))
+    if not found:
+        return fitted
+    problem, values = fitted.problem, fitted.fit.solution.values
+    moved = fit_linear(replace(problem, groups=tuple(groups)), estimator).fit.solution.values - values
+    std = np.sqrt(np.diag(fitted.fit.solution.covariance))
+    most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
+    finding = Finding(
+        "flight",
+        "",
+        float(np.mean(found)),
+        "m/s²",
+        "info",
+        "nothing touches the leg in flight: joint torques alone give the scale, and noise of the base's sensor moves "
+        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals",
+        "weigh the machine (known=), or let a foot push on the ground",
+        parameters=(problem.names[most],),
+    )
+    first, *others = problem.groups
+    problem = replace(problem, groups=(replace(first, findings=(*first.findings, finding)), *others))
+    return fitted._replace(problem=problem, doubt=np.outer(moved, moved))
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:

@@ -40,7 +40,7 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
             remedy="leave out torso: the accelerometer measures the tilt",
         )
     checks.refuse_shape(base.columns, (len(time), len(BASE_COLUMNS)), "the base motion")
-    if touched or not flies(base):
+    if touched or not flies(base.specific_force):
         refuse_wrong_base(time, base)
     if base.pose is not None:
         refuse_jumps(time, base.pose.position, base.pose.quaternion)
@@ -55,9 +55,9 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
             )
 
 
-def flies(base: BaseMotion) -> bool:
+def flies(force: FloatArray) -> bool:
     """Tell whether an accelerometer reads no gravity, but only what limbs push and its own noise."""
-    low, middle, high = np.quantile(np.linalg.norm(base.specific_force, axis=1), [0.1, 0.5, 0.9])
+    low, middle, high = np.quantile(np.linalg.norm(force, axis=1), [0.1, 0.5, 0.9])
     # one in g at rest reads little as well, but always the same: it is no flight
     return bool(middle < 0.6 * GRAVITY and low < 0.5 * high)
 
