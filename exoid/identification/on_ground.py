@@ -64,8 +64,8 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
 
 def _in_flight(fitted: Fitted, estimator: Estimator) -> Fitted:
     """Allow for the noise of an accelerometer in flight, where no gravity is beside it in the columns."""
-    # Rows of a base that flies have no measured side, so that noise of their columns shrinks the parameters: of readings
-    # of 0.1 m/s², 0.02 m/s² are no trifle. The same noise once more moves them by about as much again.
+    # Rows of a base that flies have no measured side, so that noise of their columns shrinks the parameters: beside
+    # readings of 0.1 m/s², 0.02 m/s² count. The same noise once more moves them by about as much again.
     rng, groups, found = np.random.default_rng(0), [], []
     for group in fitted.problem.groups:
         data = list(group.data)
