@@ -125,7 +125,7 @@ def identify(
             by its name, such as :class:`exoid.actuators.Motor` (docs/drives.md); None for torques. Constants of drives
             that are not known are identified where something is known in N·m, such as a payload (docs/amperes.md).
         alike: Limbs of one machine that are of one design, or mirror images, by the beginning of their joints' names:
-            ("left", "right"). A Wald test says which are equal; these share their parameters (docs/ground.md).
+            ("left", "right"). A Wald test says which are equal; these share their parameters (docs/several-legs.md).
 
     Returns:
         The estimate; with groups, one for each with their joint covariance.
