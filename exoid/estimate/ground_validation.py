@@ -144,8 +144,8 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
         assert loop is not None
         parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
         measured, predicted, known = parts
-        return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance), known)
-    joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
+        variance = np.einsum("njr,nr->nj", loop**2, variance)
+    joints = slice(measured.shape[1] - len(model.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
 
 
