@@ -4,7 +4,7 @@
 
 An IMU measures the base, and switches say which feet are down; forces on the feet are not measured. Noise: 1 % of the
 torques, 17 bits of the encoders, 2e-3 rad/s and 0.02 m/s² of the IMU. Training: two sways on four feet, and four lifts
-of each foot in turn. Test: a trot and jumps, of which no part was in the training. A sway of some millimetres is no log.
+of each foot in turn. Test: a trot and jumps, of which no part was in the training.
 """
 
 from __future__ import annotations
