@@ -15,6 +15,7 @@ from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
+from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
@@ -54,7 +55,7 @@ class Compared(NamedTuple):
 
 def stands(estimate: EstimateData, recording: Recording) -> bool:
     """Tell whether a recording has to be split by the links that rest on the ground."""
-    return bool(estimate.model.leg.base_rows or recording.contacts)
+    return bool(estimate.model.leg.base_rows) or depends_on_contacts(recording)
 
 
 def compare_on_ground(

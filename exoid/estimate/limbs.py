@@ -18,7 +18,7 @@ from exoid.torques.model import TorqueModel
 
 from .comparison import holm, hotelling
 from .estimate import Estimate
-from .finding import Finding, ordered
+from .finding import Finding, Severity, ordered
 
 CLOSE = 2e-3
 """Largest difference of lengths [m] and of axes between limbs of one design: URDFs round to a millimetre."""
@@ -57,7 +57,8 @@ def share_alike(estimate: Estimate, limbs: Sequence[str]) -> Estimate:
         says = "share their parameters" if same else f"differ, most in {most}, and keep their own"
         remedy = "nothing to do" if same else "look for what was mounted or repaired on one of them"
         message = f"{first} and {limb} {says}: Wald test of equal limbs p = {p:.2g}"
-        kind, severity, which = ("alike-limbs", "info", ()) if same else ("unlike-limbs", "warning", (most,))
+        severity: Severity = "info" if same else "warning"
+        kind, which = ("alike-limbs", ()) if same else ("unlike-limbs", (most,))
         findings.append(Finding(kind, "", p, "1", severity, message, remedy, parameters=which))
     if equal:
         found = _restricted(estimate, [pairs[limb] for limb in equal])
