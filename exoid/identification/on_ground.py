@@ -11,6 +11,7 @@ from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding
+from exoid.leg.link_frames import link_frame
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.base_checks import flies
@@ -50,7 +51,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     footing = find_footing(fitted)
     if footing is None:
-        return _in_flight(fitted, estimator)
+        return _suspended(fitted, estimator)
     problem = without_outliers(fit_linear(tilted(problem, footing), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), footing) or footing
@@ -62,17 +63,20 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
 
 
-def _in_flight(fitted: Fitted, estimator: Estimator) -> Fitted:
-    """Allow for the noise of an accelerometer in flight, where no gravity is beside it in the columns."""
-    # Rows of a base that flies have no measured side, so that noise of their columns shrinks the parameters: beside
-    # readings of 0.1 m/s², 0.02 m/s² count. The same noise once more moves them by about as much again.
+def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
+    """Allow for the noise of the base's sensor in flight and on a hook, where no foot pushes on the ground."""
+    # Rows of a base that is free have no measured side, so that noise of their columns shrinks the parameters: beside
+    # 0.1 m/s² that limbs push in flight, 0.02 m/s² count. The same noise once more moves them by about as much again.
     rng, groups, found = np.random.default_rng(0), [], []
     for group in fitted.problem.groups:
-        data = list(group.data)
+        data, leg = list(group.data), group.model.leg
+        links = group.model.links if isinstance(group.model, SupportModel) else ()
+        hangs = links and all(link_frame(leg.model, leg.description, link).body < 0 for link in links)
+        hangs = hangs and leg.description.root_link not in links
         for k, one in enumerate(data):
-            if group.links != MEASURED or not isinstance(one, Recording) or not group.model.leg.base_rows:
+            if not isinstance(one, Recording) or not leg.base_rows or one.base is None or one.base.pose is not None:
                 continue
-            if one.base is None or one.base.pose is not None or not flies(one.base.specific_force[one.mask]):
+            if not hangs and (links or not flies(one.base.specific_force[one.mask])):
                 continue
             noise = white_noise(one.base.columns) * rng.standard_normal(one.base.columns.shape)
             gyro, force = np.hsplit(one.base.columns + noise, 2)
@@ -86,12 +90,12 @@ def _in_flight(fitted: Fitted, estimator: Estimator) -> Fitted:
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))
     most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
     finding = Finding(
-        "flight",
+        "suspended",
         "",
         float(np.mean(found)),
         "m/s²",
         "info",
-        "nothing touches the leg in flight: joint torques alone give the scale, and noise of the base's sensor moves "
+        "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves "
         f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals",
         "weigh the machine (known=), or let a foot push on the ground",
         parameters=(problem.names[most],),
