@@ -33,7 +33,8 @@ import exoid
 from exoid._typing import FloatArray
 from exoid.signals import zero_phase
 from exoid.signals.datasets import ForceDataset
-from exoid.signals.datasets.teststand import FOOT, RATE
+from exoid.signals.datasets.teststand import FOOT, RATE, URDF
+from exoid.signals.link_wrenches import link_placements
 
 CUTOFF, STRIDE = 5.0, 20
 """Cut-off of the low-pass [Hz], and stride of the samples that are used."""
@@ -68,6 +69,7 @@ PARAMETERS = {
     "thigh": Parameter(0.0, 0.003, "thigh longer than in the URDF [m]"),
     "shank": Parameter(0.0, 0.010, "shank with foot longer than in the URDF [m]"),
     "radius": Parameter(0.0, 0.010, "radius of a foot that rolls [m]"),
+    "lean": Parameter(0.0, 0.02, "lean of the rail about y [rad]"),
     "tilt": Parameter(0.0, 0.05, "tilt of the sensor about y [rad]"),
     "fx0": Parameter(0.0, 0.5, "zero of the sensor along x [N]"),
     "fz0": Parameter(0.0, 3.0, "zero of the sensor along z [N]"),
@@ -96,6 +98,8 @@ CALIBRATIONS: Mapping[str, Sequence[str]] = {
     "chosen, scale of the knee": (*CHOSEN, "k2"),
     "chosen, scale of the hip": (*CHOSEN, "k1"),
     "chosen, the foot rolls": (*CHOSEN, "radius"),
+    "chosen, the rail leans": (*CHOSEN, "lean"),
+    "chosen, the foot rolls, the rail leans": (*CHOSEN, "radius", "lean"),
 }
 
 SIGNS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
@@ -157,7 +161,8 @@ def arms(samples: Samples, values: Mapping[str, float]) -> FloatArray:
 
 def lateral(samples: Samples, values: Mapping[str, float]) -> FloatArray:
     """Lateral position of the foot [m], less what it rolls, (N,): constant on a straight rail."""
-    return np.asarray(arms(samples, values)[:, 0, 0] - values["radius"] * samples.q.sum(axis=1))
+    foot = arms(samples, values)[:, 0]
+    return np.asarray(foot[:, 0] - values["lean"] * foot[:, 1] - values["radius"] * samples.q.sum(axis=1))
 
 
 def force_of(samples: Samples, values: Mapping[str, float]) -> FloatArray:
@@ -295,6 +300,25 @@ def same_pose(data: ForceDataset) -> None:
     print(f"  0.03 of the hip's torque: {1e3 * limit:.1f} mN·m, {1e3 * limit / 20.0:.2f} mm of the arm of 20 N\n")
 
 
+def rail(data: ForceDataset, chosen: Fit) -> None:
+    """Print what acts on the base along the rail, and what exoid says of the friction there."""
+    leg = exoid.Leg.from_urdf(URDF.path(), ("joint_z", *data.leg.joint_names))
+    q = np.insert(data.recording.q, 0, 0.0, axis=1)
+    q[:, 0] = -link_placements(leg, q, FOOT).translation[:, 2]  # the foot stays where it is
+    acceleration = np.gradient(np.gradient(zero_phase(q[:, 0], RATE, CUTOFF), 1.0 / RATE), 1.0 / RATE)
+    weight = leg.parameters[0] * (9.81 + acceleration)
+    pushed = weight - zero_phase(data.force[:, 2], RATE, CUTOFF) - chosen.values["fz0"]
+    ends = "{:.1f} to {:.1f} N".format(*np.quantile(pushed, [0.001, 0.999]))
+    print(f"\nRail: hand and friction push the base by {ends}; the machine weighs {weight.mean():.1f} N")
+    tau, held = np.insert(data.recording.tau, 0, 0.0, axis=1), np.ones(len(q), dtype=bool)
+    recording = replace(data.recording, q=q, tau=tau, joint_names=leg.joint_names, passive=("joint_z",))
+    known = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
+    try:
+        exoid.identify(leg, replace(recording, contacts={"base_link": held}), known=known)
+    except exoid.ExoidError as error:
+        print(f"  a hand that holds base_link is said: {error.what}")
+
+
 def hypotheses(samples: Samples) -> Fit:
     """Print the fit of each sign and of each calibration; the chosen one is returned."""
     print(
@@ -306,12 +330,16 @@ def hypotheses(samples: Samples) -> Fit:
     for name, those, free in cases:
         found = fit(those, free)
         chosen = found if free is CHOSEN else chosen
+        of_foot = [
+            f"{name} {found.values[name]:.4f} ± {found.std[name]:.4f}" for name in ("radius", "lean") if name in free
+        ]
         error, half = those.tau - predicted(those, found.values), those.half
         halves = [nrmse(error[part], those.tau[part]) for part in (slice(None, half), slice(half, None))]
         aside, limit = 1e3 * lateral(those, found.values).std(), motor_torque(2.7, found.values, 1)
         print(
             f"  {name:48s} chi² {found.chi2:7.0f}  hip {halves[0][0]:.3f} {halves[1][0]:.3f}"
-            f"  knee {halves[0][1]:.3f} {halves[1][1]:.3f}  x {aside:.1f} mm  {limit:.2f} N·m"
+            f"  knee {halves[0][1]:.3f} {halves[1][1]:.3f}  x {aside:.1f} mm  {limit:.2f} N·m",
+            *of_foot,
         )
     assert chosen is not None
     print("\nThe chosen calibration")
@@ -349,7 +377,9 @@ def main() -> None:
     print(f"{len(data.recording)} samples; knee within 0.03 N·m of its limit of 2.7 N·m for {at_limit.mean():.0%}\n")
     without_physics(samples)
     same_pose(data)
-    forces(samples, hypotheses(samples))
+    chosen = hypotheses(samples)
+    forces(samples, chosen)
+    rail(data, chosen)
 
 
 if __name__ == "__main__":

@@ -11,14 +11,14 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.cutoff import white_noise
-from exoid.signals.link_wrenches import wrenches_on_links
+from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
@@ -32,7 +32,8 @@ from .torque_band import parameter_variance
 class GroundForce(NamedTuple):
     """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
-    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. No joint torque
+    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. Where the base
+    does not float, the axes are those of the laboratory, as the angles say how the link stands. No joint torque
     of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques do not
     determine are zero with an infinite band.
 
@@ -79,7 +80,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     links were measured, contacts are found from them, and the wrenches are not used otherwise.
 
     Args:
-        estimate: Estimate of a leg with a floating base.
+        estimate: Estimate of a leg with a floating base, on a rail, or on a base that is held.
         recording: Motion, torques and contacts.
 
     Returns:
@@ -89,8 +90,6 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         ExoidError: The base does not float, torque is missing, or no link rests.
     """
     model, leg = estimate.model, estimate.model.leg
-    if not leg.base_rows:
-        raise NotSupportedError("the base of this leg does not float", remedy='identify a leg with base="floating"')
     recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
     if recording.tau is None or not recording.measured.all():
         raise UnreadableInputError(
@@ -226,7 +225,9 @@ def _solve(
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
-    turned = level_rotation(leg, link) @ jacobian.reshape(len(q), 2, 3, -1)
+    # the angles say how a link stands in the laboratory where the base does not turn
+    level = level_rotation(leg, link) if leg.base_rows else link_placements(leg, q, link).rotation[:, np.newaxis]
+    turned = level @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 
 

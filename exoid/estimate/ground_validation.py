@@ -15,6 +15,7 @@ from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
+from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
@@ -54,7 +55,7 @@ class Compared(NamedTuple):
 
 def stands(estimate: EstimateData, recording: Recording) -> bool:
     """Tell whether a recording has to be split by the links that rest on the ground."""
-    return bool(estimate.model.leg.base_rows or {*recording.contacts} - {*recording.wrenches})
+    return bool(estimate.model.leg.base_rows) or depends_on_contacts(recording)
 
 
 def compare_on_ground(
@@ -144,8 +145,8 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
         assert loop is not None
         parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
         measured, predicted, known = parts
-        return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance), known)
-    joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
+        variance = np.einsum("njr,nr->nj", loop**2, variance)
+    joints = slice(measured.shape[1] - len(model.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
 
 

@@ -10,6 +10,7 @@ from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
+from exoid.estimate.limbs import share_alike
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
@@ -40,6 +41,7 @@ class FitOptions(TypedDict, total=False):
     delay: str | None
     check: bool
     actuators: Drives | None
+    alike: Sequence[str]
 
 
 @overload
@@ -94,6 +96,7 @@ def identify(
     delay: str | None = None,
     check: bool = True,
     actuators: Drives | None = None,
+    alike: Sequence[str] = (),
 ) -> Estimate | GroupedEstimate:
     """Identify the parameters of a leg from recorded motions and torques (docs/identification.md).
 
@@ -121,6 +124,8 @@ def identify(
         actuators: Drives that turn currents, forces or motor angles of the recordings into torque: one for each joint
             by its name, such as :class:`exoid.actuators.Motor` (docs/drives.md); None for torques. Constants of drives
             that are not known are identified where something is known in N·m, such as a payload (docs/amperes.md).
+        alike: Limbs of one machine that are of one design, or mirror images, by the beginning of their joints' names:
+            ("left", "right"). A Wald test says which are equal; these share their parameters (docs/several-legs.md).
 
     Returns:
         The estimate; with groups, one for each with their joint covariance.
@@ -148,6 +153,8 @@ def identify(
             remedy=f"leave {given} out, or use wls",
         )
     knowledge = PriorKnowledge(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    if alike and (own is not None or isinstance(recordings, Mapping)):
+        raise BadArgumentError("alike= is for limbs of one machine, and own= for groups", remedy="pass one of them")
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
     standing = any(group.stands for group in problem.groups)
@@ -161,7 +168,8 @@ def identify(
     source = "chosen by the noise of the angles" if by_noise else source
     result = Result.of(fitted, chosen, source, white=noise == "white")
     if problem.groups[0].name == "":
-        return result.estimate(0, result.warnings, check=check)
+        estimate = result.estimate(0, result.warnings, check=check)
+        return share_alike(estimate, alike) if alike else estimate
     return result.grouped(check=check)
 
 

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
-from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError
+from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding
+from exoid.leg.link_frames import link_frame
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
-from exoid.signals.cutoff import robust_std
+from exoid.signals.base_checks import flies
+from exoid.signals.cutoff import robust_std, white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ImuErrors
@@ -49,7 +51,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     footing = find_footing(fitted)
     if footing is None:
-        return fitted
+        return _suspended(fitted, estimator)
     problem = without_outliers(fit_linear(tilted(problem, footing), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), footing) or footing
@@ -59,6 +61,48 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
     slopes = footing.found.slopes
     return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
+
+
+def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
+    """Allow for the noise of the base's sensor in flight and on a hook, where no foot pushes on the ground."""
+    # Rows of a base that is free have no measured side, so that noise of their columns shrinks the parameters: beside
+    # 0.1 m/s² that limbs push in flight, 0.02 m/s² count. The same noise once more moves them by about as much again.
+    rng, groups, found = np.random.default_rng(0), [], []
+    for group in fitted.problem.groups:
+        data, leg = list(group.data), group.model.leg
+        links = group.model.links if isinstance(group.model, SupportModel) else ()
+        hangs = links and all(link_frame(leg.model, leg.description, link).body < 0 for link in links)
+        hangs = hangs and leg.description.root_link not in links
+        for k, one in enumerate(data):
+            if not isinstance(one, Recording) or not leg.base_rows or one.base is None or one.base.pose is not None:
+                continue
+            if not hangs and (links or not flies(one.base.specific_force[one.mask])):
+                continue
+            noise = white_noise(one.base.columns) * rng.standard_normal(one.base.columns.shape)
+            gyro, force = np.hsplit(one.base.columns + noise, 2)
+            data[k] = replace(one, base=replace(one.base, angular_velocity=gyro, specific_force=force))
+            found.append(float(np.sqrt(np.mean(one.base.specific_force[one.mask] ** 2))))
+        groups.append(replace(group, data=tuple(data)))
+    if not found:
+        return fitted
+    problem, values = fitted.problem, fitted.fit.solution.values
+    moved = fit_linear(replace(problem, groups=tuple(groups)), estimator).fit.solution.values - values
+    std = np.sqrt(np.diag(fitted.fit.solution.covariance))
+    most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
+    finding = Finding(
+        "suspended",
+        "",
+        float(np.mean(found)),
+        "m/s²",
+        "info",
+        "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves "
+        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals",
+        "weigh the machine (known=), or let a foot push on the ground",
+        parameters=(problem.names[most],),
+    )
+    first, *others = problem.groups
+    problem = replace(problem, groups=(replace(first, findings=(*first.findings, finding)), *others))
+    return fitted._replace(problem=problem, doubt=np.outer(moved, moved))
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -105,6 +149,15 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     for (links, plates), data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
+        measured = np.logical_or.reduce([one.measured for one in data])
+        if axes is not None and not measured.all():
+            missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
+            raise UnreadableInputError(
+                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
+                where=source_of(data[0]),
+                remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
+                joints=tuple(missing),
+            )
         cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
         preparation = group.preparation if cutoff is None else ZeroPhase(cutoff)
         groups.append(

@@ -34,6 +34,7 @@ from .reduction.documented import documented_machine
 from .reduction.numeric import numeric
 from .reduction.planar_machine import PlanarMachine
 from .reduction.tree_motion import tree_jacobian
+from .rewriting import RAILS, on_rail
 from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
 
 
@@ -69,6 +70,8 @@ class Leg(LegData):
             cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
             base: "moving" for the parameters of a leg whose base moves in space. A planar chain takes motions of its
                 base within its plane without it. "floating" adds rows of the base, and the parameters of the root link.
+                "x", "y" or "z" for a base on a rail along this axis of its: the first joint is ``base_z`` then, which
+                no recording has a torque of (``passive=("base_z",)``).
             contacts: Kind of contact of links that do not rest flat on the ground: "point" for a foot that holds its
                 origin, "edge" for a line through it, across the plane of the leg.
 
@@ -156,7 +159,12 @@ class Leg(LegData):
             ExoidError: The URDF cannot be used, or a joint or link is missing.
         """
         if base not in get_args(Base):
-            raise BadArgumentError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
+            remedy = 'pass base="fixed", base="moving" or base="floating"; or "x", "y" or "z" for a rail'
+            raise BadArgumentError(f"base is {base!r}", remedy=remedy)
+        if base in RAILS:
+            description = on_rail(description, base)
+            joints = joints if not joints or isinstance(joints, str) else (f"base_{base}", *joints)
+            base = "fixed"
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
         floating = base == "floating"

@@ -23,10 +23,15 @@ from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
 from .reduction.reduction import Reduction
 from .reduction.tree import Tree
 from .reduction.tree_regressor import fill_reduced_regressor
+from .rewriting import RAIL
 from .torso import MovingBase, base_kinematics, torso_samples
 
-Base = Literal["fixed", "moving", "floating"]
-"""Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
+Base = Literal["fixed", "moving", "floating", "x", "y", "z"]
+"""Whether the base of the leg stands, moves in space, floats, or moves along one axis, that of a rail.
+
+Force and moment on a base that floats have rows of their own. A rail is a joint before the others, of a leg whose base
+is "fixed".
+"""
 
 
 Contact = Literal["flat", "edge", "point"]
@@ -219,6 +224,12 @@ class LegData:
             base = None if torso is None else self._base(torso, len(q)).spatial()
             fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
         else:
+            if self.description.root_link == RAIL:
+                raise NotSupportedError(
+                    "the base of this leg moves along its rail alone, and a motion of the base in space was given",
+                    where=self.description.name,
+                    remedy='leave the base\'s gyroscope and accelerometer out, or make the leg with base="floating"',
+                )
             raise NotSupportedError(
                 "a moving base needs more parameters unless the leg is a planar chain",
                 where=self.description.name,

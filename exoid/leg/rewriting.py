@@ -1,4 +1,4 @@
-"""Rewriting numbers in a URDF; meshes, geometry, comments and unknown elements do not change."""
+"""Rewriting numbers in a URDF, and a rail before it; meshes, geometry, comments and unknown elements do not change."""
 
 from __future__ import annotations
 
@@ -10,9 +10,27 @@ from lxml import etree
 
 from exoid._typing import FloatArray
 
-from .description import Description
+from .description import Description, describe
 
 INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+
+RAILS = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
+"""Directions in which a base can be free, as axes of a joint before it."""
+
+RAIL = "rail"
+"""Root link of a leg whose base is on a rail."""
+
+
+def on_rail(description: Description, axis: str) -> Description:
+    """Put the root link on a rail: a prismatic joint without limits."""
+    root = description.parse()
+    etree.SubElement(root, "link", name=RAIL)
+    joint = etree.SubElement(root, "joint", name=f"base_{axis}", type="prismatic")
+    etree.SubElement(joint, "parent", link=RAIL)
+    etree.SubElement(joint, "child", link=description.root_link)
+    etree.SubElement(joint, "axis", xyz=RAILS[axis])
+    etree.SubElement(joint, "limit", lower="0", upper="0", effort="0", velocity="0")
+    return describe(etree.tostring(root, encoding="unicode"), description.name)
 
 
 def read_inertials(description: Description) -> dict[str, FloatArray]:

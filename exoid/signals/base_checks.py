@@ -30,7 +30,7 @@ class AxisAgreement(NamedTuple):
     explained: float  # share of the power of d f̂/dt that it explains
 
 
-def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None) -> None:
+def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, *, touched: bool = True) -> None:
     """Refuse a base motion that does not belong to a recording, or is wrong."""
     if not isinstance(base, BaseMotion):
         raise UnreadableInputError(f"base is of type {type(base).__name__}", remedy="pass BaseMotion.from_imu(...)")
@@ -40,7 +40,8 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
             remedy="leave out torso: the accelerometer measures the tilt",
         )
     checks.refuse_shape(base.columns, (len(time), len(BASE_COLUMNS)), "the base motion")
-    refuse_wrong_base(time, base)
+    if touched or not flies(base.specific_force):
+        refuse_wrong_base(time, base)
     if base.pose is not None:
         refuse_jumps(time, base.pose.position, base.pose.quaternion)
         # Over `SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad
@@ -52,6 +53,13 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
                 remedy="give the orientation of the root link as quaternions (x, y, z, w), laboratory from root link, "
                 "in a laboratory whose z axis points up (exoid.signals.turn_upright)",
             )
+
+
+def flies(force: FloatArray) -> bool:
+    """Tell whether an accelerometer reads no gravity, but only what limbs push and its own noise."""
+    low, middle, high = np.quantile(np.linalg.norm(force, axis=1), [0.1, 0.5, 0.9])
+    # one in g at rest reads little as well, but always the same: it is no flight
+    return bool(middle < 0.6 * GRAVITY and low < 0.5 * high)
 
 
 def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:

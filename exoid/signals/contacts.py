@@ -8,6 +8,7 @@ from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
 from . import checks
+from .recording import Recording
 from .wrench import Wrench
 
 TOUCH, LIFT = 0.1, 0.05
@@ -144,6 +145,11 @@ def settled(contact: ArrayLike, time: FloatArray, margin: float) -> BoolArray:
         span = time[first:stop]
         selected[first:stop] = (span - span[0] >= margin - tolerance) & (span[-1] - span >= margin - tolerance)
     return selected
+
+
+def depends_on_contacts(recording: Recording) -> bool:
+    """Tell whether rows depend on contacts: by forces that were not measured, or by jolts under passive joints."""
+    return bool({*recording.contacts} - {*recording.wrenches} or (recording.contacts and recording.passive))
 
 
 def _hysteresis(values: FloatArray, on: float, off: float, never: str) -> BoolArray:

@@ -104,7 +104,8 @@ class RecordingData:
                 remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
             )
         if self.base is not None:
-            refuse_unfit_base(self.time, self.base, self.torso)
+            touched = not self.contacts or bool(self.wrenches) or any(map(np.any, self.contacts.values()))
+            refuse_unfit_base(self.time, self.base, self.torso, touched=touched)
         refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None)
         if self.v is not None:
             checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names)

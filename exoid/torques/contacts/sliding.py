@@ -46,14 +46,17 @@ class Slip(NamedTuple):
 def slipping(
     leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, time: FloatArray, widened: int
 ) -> NDArray[np.bool_]:
-    """Find the samples at which two links that rest move against each other."""
+    """Find the samples at which links that rest move: against each other where the base floats."""
     slips = np.zeros(len(q), dtype=np.bool_)
     base = leg.base_rows
-    if not base:
-        return slips
     v = np.gradient(q, time, axis=0)
+    if not base:
+        for link, flags in rest.items():
+            twist = np.einsum("ncj,nj->nc", leg.frame_jacobian(q, link), v)
+            turns = (np.linalg.norm(twist[:, 3:], axis=1) > TILTING) & (leg.contact_kind(link) == "flat")
+            slips |= flags & (turns | (np.linalg.norm(twist[:, :3], axis=1) > SLIDING))
     levers, places = dict[str, FloatArray](), dict[str, FloatArray]()
-    for link in rest:
+    for link in rest if base else ():
         if leg.contact_kind(link) != "flat":
             places[link] = link_placements(leg, q, link).translation
             continue
@@ -62,7 +65,7 @@ def slipping(
         levers[link] = -to_base[..., 0]
     # Base rows of a planar machine
     turning = slice(2, 3) if base == 3 else slice(3, 6)
-    for (link, flags), (other, also) in combinations(rest.items(), 2):
+    for (link, flags), (other, also) in combinations(rest.items() if base else (), 2):
         if link in places and other in places:  # however the base turns, two points that rest keep their distance
             distance = np.linalg.norm(places[link] - places[other], axis=1)
             slips |= flags & also & (np.abs(np.gradient(distance, time)) > SLIDING)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import source_of
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
@@ -128,6 +129,8 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
             base = _base(leg, recording, links, resting)
+            if leg.base_rows and not links and not loaded and base is not None:
+                _refuse_held_flight(recording, base.specific_force[usable])
             about: dict[str, Any] = {"mask": usable, "base": base, "wrenches": loaded}
             found.append(Stretch(links, () if links else together, replace(recording, **about)))
     if not found:
@@ -139,6 +142,17 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
+
+
+def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
+    """Refuse a base that nothing is said to touch, and that does not fall."""
+    size = float(np.linalg.norm(force.mean(axis=0)))
+    if size > 0.5 * GRAVITY:
+        raise UnreadableInputError(
+            f"no contact and no wrench is there, and the accelerometer of the base reads {size:.3g} m/s²: it is held",
+            where=source_of(recording),
+            remedy="say what holds it: a hook or a stand by a contact of its link, a load cell there by a wrench",
+        )
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:

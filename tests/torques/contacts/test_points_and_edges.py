@@ -190,3 +190,12 @@ def test_contacts_of_no_link_or_no_kind_are_refused(contacts):
     with pytest.raises(BadArgumentError) as refused:
         exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=contacts)
     assert next(iter(contacts)) in str(refused.value)
+
+
+@pytest.mark.slow
+def test_validation_on_points_compares_the_joints(walked):
+    log, _ = walk(quadruped(), 10.0, np.random.default_rng(1002), noise=0.01)
+    found = exoid.validate(walked, log)
+    assert found.measured.shape[1] == 12
+    # parts of the log on four and on three feet have rows of their own, and no part is lost
+    assert len(found.time) > 0.6 * len(log)

@@ -1,0 +1,138 @@
+"""Limbs that are alike: equal ones share parameters, others are named, and other designs are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from public_robots import urdf_of
+
+import exoid
+from exoid.errors import BadArgumentError
+from exoid.estimate.limbs import share_alike
+from exoid.leg.description import describe
+
+LIMBS = ("LF", "RF", "LH", "RH")
+
+
+@cache
+def quadruped():
+    return exoid.Leg.from_urdf(urdf_of("anymal"), base="floating")
+
+
+def log(leg, rng, *, noise=0.02):
+    """Swings of BLEEX's or another machine's joints on a base that is held, 20 s."""
+    time = np.arange(0.0, 20.0, 0.005)
+    phase = np.outer(time, 2.0 * np.pi * np.array([0.23, 0.61, 1.1]))[:, :, None]
+    turn = phase + rng.uniform(0.0, 6.0, (3, len(leg.joint_names)))
+    rate = 2.0 * np.pi * np.array([0.23, 0.61, 1.1])[:, None]
+    q, v, a = (0.3 * part.sum(axis=1) for part in (np.sin(turn), rate * np.cos(turn), -(rate**2) * np.sin(turn)))
+    tau = leg.inverse_dynamics(q, v, a) + 0.3 * np.sign(v) + 0.2 * v
+    tau += noise * tau.std(axis=0) * rng.standard_normal(tau.shape)
+    return exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names)
+
+
+@cache
+def estimate(share=1.0):
+    """Four legs on a base that is held; the right thigh in front weighs more or less."""
+    text = quadruped().description.text
+    place = text.index("<mass", text.index('name="RF_THIGH"'))
+    old = text[place : text.index("/>", place)]
+    mass = float(old.split('"')[1])
+    text = text[:place] + old.replace(old.split('"')[1], repr(share * mass)) + text[place + len(old) :]
+    leg = exoid.Leg.from_description(describe(text, "anymal.urdf"))
+    terms = (exoid.Coulomb(), exoid.Viscous())
+    return leg, exoid.identify(leg, log(leg, np.random.default_rng(0)), terms, check=False)
+
+
+def kinds(found):
+    return {
+        each.message.split()[2]: each.kind for each in found.findings if "alike" in each.kind or "unlike" in each.kind
+    }
+
+
+@pytest.mark.slow
+def test_equal_limbs_share_parameters_and_are_more_certain():
+    leg, alone = estimate()
+    found = share_alike(alone, LIMBS)
+    assert kinds(found) == dict.fromkeys(LIMBS[1:], "alike-limbs")
+    count = len(leg.parameter_names)
+    error = np.abs(found.values[:count] - leg.parameters)
+    assert np.mean(error < 1.96 * found.std[:count]) > 0.88
+    assert np.median(found.std / alone.std) < 0.6
+    values = dict(zip(found.names, found.values, strict=True))
+    for suffix in ("HAA", "HFE", "KFE"):
+        assert np.ptp([values[f"c0_{limb}_{suffix}"] for limb in LIMBS]) < 1e-9
+    # legs are mirror images: what points to the side has the other sign
+    assert values["mcx_LF_SHANK"] == pytest.approx(-values["mcx_LH_SHANK"], abs=1e-9)
+    assert values["mcx_LF_SHANK"] == pytest.approx(values["mcx_RF_SHANK"], abs=1e-9)
+
+
+@pytest.mark.slow
+def test_equal_limbs_are_said_to_differ_as_rarely_as_stated():
+    leg, alone = estimate()
+    rng, C = np.random.default_rng(1), alone.covariance
+    truth = np.concatenate([leg.parameters, np.repeat([0.3, 0.2], 12)])
+    drawn = rng.multivariate_normal(truth, C, 300)
+    different = [len(set(kinds(share_alike(replace(alone, values=each), LIMBS)).values())) > 1 for each in drawn]
+    assert sum(different) <= 9  # 1 % of 300, and three standard deviations
+
+
+@pytest.mark.slow
+def test_a_heavier_thigh_is_named_and_keeps_its_own_parameters():
+    leg, alone = estimate(1.1)
+    found = share_alike(alone, LIMBS)
+    assert kinds(found) == {"RF": "unlike-limbs", "LH": "alike-limbs", "RH": "alike-limbs"}
+    count = len(leg.parameter_names)
+    error = np.abs(found.values[:count] - leg.parameters)
+    assert np.mean(error < 1.96 * found.std[:count]) > 0.88
+
+
+def test_legs_of_bleex_are_alike_by_an_argument():
+    exo = exoid.load_exo("bleex", inertias="cad")
+    data = log(exo, np.random.default_rng(3))
+    found = exoid.identify(exo, data, (exoid.Coulomb(), exoid.Viscous()), check=False, alike=("left", "right"))
+    assert kinds(found) == {"right": "alike-limbs"}
+    values = dict(zip(found.names, found.values, strict=True))
+    pairs = [name for name in values if name.startswith("X") and name.endswith("left")]
+    assert pairs
+    for name in pairs:
+        assert values[name] == pytest.approx(values[name.replace("left", "right")], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("limbs", "says"),
+    [
+        (("LF", "XX"), "of no name"),
+        (("LF",), "two or more"),
+        ("LF", "two or more"),
+        (("LF", "LF"), "two or more"),
+        (("LF_", "RF_H"), "not alike"),
+    ],
+)
+def test_limbs_that_cannot_be_alike_are_refused(limbs, says):
+    with pytest.raises(BadArgumentError) as refused:
+        share_alike(_light(), limbs)
+    assert says in str(refused.value)
+
+
+@cache
+def _light():
+    leg = quadruped()
+    leg = exoid.Leg.from_description(leg.description, [f"{limb}_{k}" for limb in ("LF", "RF") for k in ("HFE", "KFE")])
+    return exoid.identify(leg, log(leg, np.random.default_rng(0)), (), check=False)
+
+
+def test_limbs_of_other_lengths_are_refused():
+    text = quadruped().description.text
+    place = text.index("<origin", text.index('name="RF_KFE"'))
+    end = text.index("/>", place)
+    words = text[place:end].split('xyz="')[1].split('"')[0]
+    x, y, z = words.split()
+    text = text[:place] + text[place:end].replace(words, f"{x} {y} {float(z) - 0.02}") + text[end:]
+    leg = exoid.Leg.from_description(describe(text, "a.urdf"))
+    found = exoid.identify(leg, log(leg, np.random.default_rng(0)), (), check=False)
+    with pytest.raises(BadArgumentError, match="other lengths"):
+        share_alike(found, ("LF", "RF"))

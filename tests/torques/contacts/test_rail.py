@@ -1,0 +1,154 @@
+"""A leg on a rail: its base is free along one axis, and its foot rests on a point of the ground."""
+
+from __future__ import annotations
+
+import runpy
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid.estimate import Estimate, ground_forces
+from exoid.leg.description import describe
+from exoid.torques.contacts.elimination import reference_axes
+from exoid.torques.contacts.support_model import SupportModel
+from exoid.torques.model import TorqueModel
+
+STUDY = Path(__file__).parents[3] / "scripts" / "study_rail.py"
+
+
+@cache
+def study():
+    return runpy.run_path(str(STUDY))
+
+
+@cache
+def hopper(base="z"):
+    drawn = study()["Hopper"].drawn(np.random.default_rng(5))
+    leg = exoid.Leg.from_description(describe(drawn.urdf, "hopper.urdf"), base=base, contacts={"foot": "point"})
+    return drawn, leg
+
+
+@cache
+def run(kind):
+    return study()["simulate"](hopper()[0], kind, 12.0, np.random.default_rng(7))
+
+
+def log(kind, *, plate=False):
+    return run(kind).recording(np.random.default_rng(8), plate=plate)
+
+
+def test_a_rail_is_a_joint_before_the_others():
+    drawn, leg = hopper()
+    assert (leg.joint_names, leg.base, leg.base_rows) == (("base_z", "hip", "knee"), "fixed", 0)
+    np.testing.assert_allclose(leg.parameters[0], drawn.world().body_mass.sum(), rtol=1e-5)
+    assert exoid.Leg.from_description(leg.description).joint_names == leg.joint_names
+    q = np.array([[0.4, 0.3, -0.5]])
+    moved = leg.forward_kinematics(q).translation[0] - leg.forward_kinematics(q * [0, 1, 1]).translation[0]
+    np.testing.assert_allclose(moved, np.tile([0.0, 0.0, 0.4], (3, 1)), atol=1e-12)
+
+
+def test_pinocchios_constrained_dynamics_obey_the_rows_of_a_point_under_a_rail():
+    leg, rng = hopper()[1], np.random.default_rng(0)
+    model = pin.buildModelFromXML(leg.description.plain)
+    data, frame = model.createData(), model.frames[model.getFrameId("foot")]
+    held = pin.RigidConstraintModel(
+        pin.ContactType.CONTACT_3D, model, frame.parentJoint, frame.placement, pin.ReferenceFrame.LOCAL
+    )
+    constraints, inside = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    constraints.append(held)
+    inside.append(held.createData())
+    pin.initConstraintDynamics(model, data, constraints, inside)
+    q, v = rng.uniform(0.4, 1.2, (20, 3)), rng.normal(size=(20, 3))
+    # the foot moves within the plane alone: to the side it is held by the joints as well
+    torque = rng.normal(size=(20, 3)) * [0.0, 5.0, 5.0]
+    settings = pin.ProximalSettings(1e-12, 1e-10, 500)
+    q_full = np.column_stack([q[:, 0], *(f(q[:, k]) for k in (1, 2) for f in (np.cos, np.sin))])
+    a = np.array(
+        [
+            pin.constraintDynamics(model, data, *state, constraints, inside, settings).copy()
+            for state in zip(q_full, v, torque, strict=True)
+        ]
+    )
+    rows = SupportModel.of(TorqueModel(leg, ()), ("foot",), reference_axes(leg, ("foot",), q))
+    motion = rows.motion(q, v, a, None)
+    W, left = rows.columns(motion).transpose(2, 1, 0), rows.row_torque(torque, motion, {})
+    assert W.shape[1] == 1
+    np.testing.assert_allclose(W @ leg.parameters, left, atol=1e-6 * np.abs(torque).max())
+
+
+@pytest.mark.slow
+def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
+    drawn, leg = hopper()
+    terms = study()["TERMS"]
+    found = exoid.identify(leg, [log("jump"), log("press")], terms, cutoff=15.0)
+    values = dict(zip(found.names, found.values, strict=True))
+    assert values["m_base + m_thigh + m_shank"] == pytest.approx(leg.parameters[0], rel=0.005)
+    assert values["c0_base_z"] == pytest.approx(drawn.coulomb[0], rel=0.15)
+    found.save(tmp_path / "est.json")
+    again = Estimate.load(tmp_path / "est.json")
+    assert again.model.leg.joint_names == leg.joint_names
+    force = ground_forces(again, log("press"))["foot"]
+    true = run("press").force[np.searchsorted(run("press").time, force.time)]
+    np.testing.assert_allclose(force.force.mean(axis=0), true.mean(axis=0), atol=0.02 * true[:, 2].mean())
+    # torques do not depend on the force to the side
+    assert np.isfinite(force.force_half[:, [0, 2]]).all()
+    assert np.isinf(force.force_half[:, 1]).all()
+
+
+@pytest.mark.slow
+def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
+    found = exoid.identify(hopper()[1], log("jump", plate=True), study()["TERMS"], cutoff=15.0)
+    force = ground_forces(found, log("press"))["foot"]
+    true = run("press").force[np.searchsorted(run("press").time, force.time), 2]
+    assert np.sqrt(np.mean((force.force[:, 2] - true) ** 2)) < 0.15 * true.std()
+
+
+@pytest.mark.slow
+def test_a_foot_that_is_said_to_rest_while_it_swings_is_left_out():
+    jump = log("jump")
+    stuck = replace(jump, contacts={"foot": jump.contacts["foot"] | (jump.time < 3.0)})
+    found = exoid.identify(hopper()[1], [stuck, log("press")], study()["TERMS"], cutoff=15.0)
+    slips = [each.value for each in found.findings if each.kind == "slipping-contact"]
+    assert max(slips) > 0.1
+    assert found.values[0] == pytest.approx(hopper()[1].parameters[0], rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_foot_that_never_leaves_the_ground_is_no_log_for_switches_alone():
+    with pytest.raises(NotIdentifiableError, match="m_base"):
+        exoid.identify(hopper()[1], log("press"), study()["TERMS"])
+
+
+def changed(**changes):
+    return replace(log("press"), **changes)
+
+
+def still():
+    count = len(log("press"))
+    return exoid.BaseMotion.from_imu(np.zeros((count, 3)), np.tile([0.0, 0.0, 9.81], (count, 1)))
+
+
+@pytest.mark.parametrize(
+    ("kind", "make", "says"),
+    [
+        (BadArgumentError, lambda: hopper("w"), "rail"),
+        (UnreadableInputError, lambda: exoid.Leg.from_description(hopper()[1].description, base="z"), "rail"),
+        (NotSupportedError, lambda: changed(base=still()), "along its rail"),
+        (UnreadableInputError, lambda: log("press").select(("hip", "knee")), "base_z"),
+        (
+            UnreadableInputError,
+            lambda: changed(passive=(), tau=log("press").tau * [np.nan, 1.0, 1.0]),
+            "passive=('base_z',)",
+        ),
+    ],
+)
+def test_mistakes_beside_a_rail_are_named(kind, make, says):
+    with pytest.raises(kind) as refused:
+        exoid.identify(hopper()[1], make(), study()["TERMS"])
+    assert says in str(refused.value)

@@ -1,0 +1,77 @@
+"""A machine on a hook, and one in flight: what each determines, and what is refused."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
+from exoid.leg.description import describe
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
+import study_suspended as study
+
+
+@cache
+def machine():
+    text = study.with_hook(study.urdf())
+    return exoid.Leg.from_description(describe(text, "anymal.urdf"), base="floating", contacts={"hook": "point"})
+
+
+@cache
+def logs(support):
+    text = machine().description.text
+    return [study.simulate(text, support, 10.0, np.random.default_rng([7, k])) for k in range(2)]
+
+
+@pytest.mark.slow
+def test_a_hook_hides_the_total_mass_and_nothing_else():
+    leg = machine()
+    mass, truth = leg.parameter_names[0], leg.parameters
+    with pytest.raises(NotIdentifiableError) as refused:
+        exoid.identify(leg, logs("hook"), terms=(), check=False)
+    assert mass in refused.value.parameters
+    found = exoid.identify(leg, logs("hook"), terms=(), check=False, known={mass: float(truth[0])})
+    assert np.mean(np.abs(found.values - truth)[1:] < 1.96 * found.std[1:]) > 0.9
+
+
+@pytest.mark.slow
+def test_in_flight_the_total_mass_is_weak_and_its_interval_says_so():
+    leg = machine()
+    found = exoid.identify(leg, logs("flight"), terms=(), check=False)
+    # by noise of the accelerometer alone, it is off by ten of the standard deviations of the fit
+    assert 0.01 < found.std[0] / leg.parameters[0] < 0.15
+    assert np.mean(np.abs(found.values - leg.parameters) < 1.96 * found.std) > 0.85
+    (finding,) = [each for each in found.findings if each.kind == "suspended"]
+    assert finding.parameters == leg.parameter_names[:1]
+
+
+def test_a_base_that_is_held_does_not_fly():
+    hung = [replace(one, contacts={"LF_FOOT": np.zeros(len(one), dtype=bool)}) for one in logs("hook")]
+    with pytest.raises(UnreadableInputError, match="it is held"):
+        exoid.identify(machine(), hung, terms=())
+
+
+def test_readings_without_gravity_need_contacts_that_are_open():
+    flown = logs("flight")[0]
+    with pytest.raises(UnreadableInputError, match="gravity alone"):
+        replace(flown, contacts={})
+    with pytest.raises(UnreadableInputError, match="in g"):
+        replace(logs("hook")[0], contacts=flown.contacts, base=_in_g(logs("hook")[0].base))
+
+
+def _in_g(base):
+    return replace(base, specific_force=base.specific_force / 9.80665)
+
+
+def test_a_hook_on_a_link_that_does_not_exist_is_refused():
+    one = logs("hook")[0]
+    wrong = replace(one, contacts={"hok": one.contacts["hook"]})
+    with pytest.raises(BadArgumentError, match="closest: hook"):
+        exoid.identify(machine(), wrong, terms=())
