@@ -87,13 +87,15 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     if len(data) < len(group.data):
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
-    every = [split(model.leg, one) for one in data]
+    # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
+    smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
+    every = [split(model.leg, one, smears) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:6])), default=None)
     for one, own in zip(data, every, strict=True):
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
-        parts = split(model.leg, one, session) if biased and session is not None else own
+        parts = split(model.leg, one, smears, session) if biased and session is not None else own
         findings += _left_out(parts, one)
         if biased or (own.imu is not None and (own.imu.gyro_bias.any() or own.imu.force_bias.any())):
             findings.append(_imu_finding(own.imu, session, one, model.leg.parameter_names))
@@ -145,7 +147,7 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         ),
         (
             *("contact-changes", left.changing, 1.0),
-            *(f"are within {EDGE:g} s of a touch-down or lift-off; they were left out", "nothing to do"),
+            *(f"are within {parts.near:.2g} s of a touch-down; they were left out", "nothing to do"),
         ),
         (
             *("singular-stance", left.singular, MUCH_LEFT_OUT),

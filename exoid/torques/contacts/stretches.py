@@ -14,7 +14,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.regression.rows import source_of
-from exoid.signals import BaseMotion, Recording, Wrench
+from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
 from exoid.signals.link_wrenches import wrenches_on_links
 
@@ -24,7 +24,13 @@ from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base
 
 EDGE = 0.1
-"""Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
+"""Feet say how a base moves that was not measured, where this far from a touch-down or lift-off [s].
+
+Shorter gaps of a contact are filled.
+"""
+
+LATE = 0.05
+"""A foot may be down so long before its switch closes, or after it opened [s]."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -33,7 +39,7 @@ SHORTEST = 0.15
 class Left(NamedTuple):
     """Samples of a recording that were left out, as shares of those that could count."""
 
-    changing: float  # near a touch-down or lift-off
+    changing: float  # near a touch-down; where feet say how the base moves, also near a lift-off
     slipping: float  # A link that was said to rest moved, and the motion of the base had to follow from it
     singular: float  # chains were closed and stretched, or left no row
     # not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
@@ -60,20 +66,25 @@ class Split(NamedTuple):
         left: Samples that were left out.
         imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
+        near: Time around a touch-down that was left out [s].
     """
 
     stretches: tuple[Stretch, ...]
     left: Left
     imu: ImuErrors | None
     visible: float
+    near: float
 
 
-def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> Split:
+def split(
+    leg: Leg, recording: Recording, preparation: Preparation | None = None, session: ImuErrors | None = None
+) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
     Args:
         leg: The leg.
         recording: A recording with contacts or wrenches; without both, the base is held.
+        preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
         session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
             another recording of the session.
 
@@ -88,11 +99,21 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     recording, gaps = _without_gaps(recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
-    steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
+    # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
+    # contact: a force that is zero may be eliminated, too, and a late switch does no harm.
+    smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
+    begins = [flags & np.diff(flags, prepend=flags[:1]) for flags in rest.values()]
+    steady, near = ~_widened(np.logical_or.reduce(begins), smeared), smeared / recording.sample_rate
+    beside = smeared + round(LATE * recording.sample_rate)
+    down = {link: _widened(flags, beside) for link, flags in (unknown | rest).items()}
+    if leg.base_rows and recording.base is None:
+        steady, near, down = lasting, EDGE, unknown | rest
     slow = low_passed(recording.q, recording.sample_rate)
     around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
-    feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
+    feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
     raw, slip = recording, Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
@@ -108,8 +129,8 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
             break
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
-    plates = {link: flags for link, flags in feet.items() if link in recording.wrenches and leg.base_rows}
-    for together, where in _patterns({**unknown, **plates}, len(recording)):
+    plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
+    for together, where in _patterns({link: down[link] for link in (*unknown, *plates)}, len(recording)):
         links = tuple(link for link in together if link in unknown)
         inside = counted & usual & where
         rows = eliminate(leg, links, slow) if links else None
@@ -138,7 +159,12 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
         )
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
-    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
+    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible, near)
+
+
+def _widened(flags: BoolArray, samples: int) -> BoolArray:
+    """Samples within a distance of those that are flagged."""
+    return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
