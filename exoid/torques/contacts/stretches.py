@@ -136,8 +136,7 @@ def split(
         rows = eliminate(leg, links, slow) if links else None
         usable = inside.copy()
         if rows is not None:  # a closed chain that leaves no row, or a stretched one
-            left = rows.loop is None or rows.loop.shape[2] > 0
-            usable &= rows.fit & left
+            usable &= rows.fit & (rows.loop is None or rows.loop.shape[2] > 0)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
@@ -157,9 +156,14 @@ def split(
             where=source_of(recording),
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
-    could = max(1.0, float(np.count_nonzero(counted)))
-    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
-    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible, near)
+    parts = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
+    left_out = Left(*(_share(part, counted) for part in parts))
+    return Split(tuple(found), left_out, imu, slip.visible, near)
+
+
+def _share(part: BoolArray, counted: BoolArray) -> float:
+    """Share of the samples that count."""
+    return float(np.count_nonzero(part)) / max(1, np.count_nonzero(counted))
 
 
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
