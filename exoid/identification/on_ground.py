@@ -156,6 +156,11 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
             "leave no row: knees are straight, or too many links rest for the joints",
             "bend the knees, or measure the wrenches",
         ),
+        (
+            *("singular-stance", left.floating, MUCH_LEFT_OUT),
+            "have no foot flat on the ground, and the motion of the base was not measured; they were left out",
+            "record an IMU on the torso",
+        ),
     )
     return [
         Finding(
