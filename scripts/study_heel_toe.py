@@ -39,7 +39,7 @@ def switches(run: GroundRun) -> dict[str, np.ndarray]:
 def machine(plant: GroundPlant) -> exoid.Leg:
     """BLEEX whose heels and toes are known: the middle of their edges."""
     places = {
-        f"{foot}_{edge}": tuple(point + [0.0, 0.0, sole.radius])
+        f"{foot}_{edge}": tuple(np.add(point, (0.0, 0.0, sole.radius)))
         for foot, sole in plant.soles.items()
         for edge, point in zip(("heel", "toe"), sole.points, strict=True)
     }
