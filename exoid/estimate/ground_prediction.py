@@ -96,7 +96,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
             "the torque of a joint is missing", where=source_of(recording), remedy="record all torques"
         )
     found: dict[str, list[GroundForce]] = {}
-    for stretch in split(leg, recording).stretches:
+    for stretch in split(leg, recording, estimate.preparation).stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
         if feet and leg.description.root_link not in stretch.links:
             for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):

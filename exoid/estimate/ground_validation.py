@@ -71,7 +71,7 @@ def compare_on_ground(
     # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
     # compared.
     leg = estimate.model.leg
-    stretches = split(leg, for_leg(estimate.model, recording)).stretches
+    stretches = split(leg, for_leg(estimate.model, recording), preparation).stretches
     if not unknown_wrenches:
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)
@@ -109,7 +109,7 @@ def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorqu
     model = estimate.model
     silent = replace(for_leg(model, recording), tau=np.zeros_like(recording.q))
     found = []
-    for stretch in split(model.leg, silent).stretches:
+    for stretch in split(model.leg, silent, estimate.preparation).stretches:
         axes = reference_axes(model.leg, stretch.links, silent.q) if stretch.links else None
         if axes is not None:
             continue

@@ -39,8 +39,8 @@ MEASURED = "measured"
 
 def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
-    # Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
-    # no outliers then, which are looked for once more.
+    # Where feet carry a base that was not measured, the compliance of their soles is found, too; where no rest told the
+    # bias of its sensor, this bias. What they explain hides no outliers then, which are looked for once more.
     problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
     try:
         problem = without_outliers(fit_linear(problem, huber))
@@ -49,13 +49,13 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit_linear(problem, estimator)
-    footing = find_footing(fitted)
-    if footing is None:
+    found = find_footing(fitted)
+    if found is None:
         return _suspended(fitted, estimator)
-    problem = without_outliers(fit_linear(tilted(problem, footing), huber))
+    problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit_linear(problem, estimator), footing) or footing
-    fitted = fit_linear(tilted(problem, footing), estimator)
+    footing = find_footing(fit_linear(problem, estimator), found) or found
+    fitted = fit_linear(tilted(problem, footing, found), estimator)
     first, *others = fitted.problem.groups
     findings = (*first.findings, *_footing_findings(footing, fitted))
     problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
@@ -131,16 +131,20 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     if len(data) < len(group.data):
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
-    every = [split(model.leg, one) for one in data]
+    # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
+    smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
+    every = [split(model.leg, one, smears) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:6])), default=None)
     for one, own in zip(data, every, strict=True):
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
-        parts = split(model.leg, one, session) if biased and session is not None else own
+        parts = split(model.leg, one, smears, session) if biased and session is not None else own
         findings += _left_out(parts, one)
-        if biased or (own.imu is not None and (own.imu.gyro_bias.any() or own.imu.force_bias.any())):
-            findings.append(_imu_finding(own.imu, session, one, model.leg.parameter_names))
+        errors = session if biased else own.imu
+        when = "by another recording of the session" if biased else "while a foot rested"
+        if errors is not None and (biased or errors.gyro_bias.any() or errors.force_bias.any()):
+            findings.append(_imu_finding(errors, when, source_of(one), model.leg.parameter_names))
         for part in parts.stretches:
             # on plates, rows that need no plate come first: what plates add has their noise, and a cut-off of its own
             for plates in (False, True) if part.plates else (False,):
@@ -198,12 +202,17 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         ),
         (
             *("contact-changes", left.changing, 1.0),
-            *(f"are within {EDGE:g} s of a touch-down or lift-off; they were left out", "nothing to do"),
+            *(f"are within {parts.near:.2g} s of a touch-down; they were left out", "nothing to do"),
         ),
         (
             *("singular-stance", left.singular, MUCH_LEFT_OUT),
             "leave no row: knees are straight, or too many links rest for the joints",
             "bend the knees, or measure the wrenches",
+        ),
+        (
+            *("singular-stance", left.floating, MUCH_LEFT_OUT),
+            "have no foot flat on the ground, and the motion of the base was not measured; they were left out",
+            "record an IMU on the torso",
         ),
     )
     return [
@@ -217,32 +226,29 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     ]
 
 
-def _imu_finding(
-    own: ImuErrors | None, session: ImuErrors | None, recording: Recording, names: tuple[str, ...]
-) -> Finding:
-    """Say what was taken out of the readings of an inertial measurement unit, or that nothing could be."""
-    name, errors = source_of(recording), own or session
-    if errors is None:
-        return Finding(
-            "imu-unchecked",
-            "",
-            1.0,
-            "1",
-            "warning",
-            "the bias of the base's sensor could not be checked, as no foot rests flat and still for a second in any "
-            "recording; 0.1 m/s² would be 1 % of gravity, and of every mass moment",
-            "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))",
-            parameters=names,
-            recording=name,
-        )
+def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
+    """Say what was taken out of the readings of an inertial measurement unit."""
     gyro, force, turn = (
         ", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias, errors.rotation)
     )
     turned = f", rotation ({turn}) rad" if errors.rotation.any() else ""
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
+    # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
+    if errors.std[3:6].max() > 0.05:
+        return Finding(
+            "imu-unchecked",
+            "",
+            2.0 * std,
+            "m/s²",
+            "warning",
+            f"{when}, the bias of the base's sensor is known to ± {2.0 * std:.2g} m/s² only, which is part of all "
+            "intervals",
+            "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))",
+            parameters=parameters,
+            recording=name,
+        )
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large = size > 0.5
-    when = "while a foot rested" if own is not None else "by another recording of the session"
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
     return Finding(
         "imu-bias",
@@ -254,7 +260,7 @@ def _imu_finding(
         + ("; no sensor is off by so much" if large else ""),
         remedy if large else "calibrate the sensor",
         interval=(size - 2.0 * std, size + 2.0 * std),
-        parameters=names if large else (),
+        parameters=parameters if large else (),
         recording=name,
     )
 
@@ -289,7 +295,7 @@ def without_outliers(fitted: Fitted) -> Problem:
 
 
 def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
-    """Say how soft soles are, how the ground leans, and what a lean would move."""
+    """Say how soft soles are, how the ground leans, what a lean would move, and how far a sensor was off."""
     halves = 2.0 * np.sqrt(np.diag(footing.found.covariance))
     findings = [
         Finding(
@@ -305,7 +311,12 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         )
         for (link, value), half in zip(footing.compliance.items(), halves.tolist(), strict=False)
     ]
-    model, level = fitted.models[0], slice(len(footing.links), None)
+    model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
+    if len(footing.sensor):
+        when = "as no foot rests flat and still for a second in any recording, by all rows"
+        findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))
+    if not footing.links:
+        return findings
     lean, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[level]))
     # what one degree moves, first the parameters that it moves by most of their standard deviations
     places = fitted.problem.places[0][: len(model.names)]

@@ -8,6 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -16,8 +17,9 @@ from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import chain, for_leg
-from exoid.signals import Recording, without_torque_delay
+from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
+from exoid.torques.contacts.imu import ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 
 from .findings.kinds import KINDS
@@ -27,6 +29,9 @@ from .problem import Fitted, Problem
 
 SOFT, DELAY = 5e-5, 2e-3
 """Compliance of a sole [rad/(N·m)] and delay [s] at which effects are computed."""
+
+GYRO, FORCE = 0.02, 0.2
+"""Standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]."""
 
 
 class RowChanges(NamedTuple):
@@ -38,11 +43,13 @@ class RowChanges(NamedTuple):
 
 
 class Footing(NamedTuple):
-    """How feet stand that carry a base which was not measured."""
+    """How feet stand that carry a base which was not measured, and bias of a sensor that did measure a base."""
 
     links: tuple[str, ...]  # these feet
     axes: FloatArray  # level axes about which the ground may lean, (A, 3)
-    found: RowChanges  # compliance of each sole [rad/(N·m)], then lean of the ground about each axis [rad]
+    sensor: FloatArray  # biases of angular velocity and specific force, each of the size that sensors have, (B, 6)
+    # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases
+    found: RowChanges
 
     @property
     def compliance(self) -> dict[str, float]:
@@ -52,7 +59,15 @@ class Footing(NamedTuple):
     @property
     def lean(self) -> FloatArray:
         """Lean of the ground, a rotation vector [rad], (3,)."""
-        return self.found.values[len(self.links) :] @ self.axes
+        return self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
+
+    @property
+    def imu(self) -> ImuErrors:
+        """Bias of the inertial measurement unit, with zeros for what the motion does not show."""
+        first = len(self.links) + len(self.axes)
+        bias, spread = self.found.values[first:] @ self.sensor, self.found.covariance[first:, first:]
+        std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
+        return ImuErrors(bias[:3], bias[3:], np.zeros(3), np.append(std, np.zeros(3)))
 
     def plus(self, index: int, step: float) -> Footing:
         """Change one of the numbers."""
@@ -61,26 +76,35 @@ class Footing(NamedTuple):
 
 
 def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None:
-    """Find the compliance θ = c τ of soles and the lean of the ground under a base that was not measured."""
+    """Find the compliance θ = c τ of soles and the lean of the ground, or the bias of a sensor that no rest told."""
     problem = fitted.problem
-    data = (one for group in problem.groups for one in group.data if isinstance(one, Recording))
+    data = [one for group in problem.groups for one in group.data if isinstance(one, Recording)]
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
-    if not links:
-        return None
     leg = fitted.models[0].leg
-    axes = np.eye(3)[:2] if leg.base_rows == 6 else np.array([leg.plane.lateral])
+    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
+    if not links and not biased:
+        return None
+    forward, lateral, up = leg.plane
+    turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
+    axes, sensor = (turns[:2] if links else turns[:0]), scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)
+    counts = len(links), len(axes), len(sensor) if biased else 0
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
-    steps, prior = (np.repeat([c, LEVEL], [len(links), len(axes)]) for c in (SOFT, 1e-4))
+    steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
     none = np.zeros(len(steps))
-    about = about or Footing(links, axes, RowChanges(none, np.diag(none), none))
+    about = about or Footing(links, axes, sensor[: counts[2]], RowChanges(none, np.diag(none), none))
     start = about.found.values
-    others = [tilted(problem, about.plus(k, step)) for k, step in enumerate(steps.tolist())]
+    others = [tilted(problem, about.plus(k, step), about) for k, step in enumerate(steps.tolist())]
     found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start)
     free = start + found.values
     values = np.append(np.maximum(free[: len(links)], 0.0), free[len(links) :])
     # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = np.append((0.2 * values[: len(links)]) ** 2, np.zeros(len(axes))) + (free - values) ** 2
-    return Footing(links, axes, RowChanges(values, found.covariance + np.diag(doubt), found.slopes))
+    doubt = np.append((0.2 * values[: len(links)]) ** 2, none[len(links) :]) + (free - values) ** 2
+    return about._replace(found=RowChanges(values, found.covariance + np.diag(doubt), found.slopes))
+
+
+def _may_be_biased(base: BaseMotion | None) -> bool:
+    """Whether a base was measured by a sensor whose bias is neither known nor taken out."""
+    return base is not None and base.pose is None and not base.calibrated
 
 
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
@@ -132,15 +156,21 @@ def row_changes(
     return RowChanges((inverse @ right[free])[-more:], inverse[-more:, -more:], slopes_of)
 
 
-def tilted(problem: Problem, footing: Footing) -> Problem:
-    """Let the feet that carry the base tilt on their soles, and the ground lean."""
-    compliance, lean = footing.compliance, footing.lean
+def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
+    """Let the feet that carry the base tilt on their soles, and the ground lean; take the bias of the sensor out."""
+    # A base that feet carry follows from the angles once more; of a bias, a part has been taken out before
+    compliance, lean, imu = footing.compliance, footing.lean, footing.imu
+    if before is not None:
+        gone = before.imu
+        imu = imu._replace(gyro_bias=imu.gyro_bias - gone.gyro_bias, force_bias=imu.force_bias - gone.force_bias)
 
     def tilt(model: TorqueModel, one: Recording) -> Recording:
-        if not isinstance(one.base, StandingBase):
+        if isinstance(one.base, StandingBase):
+            link = one.base.link
+            return replace(one, base=standing_base(model.leg, one, link, compliance.get(link, 0.0), lean))
+        if one.base is None or not _may_be_biased(one.base):
             return one
-        link = one.base.link
-        return replace(one, base=standing_base(model.leg, one, link, compliance.get(link, 0.0), lean))
+        return replace(one, base=replace(imu.corrected(one.base), calibrated=False))
 
     return _changed(problem, range(len(problem.groups)), tilt)
 

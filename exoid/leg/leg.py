@@ -34,7 +34,7 @@ from .reduction.documented import documented_machine
 from .reduction.numeric import numeric
 from .reduction.planar_machine import PlanarMachine
 from .reduction.tree_motion import tree_jacobian
-from .rewriting import RAILS, on_rail
+from .rewriting import RAILS, add_edges, on_rail
 from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
 
 
@@ -58,7 +58,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
-        contacts: Mapping[str, Contact] | None = None,
+        contacts: Mapping[str, Contact | Sequence[float]] | None = None,
     ) -> Leg:
         """Read a leg from a URDF file.
 
@@ -73,7 +73,8 @@ class Leg(LegData):
                 "x", "y" or "z" for a base on a rail along this axis of its: the first joint is ``base_z`` then, which
                 no recording has a torque of (``passive=("base_z",)``).
             contacts: Kind of contact of links that do not rest flat on the ground: "point" for a foot that holds its
-                origin, "edge" for a line through it, across the plane of the leg.
+                origin, "edge" for a line through it, across the plane of the leg. For the heel and the toe of a foot,
+                ``<foot>_heel`` and ``<foot>_toe``, the place of that edge in the axes of the foot [m], (3,).
 
         Returns:
             The leg.
@@ -140,7 +141,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
-        contacts: Mapping[str, Contact] | None = None,
+        contacts: Mapping[str, Contact | Sequence[float]] | None = None,
     ) -> Leg:
         """Build a leg from a description in memory.
 
@@ -166,6 +167,8 @@ class Leg(LegData):
             joints = joints if not joints or isinstance(joints, str) else (f"base_{base}", *joints)
             base = "fixed"
         locked = MappingProxyType(dict(locked or {}))
+        places = {link: place for link, place in (contacts or {}).items() if not isinstance(place, str)}
+        description = add_edges(description, places) if places else description
         model = build_model(description, joints, locked)
         floating = base == "floating"
         if floating and model.inertias[0].mass <= 0.0:
@@ -183,13 +186,13 @@ class Leg(LegData):
                 reduction = numeric(free_flyer_model(model), (description.root_link, *links))
             else:
                 reduction = numeric(model, links, moving_base=base == "moving")
-        contacts = MappingProxyType(dict(contacts or {}))
-        for link, kind in contacts.items():
+        kinds: dict[str, Contact] = {**(contacts or {}), **dict.fromkeys(places, "edge")}  # type: ignore[dict-item]
+        for link, kind in kinds.items():
             link_frame(model, description, link)
             if kind not in get_args(Contact):
-                kinds = ", ".join(get_args(Contact))
-                raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {kinds}")
-        return cls(description, model, reduction, machine, locked, cumulative, base, contacts)
+                known = ", ".join(get_args(Contact))
+                raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")
+        return cls(description, model, reduction, machine, locked, cumulative, base, MappingProxyType(kinds))
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.

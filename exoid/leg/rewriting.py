@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 from lxml import etree
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .description import Description, describe
+
+FARTHEST = 2.0
+"""Largest distance of a heel or toe from the origin of its foot [m]; larger ones are in another unit."""
 
 INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 
@@ -61,6 +66,29 @@ def rewrite(
     remark = [etree.Comment(f" {note.replace('--', '- -')} ")] if note else []
     parts = (etree.tostring(part, encoding="unicode", with_tail=False) for part in (*remark, *above, root, *below))
     return "\n".join(['<?xml version="1.0" encoding="utf-8"?>', *parts, ""])
+
+
+def add_edges(description: Description, places: Mapping[str, Sequence[float]]) -> Description:
+    """Add links ``<foot>_heel`` and ``<foot>_toe`` to a URDF, fixed to the foot at a place in its axes [m]."""
+    root = description.parse()
+    links = [link.get("name", "") for link in root.findall("link")]
+    for edge, place in places.items():
+        foot, _, part = edge.rpartition("_")
+        if part not in ("heel", "toe") or foot not in links or edge in links:
+            raise BadArgumentError(
+                f"a place of {edge!r}, which is no heel or toe that can be added",
+                where=description.name,
+                remedy=f"name <foot>_heel or <foot>_toe of a link, which are {', '.join(links)}",
+            )
+        numbers = checked(np.asarray(place, dtype=np.float64), f"the place of {edge}", least=-FARTHEST, most=FARTHEST)
+        if numbers.shape != (3,):
+            raise BadArgumentError(f"the place of {edge} has shape {numbers.shape}", remedy="give (x, y, z) [m]")
+        etree.SubElement(root, "link", name=edge)
+        joint = etree.SubElement(root, "joint", name=f"{edge}_fixed", type="fixed")
+        etree.SubElement(joint, "parent", link=foot)
+        etree.SubElement(joint, "child", link=edge)
+        etree.SubElement(joint, "origin", xyz=" ".join(repr(float(x)) for x in numbers))
+    return describe(etree.tostring(root.getroottree(), encoding="unicode"), description.name)
 
 
 def _parameters(inertial: etree._Element) -> FloatArray:

@@ -27,7 +27,8 @@ def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
                     f"a {kind} of {link!r}, which is no link of the leg"
                     + (f"; closest: {', '.join(close)}" if close else ""),
                     where=recording.source.name if recording.source else "",
-                    remedy=f"name a link of the URDF: {', '.join(links)}",
+                    remedy=f"name a link of the URDF: {', '.join(links)}; or say where a heel or toe is, "
+                    'contacts={"<foot>_heel": (x, y, z)} of the leg',
                     command=f"name a link of the URDF in the header ({kind}_<link>…), or map its columns: "
                     f"--column {kind}_{close[0] if close else links[-1]}{'_fx' if kind == 'wrench' else ''}=HEADER",
                 )

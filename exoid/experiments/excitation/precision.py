@@ -165,7 +165,7 @@ def supports_during(
     for recording in recordings:
         if isinstance(recording, StaticRows):
             raise NotSupportedError("static poses of a floating base", remedy="predict the precision of motions")
-        for links, _, part in split(model.leg, for_leg(model, recording)).stretches:
+        for links, _, part in split(model.leg, for_leg(model, recording), preparation).stretches:
             found.setdefault(links, []).append(part)
     for links, parts in found.items():
         if not links:

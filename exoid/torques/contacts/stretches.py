@@ -15,17 +15,24 @@ from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import source_of
-from exoid.signals import BaseMotion, Recording, Wrench
+from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
+from .kinds import foot_of, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base
 
 EDGE = 0.1
-"""Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
+"""Feet say how a base moves that was not measured, where this far from a touch-down or lift-off [s].
+
+Shorter gaps of a contact are filled.
+"""
+
+LATE = 0.05
+"""A foot may be down so long before its switch closes, or after it opened [s]."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -34,9 +41,10 @@ SHORTEST = 0.15
 class Left(NamedTuple):
     """Samples of a recording that were left out, as shares of those that could count."""
 
-    changing: float  # near a touch-down or lift-off
+    changing: float  # near a touch-down; where feet say how the base moves, also near a lift-off
     slipping: float  # A link that was said to rest moved, and the motion of the base had to follow from it
     singular: float  # chains were closed and stretched, or left no row
+    floating: float  # no foot rested flat, and the motion of the base had to follow from one
     # not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
     # when the wrench of a link that bears no load is eliminated
     gaps: float
@@ -61,20 +69,25 @@ class Split(NamedTuple):
         left: Samples that were left out.
         imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
+        near: Time around a touch-down that was left out [s].
     """
 
     stretches: tuple[Stretch, ...]
     left: Left
     imu: ImuErrors | None
     visible: float
+    near: float
 
 
-def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> Split:
+def split(
+    leg: Leg, recording: Recording, preparation: Preparation | None = None, session: ImuErrors | None = None
+) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
     Args:
         leg: The leg.
         recording: A recording with contacts or wrenches; without both, the base is held.
+        preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
         session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
             another recording of the session.
 
@@ -89,35 +102,33 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
     recording, gaps = _without_gaps(recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
-    steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
+    # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
+    # contact: a force that is zero may be eliminated, too, and a late switch does no harm.
+    smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
+    steady, near = ~_widened(touch_downs(leg, rest), smeared), smeared / recording.sample_rate
+    beside = smeared + round(LATE * recording.sample_rate)
+    down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
+    if leg.base_rows and recording.base is None:
+        steady, near, down = lasting, EDGE, unknown | rest
     slow = low_passed(recording.q, recording.sample_rate)
     around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
-    feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
+    feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    raw, slip = recording, Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
-    for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
-        rests = {link: flags & ~slip.slides for link, flags in soles.items()}
-        imu = imu_errors(leg, raw, rests) if leg.base_rows else None
-        errors = imu or session
-        if errors is not None and raw.base is not None and not raw.base.calibrated:
-            recording = replace(raw, base=errors.corrected(raw.base))
-        if recording.base is not None and leg.base_rows and recording.contacts:
-            slip = sliding(leg, recording, recording.base, soles)
-        if not slip.slides.any():
-            break
-    found, lost = [], np.zeros(len(recording), dtype=np.bool_)
+    recording, imu, slip = _without_bias(leg, recording, soles, session)
+    found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
-    plates = {link: flags for link, flags in feet.items() if link in recording.wrenches and leg.base_rows}
-    for together, where in _patterns({**unknown, **plates}, len(recording)):
+    plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
+    for together, where in _patterns({link: down[link] for link in (*unknown, *plates)}, len(recording)):
         links = tuple(link for link in together if link in unknown)
         inside = counted & usual & where
-        rows = eliminate(leg, links, slow) if links else None
         usable = inside.copy()
-        if rows is not None:  # a closed chain that leaves no row, or a stretched one
-            left = rows.loop is None or rows.loop.shape[2] > 0
-            usable &= rows.fit & left
+        if links and inside.any():  # a closed chain that leaves no row, or a stretched one
+            rows = eliminate(leg, links, slow[inside])
+            usable[inside] = rows.fit & (rows.loop is None or rows.loop.shape[2] > 0)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             resting = [link for link, flags in rest.items() if flags[usable].all()]
@@ -128,20 +139,58 @@ def split(leg: Leg, recording: Recording, session: ImuErrors | None = None) -> S
                 if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = _base(leg, recording, links, resting)
+            base = _base(leg, recording, resting)
+            if base is None and leg.base_rows and leg.description.root_link not in links:
+                floating |= usable
+                continue
             if leg.base_rows and not links and not loaded and base is not None:
                 _refuse_held_flight(recording, base.specific_force[usable])
             about: dict[str, Any] = {"mask": usable, "base": base, "wrenches": loaded}
             found.append(Stretch(links, () if links else together, replace(recording, **about)))
+    if not found and floating.any():
+        raise UnreadableInputError(
+            "the base moves, and no motion of it was recorded while no link rests flat on the ground",
+            where=source_of(recording),
+            remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say "
+            "when feet are flat on the ground (contacts=)",
+        )
     if not found:
         raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
             where=source_of(recording),
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
-    could = max(1.0, float(np.count_nonzero(counted)))
-    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
-    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
+    parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
+    left_out = Left(*(_share(part, counted) for part in parts))
+    return Split(tuple(found), left_out, imu, slip.visible, near)
+
+
+def _without_bias(
+    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None
+) -> tuple[Recording, ImuErrors | None, Slip]:
+    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
+    recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
+    for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
+        rests = {link: flags & ~slip.slides for link, flags in soles.items()}
+        imu = imu_errors(leg, raw, rests) if leg.base_rows else None
+        errors = imu or session
+        if errors is not None and raw.base is not None and not raw.base.calibrated:
+            recording = replace(raw, base=errors.corrected(raw.base))
+        if recording.base is not None and leg.base_rows and recording.contacts:
+            slip = sliding(leg, recording, recording.base, soles)
+        if not slip.slides.any():
+            break
+    return recording, imu, slip
+
+
+def _share(part: BoolArray, counted: BoolArray) -> float:
+    """Share of the samples that count."""
+    return float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted)))
+
+
+def _widened(flags: BoolArray, samples: int) -> BoolArray:
+    """Samples within a distance of those that are flagged."""
+    return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
 
 
 def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
@@ -169,13 +218,14 @@ def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
 
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
     """Find which links rest, and which of them by a wrench that was not measured."""
+    refuse_overdetermined(leg, recording)
     links = (*recording.contacts, *recording.wrenches)
-    rest = {link: np.asarray(flags) for link, flags in recording.contacts.items()}
+    rest = whole_feet(leg, {link: np.asarray(flags) for link, flags in recording.contacts.items()})
     for link, wrench in recording.wrenches.items():
         flags = contact_of(leg, link, wrench) if link not in rest and link != leg.description.root_link else None
         if flags is not None:
             rest[link] = flags
-    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
+    unknown = {link: flags for link, flags in rest.items() if not {link, foot_of(leg, link)} & {*recording.wrenches}}
     # On a fixed base, links of other legs are part of the base: forces on them reach no row
     bent = np.full((1, len(leg.joint_names)), 0.1)
     unknown = {link: flags for link, flags in unknown.items() if np.abs(leg.contact_jacobian(bent, link)).any()}
@@ -212,19 +262,9 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
-def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequence[str]) -> BaseMotion | None:
-    """Motion of the base: as it was measured, or as a link that rests on level ground says."""
+def _base(leg: Leg, recording: Recording, resting: Sequence[str]) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as a foot that rests flat on level ground says; None without both."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
-    feet = [link for link in resting if link != leg.description.root_link]
-    feet = [link for link in feet if leg.contact_kind(link) == "flat"]
-    if feet:
-        return standing_base(leg, recording, feet[0])
-    if leg.description.root_link in links:
-        return None
-    raise UnreadableInputError(
-        "the base moves, and no motion of it was recorded while no link rests flat on the ground",
-        where=source_of(recording),
-        remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
-        "feet are flat on the ground (contacts=)",
-    )
+    feet = [link for link in resting if link != leg.description.root_link and leg.contact_kind(link) == "flat"]
+    return standing_base(leg, recording, feet[0]) if feet else None

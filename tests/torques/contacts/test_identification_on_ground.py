@@ -194,17 +194,25 @@ def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
     np.testing.assert_allclose(again.values, found.values, atol=0.2 * found.std.min())
 
 
-def test_a_bias_that_could_not_be_checked_is_a_warning(exo):
+def test_a_bias_that_no_rest_tells_follows_from_the_rows(exo):
+    """A bias of 1 % of gravity is 1 % of every X, where it is not found."""
     log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
     swing = replace(
         with_imu(log, 9),
         wrenches={"left_foot": log.wrenches["left_foot"]},
         contacts={"left_foot": np.zeros(len(log.recording), dtype=bool)},
     )
-    for recording, kinds in ((swing, ["imu-unchecked"]), (replace(swing, base=known(swing.base)), [])):
-        found = exoid.identify(exo, recording, terms=(*TERMS,))
-        assert [each.kind for each in found.findings if each.kind.startswith("imu")] == kinds
-        assert all(each.severity == "warning" for each in found.findings if each.kind == "imu-unchecked")
+    found = exoid.identify(exo, swing, terms=TERMS)
+    (bias,) = (each for each in found.findings if each.kind.startswith("imu"))
+    assert bias.kind == "imu-bias"
+    low, high = bias.interval
+    assert low < np.hypot(0.1, 0.15) < high
+    assert high - low < 0.1
+    none = replace(with_imu(log, 9, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)).base, calibrated=True)
+    unbiased, taken = (exoid.identify(exo, replace(swing, base=x), terms=TERMS) for x in (none, known(swing.base)))
+    assert (np.abs(found.values - unbiased.values) < 2.0 * found.std).all()
+    assert not [each for each in unbiased.findings if each.kind.startswith("imu")]
+    assert abs(taken.values[0] - unbiased.values[0]) > 10.0 * found.std[0]
 
 
 def known(base):

@@ -1,0 +1,80 @@
+"""Feet that rest on their heel, on their toe, or flat: a foot has links ``<foot>_heel`` and ``<foot>_toe`` then."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from exoid._typing import BoolArray
+from exoid.errors import BadArgumentError
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
+from exoid.regression.rows import source_of
+from exoid.signals import Recording
+
+
+def foot_of(leg: Leg, link: str) -> str:
+    """Foot whose heel or toe a link is; any other link is its own."""
+    foot = link.removesuffix("_heel").removesuffix("_toe")
+    edge = foot != link and leg.contact_kind(link) != "flat" and foot in leg.description.child_links.values()
+    return foot if edge else link
+
+
+def _by_foot(leg: Leg, links: Sequence[str]) -> dict[str, list[str]]:
+    """Heel and toe of each foot among some links."""
+    feet: dict[str, list[str]] = {}
+    for link in links:
+        foot = foot_of(leg, link)
+        feet.setdefault(foot, []).extend([link] if link != foot else [])
+    return feet
+
+
+def whole_feet(leg: Leg, flags: Mapping[str, BoolArray]) -> dict[str, BoolArray]:
+    """A foot on heel and toe is flat, and a flat foot rests on neither alone: no direction is held twice."""
+    out = dict(flags)
+    for foot, edges in _by_foot(leg, list(flags)).items():
+        if edges:
+            flat = sum(flags[edge].astype(int) for edge in edges) > 1
+            out[foot] = flat = np.asarray(flat | flags[foot] if foot in flags else flat)
+            out |= {edge: flags[edge] & ~flat for edge in edges}
+    return out
+
+
+def touch_downs(leg: Leg, rest: Mapping[str, BoolArray]) -> BoolArray:
+    """First samples of each foot on the ground, by whatever part of it."""
+    found = np.zeros(len(next(iter(rest.values()), ())), dtype=np.bool_)
+    for foot, edges in _by_foot(leg, list(rest)).items():
+        down = np.logical_or.reduce([rest[link] for link in (foot, *edges)])
+        found |= down & np.diff(down, prepend=down[:1])
+    return found
+
+
+def refuse_overdetermined(leg: Leg, recording: Recording) -> None:
+    """Refuse a foot that is flat and on an edge at once, and one that more contacts hold than two points."""
+    contacts, where = recording.contacts, source_of(recording)
+    for foot, edges in _by_foot(leg, list(contacts)).items():
+        for edge in edges:
+            both = int(np.count_nonzero(contacts[edge] & contacts[foot])) if foot in contacts else 0
+            if both:
+                raise BadArgumentError(
+                    f"{foot} rests flat and on {edge} at once, at {both} samples",
+                    where=where,
+                    remedy=f"say one of both; where {foot} is down by any switch, leave contact_{foot} out",
+                )
+    if not leg.limbs:
+        return
+    held: dict[int, dict[str, BoolArray]] = {}
+    for link, flags in contacts.items():
+        held.setdefault(link_frame(leg.model, leg.description, link).body, {})[link] = flags
+    for links in held.values():
+        # in the plane a link has three directions; heel and toe hold four, one of which twice, and are flat together
+        count = np.sum(
+            [(3 if leg.contact_kind(link) == "flat" else 2) * flags for link, flags in links.items()], axis=0
+        )
+        if (count > 4).any():
+            raise BadArgumentError(
+                f"contacts of {', '.join(links)} overdetermine one link of a planar leg",
+                where=where,
+                remedy="give heel and toe alone, which say together that the foot is flat",
+            )

@@ -1,0 +1,136 @@
+"""Heel and toe of a foot: links of their own, merged to a flat foot, and left with the directions they hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.errors import BadArgumentError
+from exoid.estimate import Estimate
+from exoid.experiments.ground import bleex_machine, walking
+from exoid.lab.reproduce.stance import TERMS, WALKING
+from exoid.leg.description import describe
+from exoid.rig.ground import GroundSensors
+from exoid.torques.contacts import split
+from exoid.torques.contacts.kinds import touch_downs, whole_feet
+
+HEEL, TOE = (-0.075, -0.1, -0.11), (0.13, -0.1, -0.11)
+FOOT = "left_foot"
+
+
+@cache
+def exo():
+    plain = exoid.load_exo("bleex", base="floating")
+    places = {f"{FOOT}_heel": HEEL, f"{FOOT}_toe": TOE}
+    return exoid.Leg.from_description(plain.description, plain.joint_names, base="floating", contacts=places)
+
+
+def bits(text):
+    return np.array([each == "1" for each in text])
+
+
+def test_a_heel_holds_its_line_in_the_axes_of_the_foot():
+    q = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 6))
+    whole = exo().contact_jacobian(q, FOOT)
+    for edge, (x, _, z) in ((f"{FOOT}_heel", HEEL), (f"{FOOT}_toe", TOE)):
+        # the pitch turns forward into up: a point (x, z) moves by (−z, x)
+        expected = whole[:, :2] + np.array([-z, x])[:, None] * whole[:, 2:]
+        np.testing.assert_allclose(exo().contact_jacobian(q, edge), expected, atol=1e-12)
+    np.testing.assert_array_equal(exo().parameters, exoid.load_exo("bleex", base="floating").parameters)
+
+
+def test_heel_and_toe_together_are_flat():
+    heel, toe = bits("0111000"), bits("0011100")
+    found = whole_feet(exo(), {f"{FOOT}_heel": heel, f"{FOOT}_toe": toe})
+    np.testing.assert_array_equal(found[FOOT], bits("0011000"))
+    np.testing.assert_array_equal(found[f"{FOOT}_heel"], bits("0100000"))
+    np.testing.assert_array_equal(found[f"{FOOT}_toe"], bits("0000100"))
+    np.testing.assert_array_equal(touch_downs(exo(), found), bits("0100000"))
+
+
+def a_log(contacts):
+    q = np.tile([0.2, -0.4, 0.2] * 2, (500, 1))
+    flags = {link: np.full(500, value) for link, value in contacts.items()}
+    base = exoid.BaseMotion(np.zeros((500, 3)), np.tile([0.0, 0.0, 9.81], (500, 1)))
+    return exoid.Recording(np.arange(500) / 250.0, q, tau=q, joint_names=exo().joint_names, base=base, contacts=flags)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "message"),
+    [
+        ({FOOT: True, f"{FOOT}_toe": True}, "flat and on left_foot_toe at once"),
+        ({f"{FOOT}_heel": True, f"{FOOT}_toe": True, f"{FOOT}_tip": True}, "overdetermine"),
+        ({f"{FOOT}_ball": True}, "no link"),
+        ({"right_foot_heel": True}, "right_foot"),
+    ],
+)
+def test_contradictions_are_one_error(contacts, message):
+    text = exo().description.text.replace("</robot>", TIP + "</robot>")
+    leg = exoid.Leg.from_description(
+        describe(text), exo().joint_names, base="floating", contacts={**exo().contacts, f"{FOOT}_tip": "point"}
+    )
+    with pytest.raises(BadArgumentError, match=message):
+        split(leg, a_log(contacts))
+
+
+TIP = (
+    f'<link name="{FOOT}_tip"/><joint name="tip" type="fixed"><parent link="{FOOT}"/><child link="{FOOT}_tip"/></joint>'
+)
+
+
+@pytest.mark.parametrize(
+    "places", [{"left_paw_heel": HEEL}, {"left_foot_side": HEEL}, {f"{FOOT}_heel": (75.0, 0.0, 0.0)}]
+)
+def test_a_heel_of_no_foot_is_refused(places):
+    plain = exoid.load_exo("bleex", base="floating")
+    with pytest.raises(BadArgumentError):
+        exoid.Leg.from_description(plain.description, plain.joint_names, base="floating", contacts=places)
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return walking(bleex_machine(), 20.0)
+
+
+def errors(estimate, run):
+    true = dict(zip(run.plant.leg.parameter_names, run.plant.leg.parameters, strict=True))
+    names = [name for name in true if name[0] in "MXJ" and name not in ("X0", "J0")]
+    return {name: abs(estimate[name].value / true[name] - 1.0) for name in names}
+
+
+@pytest.mark.slow
+def test_most_of_a_walk_counts_and_late_switches_do_no_harm(walk):
+    leg = exoid.load_exo("bleex", base="floating")
+    for delay in (0.0, 0.03):
+        log = walk.recording(GroundSensors(switch_delay=delay), 1, wrenches=("torso",))
+        log = replace(log, base=replace(log.base, calibrated=True))
+        parts = split(leg, log, WALKING).stretches
+        counted = np.any([part.recording.mask for part in parts], axis=0)
+        assert np.mean(counted[np.any(list(log.contacts.values()), axis=0)]) > 0.9
+        found = errors(exoid.identify(leg, log, TERMS, preparation=WALKING, check=False), walk)
+        assert max(value for name, value in found.items() if name[0] == "X") < 0.02
+
+
+@pytest.mark.slow
+def test_a_walk_tells_the_bias_of_its_imu(walk):
+    leg = exoid.load_exo("bleex", base="floating")
+    log = walk.recording(GroundSensors(), 1, wrenches=("torso",))
+    log = replace(log, base=replace(log.base, specific_force=np.add(log.base.specific_force, (0.2, 0.0, -0.1))))
+    estimate = exoid.identify(leg, log, TERMS, preparation=WALKING, check=False)
+    assert max(value for name, value in errors(estimate, walk).items() if name[0] == "X") < 0.02
+    (bias,) = (each for each in estimate.findings if each.kind == "imu-bias")
+    assert bias.value == pytest.approx(np.hypot(0.2, 0.1), abs=0.05)
+
+
+@pytest.mark.slow
+def test_heels_and_toes_are_saved_with_an_estimate(walk, tmp_path):
+    leg = exo()
+    log = walk.recording(GroundSensors(), 1, wrenches=("torso",))
+    estimate = exoid.identify(leg, replace(log, base=replace(log.base, calibrated=True)), TERMS, check=False)
+    estimate.save(tmp_path / "est.json")
+    again = Estimate.load(tmp_path / "est.json").model.leg
+    assert dict(again.contacts) == dict(leg.contacts) == {f"{FOOT}_heel": "edge", f"{FOOT}_toe": "edge"}
