@@ -1,0 +1,108 @@
+"""Machines with closed loops, of random proportions: a four-bar knee, and an ankle on two rods."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid import Leg
+
+
+class Machine(NamedTuple):
+    """A URDF, its loops, and the joints that motors drive."""
+
+    urdf: str
+    loops: str
+    joints: tuple[str, ...]
+
+    def leg(self, folder: Path, loops: str | None = None, **options: object) -> Leg:
+        """Read the machine from files."""
+        (folder / "leg.urdf").write_text(self.urdf)
+        (folder / "loops.toml").write_text(loops or self.loops)
+        return Leg.from_urdf(folder / "leg.urdf", loops=folder / "loops.toml", **options)
+
+
+def link(name: str, rng: np.random.Generator, mass: float, length: float, *, planar: bool) -> str:
+    """Write a link with a random inertia that hangs down from its frame."""
+    mass *= rng.uniform(0.8, 1.25)
+    x, y, z = length * rng.uniform((-0.2, -0.2, -0.6), (0.2, 0.2, -0.4)) * [1.0, not planar, 1.0]
+    i = mass * length**2 / 12.0 * rng.uniform(0.8, 1.2, 3)
+    return (
+        f'<link name="{name}"><inertial><origin xyz="{x:.5f} {y:.5f} {z:.5f}"/><mass value="{mass:.5f}"/>'
+        f'<inertia ixx="{i[0]:.7f}" ixy="0" ixz="0" iyy="{i[1]:.7f}" iyz="0" izz="{i[1] / 2:.7f}"/></inertial></link>'
+    )
+
+
+def joint(name: str, parent: str, child: str, xyz: np.ndarray, axis: str = "0 1 0", limit: float = 0.6) -> str:
+    """Write a joint."""
+    place = " ".join(f"{x:.5f}" for x in xyz)
+    return (
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/><origin xyz="{place}"/>'
+        f'<axis xyz="{axis}"/><limit lower="-{limit}" upper="{limit}" effort="100" velocity="10"/></joint>'
+    )
+
+
+def end(link: str, xyz: np.ndarray) -> str:
+    """Write one end of a loop."""
+    return f'{{link = "{link}", xyz = [{", ".join(f"{x:.5f}" for x in xyz)}]}}'
+
+
+def four_bar_knee(seed: int) -> Machine:
+    """Hip, and a knee whose shank hangs on two links of the thigh; motors at the hip and the front link."""
+    rng = np.random.default_rng(seed)
+    # Pivots on the thigh, and on the shank in axes of the thigh at the zero pose
+    a, b, c, d = np.array([[0.03, 0, -0.40], [-0.02, 0, -0.41], [-0.03, 0, -0.47], [0.03, 0, -0.46]])
+    a, b, c, d = np.round(np.stack([a, b, c, d]) * [1, 0, 1] + rng.uniform(-0.006, 0.006, (4, 3)) * [1, 0, 1], 5)
+    links = [
+        '<link name="pelvis"/>',
+        link("thigh", rng, 4.0, 0.42, planar=True),
+        link("front", rng, 0.5, 0.09, planar=True),
+        link("rear", rng, 0.4, 0.08, planar=True),
+        link("shank", rng, 3.5, 0.45, planar=True),
+    ]
+    joints = [
+        joint("hip", "pelvis", "thigh", np.zeros(3), limit=1.0),
+        joint("knee", "thigh", "front", a),
+        joint("front_pin", "front", "shank", c - a),
+        joint("rear_pin", "thigh", "rear", b),
+    ]
+    loops = (
+        'dependent = ["front_pin", "rear_pin"]\n[[loop]]\nname = "four-bar"\nkind = "pin"\naxis = [0, 1, 0]\n'
+        f"first = {end('rear', d - b)}\nsecond = {end('shank', d - c)}\n"
+    )
+    return Machine(f'<robot name="four-bar">{"".join([*links, *joints])}</robot>', loops, ("hip", "knee"))
+
+
+def two_rod_ankle(seed: int) -> Machine:
+    """Ankle of two axes that two cranks on the shank move by rods with a universal joint and a ball."""
+    rng = np.random.default_rng(seed)
+    links = ['<link name="shank"/>', link("cross", rng, 0.15, 0.05, planar=False)]
+    links.append(link("foot", rng, 1.6, 0.2, planar=False))
+    ankle = np.round([0.0, 0.0, -0.35] + rng.uniform(-0.01, 0.01, 3), 5)
+    joints = [joint("pitch", "shank", "cross", ankle), joint("roll", "cross", "foot", np.zeros(3), "1 0 0", 0.4)]
+    loops, dependent = [], ["pitch", "roll"]
+    for side, y in (("left", 0.045), ("right", -0.045)):
+        motor = np.round([0.0, y, -0.08] + rng.uniform(-0.01, 0.01, 3), 5)
+        arm = np.round([-0.06, 0.0, 0.0] + rng.uniform(-0.006, 0.006, 3), 5)
+        ball = np.round(ankle + [-0.065, y, -0.02] + rng.uniform(-0.006, 0.006, 3), 5)
+        rod = ball - motor - arm
+        links += [
+            link(f"crank_{side}", rng, 0.5, 0.06, planar=False),
+            link(f"knuckle_{side}", rng, 0.1, 0.03, planar=False),
+            link(f"rod_{side}", rng, 0.4, 0.26, planar=False),
+        ]
+        joints += [
+            joint(f"motor_{side}", "shank", f"crank_{side}", motor),
+            joint(f"swing_{side}", f"crank_{side}", f"knuckle_{side}", arm),
+            joint(f"tilt_{side}", f"knuckle_{side}", f"rod_{side}", np.zeros(3), "1 0 0"),
+        ]
+        dependent += [f"swing_{side}", f"tilt_{side}"]
+        loops.append(
+            f'[[loop]]\nname = "rod {side}"\nkind = "ball"\nfirst = {end(f"rod_{side}", rod)}\n'
+            f"second = {end('foot', ball - ankle)}\n"
+        )
+    named = ", ".join(f'"{name}"' for name in dependent)
+    text = f"dependent = [{named}]\n{''.join(loops)}"
+    return Machine(f'<robot name="ankle">{"".join([*links, *joints])}</robot>', text, ("motor_left", "motor_right"))
