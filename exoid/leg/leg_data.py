@@ -178,7 +178,7 @@ class LegData:
         """Limits of the joints."""
         model = self.model
         chosen = slice(None) if self.closure is None else self.closure.independent
-        joints = [model.joints[j + 1] for j in np.arange(model.njoints - 1)[chosen]]
+        joints = [model.joints[j + 1] for j in np.arange(model.njoints - 1)[chosen].tolist()]
         lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
         upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
         # continuous joints have no limits, and exporters of CAD programs write 0 for those that nobody gave

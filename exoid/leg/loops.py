@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import UnreadableInputError, within
+from exoid.errors import UnreadableInputError, in_file
 from exoid.tools.toml import read_toml
 
 LoopKind = Literal["pin", "ball", "weld"]
@@ -73,7 +73,7 @@ class Loops:
     @classmethod
     def read(cls, path: str | Path) -> Loops:
         """Read a file of loops."""
-        with within(str(path)):
+        with in_file(str(path)):
             return cls.from_data(read_toml(Path(path), EXAMPLE))
 
     @classmethod

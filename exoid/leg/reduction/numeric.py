@@ -76,7 +76,8 @@ def numeric(
     scale = _column_scale(W, changes)
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > THRESHOLD * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
-    rank = _decide_rank(unit, [change[:, nonzero] / scale[nonzero] for change in changes], W.shape[1])
+    changed = [change[:, nonzero] / scale[nonzero] for change in changes]
+    rank = _decide_rank(unit, changed, W.shape[1], closed=closure is not None)
     _, R, order = scipy.linalg.qr(unit * _preferences(nonzero, W.shape[1]), mode="economic", pivoting=True)
     r = rank.rank
     kept, grouped = nonzero[order[:r]], nonzero[order[r:]]
@@ -149,7 +150,7 @@ def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.maximum(np.maximum(length, rounded), THRESHOLD * length.max()))
 
 
-def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int) -> RankDecision:
+def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int, *, closed: bool) -> RankDecision:
     """Count the directions with effects beyond those of rounding: generalised singular values of Y and ΔY."""
     floor = THRESHOLD * np.eye(unit.shape[1])  # directions that no rounding changes
     R = np.asarray(np.linalg.qr(unit, mode="r"))
@@ -157,6 +158,9 @@ def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int) 
     rounded = np.asarray(np.linalg.qr(stacked, mode="r"))
     effects = np.linalg.svd(scipy.linalg.solve_triangular(rounded, R.T, trans="T").T, compute_uv=False)
     rank = int((effects > DISTINCT).sum())
+    # The short strokes of closed loops make effects that fade out evenly: those above the next gap are kept, too
+    while closed and 0 < rank < len(effects) and effects[rank] * GAP > effects[rank - 1]:
+        rank += 1
     sigma = np.linalg.svd(unit, compute_uv=False)
     sigma = sigma / sigma[0]
     dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
