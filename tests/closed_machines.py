@@ -44,6 +44,11 @@ def joint(name: str, parent: str, child: str, xyz: np.ndarray, axis: str = "0 1 
     )
 
 
+def near(rng: np.random.Generator, *place: float) -> np.ndarray:
+    """Draw a point within 6 mm of a place."""
+    return np.round(place + rng.uniform(-0.006, 0.006, 3), 5)
+
+
 def end(link: str, xyz: np.ndarray) -> str:
     """Write one end of a loop."""
     return f'{{link = "{link}", xyz = [{", ".join(f"{x:.5f}" for x in xyz)}]}}'
@@ -80,13 +85,13 @@ def two_rod_ankle(seed: int) -> Machine:
     rng = np.random.default_rng(seed)
     links = ['<link name="shank"/>', link("cross", rng, 0.15, 0.05, planar=False)]
     links.append(link("foot", rng, 1.6, 0.2, planar=False))
-    ankle = np.round([0.0, 0.0, -0.35] + rng.uniform(-0.01, 0.01, 3), 5)
+    ankle = near(rng, 0.0, 0.0, -0.35)
     joints = [joint("pitch", "shank", "cross", ankle), joint("roll", "cross", "foot", np.zeros(3), "1 0 0", 0.4)]
     loops, dependent = [], ["pitch", "roll"]
     for side, y in (("left", 0.045), ("right", -0.045)):
-        motor = np.round([0.0, y, -0.08] + rng.uniform(-0.01, 0.01, 3), 5)
-        arm = np.round([-0.06, 0.0, 0.0] + rng.uniform(-0.006, 0.006, 3), 5)
-        ball = np.round(ankle + [-0.065, y, -0.02] + rng.uniform(-0.006, 0.006, 3), 5)
+        motor = near(rng, 0.0, y, -0.08)
+        arm = near(rng, -0.06, 0.0, 0.0)
+        ball = np.round(ankle + near(rng, -0.065, y, -0.02), 5)
         rod = ball - motor - arm
         links += [
             link(f"crank_{side}", rng, 0.5, 0.06, planar=False),

@@ -89,6 +89,7 @@ class Export:
             "cumulative": leg.cumulative,
             **({"base": leg.base} if leg.base != "fixed" else {}),
             **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
+            **({"loops": leg.closure.loops.to_data()} if leg.closure else {}),
             "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
             "units": dict(zip(estimate.names, estimate.units, strict=True)),
             "only_here": list(self.only_in_sidecar),

@@ -10,7 +10,7 @@ the mass matrix of the tree to those of the independent joints, and no loop forc
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 
-from .description import Description
 from .dynamics import JointFrames, joint_frames
-from .link_frames import link_frame
 from .loops import Loop, Loops
 from .model import joint_axis
 
@@ -56,7 +54,9 @@ class TreeMotion(NamedTuple):
     q: FloatArray  # angles [rad], (N, t)
     v: FloatArray  # velocities [rad/s], (N, t)
     a: FloatArray  # accelerations [rad/s²], (N, t)
-    G: FloatArray | None = None  # velocities of all joints per unit of each independent one, (t, n, N); None without loops
+    G: FloatArray | None = (
+        None  # velocities of all joints per unit of each independent one, (t, n, N); None without loops
+    )
 
     def project(self, rows: FloatArray) -> FloatArray:
         """Take the last axis, torques or columns of all t joints, to the independent ones."""
@@ -95,13 +95,12 @@ class Closure:
     sign: float  # sign of det A_d on the branch of the reference
 
     @classmethod
-    def of(cls, loops: Loops, model: pin.Model, description: Description) -> Closure:
+    def of(cls, loops: Loops, model: pin.Model, frame: Callable[[str], tuple[int, pin.SE3]], where: str) -> Closure:
         """Assemble a machine: find a closed pose, and check that the loops determine the dependent joints."""
         names = list(model.names)[1:]
-        pairs = tuple(_pairs(loops, model, description))
+        pairs = tuple(_pairs(loops, frame, where))
         dependent = np.array(sorted(names.index(name) for name in loops.dependent))
         independent = np.setdiff1d(np.arange(len(names)), dependent)
-        where = description.name
         if unknown := [name for name in loops.start if name not in names]:
             raise BadArgumentError(f"[start] names {unknown[0]!r}, which does not move", where=where)
         moved = {j for pair in pairs for j in _moves(model, pair)}
@@ -293,10 +292,12 @@ class Closure:
             return self._linearise(trial[:, None])
 
         found = scipy.optimize.least_squares(
-            lambda x: at(x).gap[:, 0],
+            lambda x: at(x).gap[:, 0],  # type: ignore[misc]
             pose[self.dependent],
-            lambda x: at(x).A[:, self.dependent, 0],
-            **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15),
+            lambda x: at(x).A[:, self.dependent, 0],  # type: ignore[misc]
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
         )
         pose = np.array(pose)
         pose[self.dependent] = found.x
@@ -322,15 +323,17 @@ class Closure:
         )
 
 
-def _pairs(loops: Loops, model: pin.Model, description: Description) -> Iterator[_PointPair]:
+def _pairs(loops: Loops, frame: Callable[[str], tuple[int, pin.SE3]], where: str) -> Iterator[_PointPair]:
+    """Points of all loops, given body and placement of each link."""
     for loop in loops.loops:
-        frames = [link_frame(model, description, end.link) for end in (loop.first, loop.second)]
-        if frames[0].body == frames[1].body:
+        ends = loop.first, loop.second
+        bodies, frames = zip(*(frame(end.link) for end in ends), strict=True)
+        if bodies[0] == bodies[1]:
             what = f"loop {loop.name} connects {loop.first.link} and {loop.second.link}, which do not move"
-            raise BadArgumentError(what, where=description.name, remedy="name two links with a joint between them")
-        places = [at.placement * end.placement for at, end in zip(frames, (loop.first, loop.second), strict=True)]
+            raise BadArgumentError(what, where=where, remedy="name two links with a joint between them")
+        places = [at * end.placement for at, end in zip(frames, ends, strict=True)]
         for point in loop.points:
-            yield _PointPair(loop, (frames[0].body, frames[1].body), np.array([place * point for place in places]))
+            yield _PointPair(loop, bodies, np.array([place * point for place in places]))
 
 
 def _moves(model: pin.Model, pair: _PointPair) -> list[int]:
@@ -351,13 +354,13 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def _solver(A: FloatArray):
+def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Solver of A x = b for samples last; not a number where A is singular."""
     by_sample = np.ascontiguousarray(A.transpose(2, 0, 1))
     singular = np.linalg.det(by_sample) == 0.0
     if singular.any():
         by_sample[singular] = np.nan
-    return lambda b: np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0)
+    return lambda b: np.asarray(np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0))
 
 
 def _blocks(count: int) -> Iterator[slice]:

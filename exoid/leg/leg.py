@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
@@ -172,7 +172,11 @@ class Leg(LegData):
             raise BadArgumentError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked, () if loops is None else loops.dependent)
-        closure = None if loops is None else Closure.of(loops, model, description)
+        closure = (
+            None
+            if loops is None
+            else Closure.of(loops, model, partial(link_frame, model, description), description.name)
+        )
         floating = base == "floating"
         if floating and closure is not None:
             raise NotSupportedError(
@@ -184,7 +188,8 @@ class Leg(LegData):
                 where=description.name,
                 remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
             )
-        machine = None if base == "moving" or closure is not None else PlanarMachine.from_model(model, floating=floating)
+        numerical = base == "moving" or closure is not None
+        machine = None if numerical else PlanarMachine.from_model(model, floating=floating)
         if machine is not None:
             reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
         else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
@@ -52,7 +52,7 @@ class Loop(NamedTuple):
     @property
     def points(self) -> FloatArray:
         """Points of both frames that coincide [m]: one of a ball, two on the axis of a pin, three of a weld, (k, 3)."""
-        arms = {"ball": (), "pin": (np.array(self.axis) / math.hypot(*self.axis),), "weld": (np.eye(3)[0], np.eye(3)[1])}
+        arms = {"ball": [], "pin": [np.array(self.axis) / math.hypot(*self.axis)], "weld": np.eye(3)[:2]}
         return np.array([np.zeros(3), *(ARM * arm for arm in arms[self.kind])])
 
 
@@ -63,7 +63,7 @@ class Loops:
     Attributes:
         loops: The loops.
         dependent: Joints of the URDF whose angles follow from those of the others.
-        start: Joint angles [rad or m] near which the loops close; zero if not given. They choose among several assemblies.
+        start: Joint angles [rad or m] near which the loops close, zero if not given: they choose one assembly of several.
     """
 
     loops: tuple[Loop, ...]
@@ -108,12 +108,12 @@ def _loop(data: Mapping[str, Any], number: int) -> Loop:
     if not isinstance(name, str):
         raise _wrong(f"the name of loop {number} is {name!r}")
     _refuse_unknown(data, ("name", "kind", "axis", "first", "second"), name)
-    kind, axis = data.get("kind"), data.get("axis", [0.0, 1.0, 0.0])
+    kind, axis = data.get("kind", ""), data.get("axis", [0.0, 1.0, 0.0])
     if kind not in get_args(LoopKind):
         raise _wrong(f"{name} has the kind {kind!r}, which is none of {', '.join(get_args(LoopKind))}")
     if not _are_numbers(axis, 3) or not math.hypot(*axis) > 0.0:
         raise _wrong(f"the axis of {name} is {axis!r}, not three numbers")
-    ends = []
+    ends: list[LoopEnd] = []
     for role in ("first", "second"):
         end = data.get(role)
         if not isinstance(end, dict) or not isinstance(end.get("link"), str):
@@ -123,7 +123,7 @@ def _loop(data: Mapping[str, Any], number: int) -> Loop:
             if not _are_numbers(end.get(key, [0, 0, 0]), 3):
                 raise _wrong(f"{key} of {name}, {role}, is {end[key]!r}, not three numbers")
         ends.append(LoopEnd(end["link"], *(tuple(map(float, end.get(key, [0, 0, 0]))) for key in ("xyz", "rpy"))))
-    return Loop(name, kind, *ends, axis=tuple(map(float, axis)))
+    return Loop(name, kind, ends[0], ends[1], tuple(map(float, axis)))
 
 
 def _refuse_unknown(data: Mapping[str, Any], known: Sequence[str], place: str) -> None:

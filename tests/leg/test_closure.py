@@ -9,6 +9,7 @@ from closed_machines import four_bar_knee, two_rod_ankle
 
 from exoid import Leg
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
+from exoid.leg.base_kinematics import BaseKinematics
 
 MACHINES = {"knee": four_bar_knee, "ankle": two_rod_ankle}
 
@@ -85,8 +86,8 @@ def test_power_of_the_motors_is_the_change_of_energy(leg):
         tree = leg.tree_motion(q + step * v + 0.5 * step**2 * a, v + step * a)
         return np.array(
             [
-                pin.computeKineticEnergy(leg.model, data, *state) + pin.computePotentialEnergy(leg.model, data, state[0])
-                for state in zip(tree.q, tree.v, strict=True)
+                pin.computeKineticEnergy(leg.model, data, q, v) + pin.computePotentialEnergy(leg.model, data, q)
+                for q, v in zip(tree.q, tree.v, strict=True)
             ]
         )
 
@@ -119,8 +120,7 @@ def test_a_sample_does_not_depend_on_its_neighbours(leg):
     np.testing.assert_allclose(together[some], alone, atol=1e-11 * np.abs(alone).max())
 
 
-def test_an_open_knee_of_a_parallelogram_is_a_leg_with_fewer_joints(tmp_path):
-    """The coupler of a parallelogram keeps its direction: its inertia acts on nothing."""
+def test_a_closed_leg_has_the_joints_of_its_motors(tmp_path):
     machine = four_bar_knee(0)
     leg = machine.leg(tmp_path)
     assert leg.joint_names == ("hip", "knee")
@@ -136,26 +136,25 @@ def test_a_weld_of_the_last_link_holds_all_joints_of_a_triangle(tmp_path):
 
 
 WRONG = {
-    "a rod too short to close": (lambda t: t.replace('"rear", xyz = [', '"rear", xyz = [0.5, 0.0, 0.0], rpy = ['), BadArgumentError, "a gap of"),
-    "an unknown link": (lambda t: t.replace('"rear"', '"raer"'), BadArgumentError, "no link 'raer'"),
-    "an unknown joint": (lambda t: t.replace('"rear_pin"', '"rear_pim"'), BadArgumentError, "rear_pim"),
-    "a joint in no loop": (lambda t: t.replace('"rear_pin"', '"hip"'), BadArgumentError, "moves no loop"),
-    "too few dependent joints": (lambda t: t.replace(', "rear_pin"', ""), BadArgumentError, "take 2 freedoms"),
-    "an unknown kind": (lambda t: t.replace('"pin"', '"glue"'), UnreadableInputError, "none of pin, ball, weld"),
-    "an unknown key": (lambda t: t.replace("axis", "axes"), UnreadableInputError, "'axes'"),
-    "no loop": (lambda t: t.split("[[loop]]")[0], UnreadableInputError, r"no \[\[loop\]\]"),
-    "two frames of one link": (lambda t: t.replace('"rear", xyz', '"shank", xyz'), BadArgumentError, "do not move"),
-    "no TOML": (lambda t: t + "]", UnreadableInputError, "not TOML"),
+    "a rod too short to close": ('"rear", xyz = [', '"rear", xyz = [0.5, 0, 0], rpy = [', BadArgumentError, "a gap of"),
+    "an unknown link": ('"rear"', '"raer"', BadArgumentError, "no link 'raer'"),
+    "an unknown joint": ('"rear_pin"', '"rear_pim"', BadArgumentError, "rear_pim"),
+    "a joint in no loop": ('"rear_pin"', '"hip"', BadArgumentError, "moves no loop"),
+    "too few dependent joints": (', "rear_pin"', "", BadArgumentError, "take 2 freedoms"),
+    "an unknown kind": ('"pin"', '"glue"', UnreadableInputError, "none of pin, ball, weld"),
+    "an unknown key": ("axis", "axes", UnreadableInputError, "'axes'"),
+    "no loop": ("[[loop]]", "[loop]", UnreadableInputError, r"no \[\[loop\]\]"),
+    "two frames of one link": ('"rear", xyz', '"shank", xyz', BadArgumentError, "do not move"),
+    "no TOML": ("dependent = [", "dependent = ", UnreadableInputError, "not TOML"),
 }
 
 
 @pytest.mark.parametrize("kind", WRONG)
 def test_wrong_loops_are_refused_in_one_line(kind, tmp_path):
-    machine, (change, error, words) = four_bar_knee(0), WRONG[kind]
-    changed = change(machine.loops)
-    assert changed != machine.loops
+    machine, (old, new, error, words) = four_bar_knee(0), WRONG[kind]
+    assert old in machine.loops
     with pytest.raises(error, match=words) as caught:
-        machine.leg(tmp_path, changed)
+        machine.leg(tmp_path, machine.loops.replace(old, new))
     assert "\n" not in str(caught.value)
 
 
@@ -180,8 +179,6 @@ def test_what_closed_loops_do_not_have_is_refused(tmp_path):
 
 def test_a_moving_base_gives_the_torque_that_its_motion_causes(tmp_path):
     """Accelerating the base upwards at 9.81 m/s² doubles gravity."""
-    from exoid.leg.base_kinematics import BaseKinematics
-
     machine = four_bar_knee(0)
     leg = machine.leg(tmp_path, base="moving")
     q, v, a = random_motion(leg)

@@ -126,9 +126,7 @@ def _random_regressor(model: pin.Model, closure: Closure | None, *, seed: int, m
     return columns.transpose(2, 1, 0).reshape(-1, len(columns))
 
 
-def _rounded(
-    model: pin.Model, closure: Closure | None, rng: np.random.Generator
-) -> tuple[pin.Model, Closure | None]:
+def _rounded(model: pin.Model, closure: Closure | None, rng: np.random.Generator) -> tuple[pin.Model, Closure | None]:
     """Copy a model, and the loops that close it, with random rounding errors of the places of joints and points."""
     copy = pin.Model(model)
     for j in range(1, copy.njoints):
