@@ -52,8 +52,9 @@ class Loop(NamedTuple):
     @property
     def points(self) -> FloatArray:
         """Points of both frames that coincide [m]: one of a ball, two on the axis of a pin, three of a weld, (k, 3)."""
-        arms = {"ball": [], "pin": [np.array(self.axis) / math.hypot(*self.axis)], "weld": np.eye(3)[:2]}
-        return np.array([np.zeros(3), *(ARM * arm for arm in arms[self.kind])])
+        along = np.array(self.axis) / math.hypot(*self.axis)
+        arms = {"ball": np.zeros((0, 3)), "pin": along[None], "weld": np.eye(3)[:2]}[self.kind]
+        return np.array([np.zeros(3), *(ARM * arms)])
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class Loops:
     Attributes:
         loops: The loops.
         dependent: Joints of the URDF whose angles follow from those of the others.
-        start: Joint angles [rad or m] near which the loops close, zero if not given: they choose one assembly of several.
+        start: Joint angles [rad or m] near which the loops close, zero if not given: they choose the assembly.
     """
 
     loops: tuple[Loop, ...]

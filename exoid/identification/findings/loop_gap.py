@@ -37,5 +37,5 @@ def loop_gaps(closure: Closure, recording: Recording) -> Iterator[Finding]:
                 f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
                 f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
             )
-            remedy = "measure the points of the loop, and the zeros of these encoders; what changes with the pose may be play"
+            remedy = "measure the points of the loop, and the zeros of these encoders; what changes may be play"
             yield Finding("loop-gap", "", size, "m", "warning", message, remedy)

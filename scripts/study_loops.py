@@ -1,0 +1,157 @@
+"""Are machines with closed loops identified? A four-bar knee and an ankle on two rods in MuJoCo; see docs/loops.md.
+
+    python scripts/study_loops.py --seeds 8      # seeds from 1000, about a minute on one core
+
+Each seed draws other proportions and masses. MuJoCo closes the loops by `connect`, and knows nothing of exoid's
+elimination. Only the motors are logged: angle (17 bits) and torque (noise of 1 % of its root mean square). Training:
+two motions of 20 s. Test: another one. Parameters count as known where their standard deviation is below 2 % of
+their own size or of their effect: the error that is printed is that of the torque they make, and their own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+from lxml import etree
+
+import exoid
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+from closed_machines import Machine, four_bar_knee, two_rod_ankle
+
+MACHINES = {"four-bar knee": four_bar_knee, "two-rod ankle": two_rod_ankle}
+STEP, RATE, DURATION = 2.5e-4, 400.0, 20.0  # of the simulation [s], of the log [Hz], of a motion [s]
+NOISE, ENCODER = 0.01, 2.0 * np.pi / 2**17
+DAMPING = 0.05  # of each motor [N·m·s/rad]
+
+
+def world(machine: Machine) -> mujoco.MjModel:
+    """The machine with a motor at each driven joint, its loops closed by `connect`."""
+    root = etree.fromstring(machine.urdf)
+    etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="false")
+    spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
+    spec.option.timestep, spec.option.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    for loop in exoid.leg.loops.Loops.from_data(exoid.tools.toml.parse_toml(machine.loops)).loops:
+        equality = spec.add_equality(type=mujoco.mjtEq.mjEQ_CONNECT, objtype=mujoco.mjtObj.mjOBJ_SITE)
+        for end, role in ((loop.first, "name1"), (loop.second, "name2")):
+            name = f"{loop.name} {role}"
+            spec.body(end.link).add_site(name=name, pos=end.xyz)
+            setattr(equality, role, name)
+        equality.solref, equality.solimp = [2.0 * STEP, 1.0], [0.9999, 0.9999, 1e-3, 0.5, 2.0]
+    for name in machine.joints:
+        spec.joint(name).damping = np.array([[DAMPING], [0.0], [0.0]])
+        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.set_to_motor()
+    return spec.compile()
+
+
+def record(machine: Machine, leg: exoid.Leg, rng: np.random.Generator) -> tuple[exoid.Recording, np.ndarray]:
+    """Track a random motion in MuJoCo; the log, and the noise of its torques."""
+    model = world(machine)
+    data = mujoco.MjData(model)
+    at = [model.joint(name).qposadr[0] for name in machine.joints]
+    rates = [model.joint(name).dofadr[0] for name in machine.joints]
+    frequency = rng.uniform(0.15, 1.6, (2, 6))
+    amplitude = rng.uniform(0.5, 1.0, (2, 6)) / (0.5 + frequency)
+    amplitude *= np.array([[0.6], [0.45]]) / amplitude.sum(axis=1, keepdims=True)
+    phase = rng.uniform(0.0, 2.0 * np.pi, (2, 6))
+    start = leg.tree_motion(np.sum(amplitude * np.sin(phase), axis=1)[None]).q[0]
+    for name, angle in zip(leg.tree_joint_names, start, strict=True):
+        data.qpos[model.joint(name).qposadr[0]] = angle
+    M = np.diagonal(leg.mass_matrix(np.zeros((1, 2)))[0])
+    rows, every = [], round(1.0 / RATE / STEP)
+    for k in range(int((DURATION + 1.0) / STEP)):
+        arc = 2.0 * np.pi * frequency * data.time + phase
+        target = np.sum(amplitude * np.sin(arc), axis=1)
+        speed = np.sum(amplitude * 2.0 * np.pi * frequency * np.cos(arc), axis=1)
+        data.ctrl[:] = M * (1600.0 * (target - data.qpos[at]) + 80.0 * (speed - data.qvel[rates]))
+        if k % every == 0 and data.time >= 1.0:  # the start is a jump
+            rows.append(np.r_[data.qpos[at], data.ctrl])
+        mujoco.mj_step(model, data)
+    q, tau = np.split(np.array(rows), 2, axis=1)
+    noise = NOISE * np.sqrt(np.mean(tau**2, axis=0))
+    tau = tau + noise * rng.standard_normal(tau.shape)
+    times = np.arange(len(q)) / RATE
+    read = np.round(q / ENCODER) * ENCODER
+    return exoid.Recording(time=times, q=read, tau=tau, joint_names=machine.joints), noise
+
+
+def measure(name: str, seed: int, folder: Path) -> dict[str, float]:
+    """Identify one machine."""
+    machine = MACHINES[name](seed)
+    leg = machine.leg(folder)
+    rng = np.random.default_rng(seed)
+    (first, _), (second, _), (test, noise) = (record(machine, leg, rng) for _ in range(3))
+    estimate = exoid.identify(leg, [first, second], terms=[exoid.Viscous()])
+    truth = np.array([*leg.parameters, *[DAMPING] * 2])
+    error = estimate.values - truth
+    known = estimate.std < 0.02 * np.abs(truth)
+    low, high = estimate.interval(0.95).T
+    validation = exoid.validate(estimate, test)
+    return {
+        "parameters": len(truth),
+        "known": known.sum(),
+        "worst": np.abs(error / truth)[known].max(initial=0.0),
+        "inside": ((low <= truth) & (truth <= high)).sum(),
+        "torque": np.max(validation.rmse / noise),
+        "seconds": 0.0,
+    }
+
+
+def speed(name: str, folder: Path, count: int = 20_000) -> tuple[float, float]:
+    """Time per sample [µs] of exoid, loops solved included, and of Pinocchio's constrained dynamics alone."""
+    leg = MACHINES[name](1000).leg(folder)
+    t = np.arange(count) / RATE
+    q = 0.3 * np.sin(t[:, None] * [1.0, 1.7])
+    v, a = 0.3 * np.cos(t[:, None] * [1.0, 1.7]) * [1.0, 1.7], -q * [1.0, 2.89]
+    began = time.perf_counter()
+    leg.regressor(q, v, a)
+    batched = time.perf_counter() - began
+    tree = leg.tree_motion(q, v, a)
+    models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    for pair in leg.closure.pairs:
+        places = [pin.SE3(np.eye(3), place) for place in pair.places]
+        first, second = (body + 1 for body in pair.bodies)
+        kind, axes = pin.ContactType.CONTACT_3D, pin.ReferenceFrame.LOCAL
+        models.append(pin.RigidConstraintModel(kind, leg.model, first, places[0], second, places[1], axes))
+    datas.extend(model.createData() for model in models)
+    data, settings = leg.model.createData(), pin.ProximalSettings(1e-12, 1e-10, 20)
+    pin.initConstraintDynamics(leg.model, data, models, datas)
+    began, tau = time.perf_counter(), np.zeros(leg.model.nv)
+    for k in range(count):
+        pin.constraintDynamics(leg.model, data, tree.q[k], tree.v[k], tau, models, datas, settings)
+    return batched / count * 1e6, (time.perf_counter() - began) / count * 1e6
+
+
+def main() -> None:
+    """Print one row for each machine."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--first", type=int, default=1000)
+    arguments = parser.parse_args()
+    print("machine        known  worst error  inside 95 %  torque/noise   exoid  Pinocchio [µs a sample]")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in MACHINES:
+            found = []
+            for seed in range(arguments.first, arguments.first + arguments.seeds):
+                found.append(measure(name, seed, Path(folder)))
+                print(seed, {key: f"{x:.4g}" for key, x in found[-1].items()}, file=sys.stderr)
+            total = {key: sum(one[key] for one in found) for key in ("parameters", "known", "inside")}
+            worst, torque = (max(one[key] for one in found) for key in ("worst", "torque"))
+            ours, theirs = speed(name, Path(folder))
+            print(
+                f"{name:14} {total['known']:.0f}/{total['parameters']:.0f} {worst:11.1%} "
+                f"{total['inside'] / total['parameters']:11.1%} {torque:12.2f} {ours:10.1f} {theirs:8.1f}"
+            )
+
+
+if __name__ == "__main__":
+    main()
