@@ -29,7 +29,7 @@ from .model import joint_axis
 BLOCK = 2048
 """Samples computed at once, as in :mod:`exoid.leg.reduction.tree_motion`."""
 
-STRIDE = 64
+STRIDE = 16
 """Every such sample is solved first, and the samples around start from it."""
 
 STEP = 0.2
@@ -38,8 +38,8 @@ STEP = 0.2
 CORRECTIONS = 12
 """Most corrections at the end of the way; three are usual."""
 
-CONVERGED = 1e-8
-"""Last correction that ends Newton's method [rad or m]; the error is its square."""
+CONVERGED = 1e-7
+"""Last correction that ends Newton's method [rad or m]; the error is about ten times its square."""
 
 CLOSED = 1e-5
 """Largest gap of a closed loop [m]: URDFs have five to six decimals."""
@@ -357,10 +357,16 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Solver of A x = b for samples last; not a number where A is singular."""
     by_sample = np.ascontiguousarray(A.transpose(2, 0, 1))
-    singular = np.linalg.det(by_sample) == 0.0
-    if singular.any():
-        by_sample[singular] = np.nan
-    return lambda b: np.asarray(np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0))
+
+    def solve(b: FloatArray) -> FloatArray:
+        try:
+            found = np.linalg.solve(by_sample, b.transpose(2, 0, 1))
+        except np.linalg.LinAlgError:
+            by_sample[np.linalg.det(by_sample) == 0.0] = np.nan
+            found = np.linalg.solve(by_sample, b.transpose(2, 0, 1))
+        return np.asarray(found.transpose(1, 2, 0))
+
+    return solve
 
 
 def _blocks(count: int) -> Iterator[slice]:
