@@ -60,20 +60,20 @@ def record(machine: Machine, leg: exoid.Leg, rng: np.random.Generator) -> exoid.
     data = mujoco.MjData(model)
     at = [model.joint(name).qposadr[0] for name in machine.joints]
     rates = [model.joint(name).dofadr[0] for name in machine.joints]
-    frequency = rng.uniform(0.2, 2.5, (2, 8))
+    frequency = rng.uniform(0.2, 2.0, (2, 8))
     amplitude = rng.uniform(0.5, 1.0, (2, 8)) / (0.5 + frequency)
     amplitude *= np.array([[0.6], [0.45]]) / amplitude.sum(axis=1, keepdims=True)
     phase = rng.uniform(0.0, 2.0 * np.pi, (2, 8))
     start = leg.tree_motion(np.sum(amplitude * np.sin(phase), axis=1)[None]).q[0]
     for name, angle in zip(leg.tree_joint_names, start, strict=True):
         data.qpos[model.joint(name).qposadr[0]] = angle
-    M = np.diagonal(leg.mass_matrix(np.zeros((1, 2)))[0])
+    M = leg.mass_matrix(np.zeros((1, 2)))[0]
     rows, every = [], round(1.0 / RATE / STEP)
     for k in range(int((DURATION + 1.0) / STEP)):
         arc = 2.0 * np.pi * frequency * data.time + phase
         target = np.sum(amplitude * np.sin(arc), axis=1)
         speed = np.sum(amplitude * 2.0 * np.pi * frequency * np.cos(arc), axis=1)
-        data.ctrl[:] = M * (1600.0 * (target - data.qpos[at]) + 80.0 * (speed - data.qvel[rates]))
+        data.ctrl[:] = M @ (1600.0 * (target - data.qpos[at]) + 80.0 * (speed - data.qvel[rates]))
         if k % every == 0 and data.time >= 1.0:  # the start is a jump
             rows.append(np.r_[data.qpos[at], data.ctrl])
         mujoco.mj_step(model, data)
