@@ -15,6 +15,7 @@ from exoid.control import ControlModel
 from exoid.identification.findings.checkup import signal_findings
 from exoid.identification.findings.loop_gap import loop_gaps
 from exoid.leg.exported import read_exported
+from exoid.torques import TorqueModel
 
 SOME = 0.02  # friction of the motors [N·m·s/rad]
 
@@ -91,8 +92,9 @@ def test_a_loop_described_wrongly_is_named_with_its_size(tmp_path):
     assert found[0].value == pytest.approx(5e-3, rel=0.02)
     assert "four-bar" in found[0].message
     one = log.select(["hip", "knee", "rear_pin"])
-    assert list(loop_gaps(machine.leg(tmp_path, shifted).closure, one))[0].value > 2e-3
-    described = signal_findings(exoid.TorqueModel(machine.leg(tmp_path, shifted), ()), [log])
+    (finding,) = loop_gaps(machine.leg(tmp_path, shifted).closure, one)
+    assert finding.value > 2e-3
+    described = signal_findings(TorqueModel(machine.leg(tmp_path, shifted), ()), [log])
     assert "loop-gap" in [finding.kind for finding in described]
 
 
