@@ -1,4 +1,4 @@
-"""Machines with closed loops, of random proportions: a four-bar knee, and an ankle on two rods."""
+"""Machines with closed loops, of random proportions: a four-bar knee, a knee with a cylinder, an ankle on two rods."""
 
 from __future__ import annotations
 
@@ -111,3 +111,27 @@ def two_rod_ankle(seed: int) -> Machine:
     named = ", ".join(f'"{name}"' for name in dependent)
     text = f"dependent = [{named}]\n{''.join(loops)}"
     return Machine(f'<robot name="ankle">{"".join([*links, *joints])}</robot>', text, ("motor_left", "motor_right"))
+
+
+def cylinder_knee(seed: int) -> Machine:
+    """Knee that a linear actuator behind the thigh moves; its motor is the sliding joint."""
+    rng = np.random.default_rng(seed)
+    points = near(rng, 0.0, 0.0, -0.42), near(rng, -0.05, 0.0, -0.08), near(rng, -0.06, 0.0, -0.03)
+    knee, above, below = np.array(points) * [1.0, 0.0, 1.0]
+    links = [
+        '<link name="thigh"/>',
+        link("shank", rng, 3.5, 0.42, planar=True),
+        link("barrel", rng, 0.8, 0.2, planar=True),
+        link("rod", rng, 0.4, 0.2, planar=True),
+    ]
+    stroke = joint("cylinder", "barrel", "rod", np.array([0.0, 0.0, -0.2]), "0 0 -1", 0.05)
+    joints = [
+        joint("knee", "thigh", "shank", knee, limit=1.0),
+        joint("pivot", "thigh", "barrel", above, limit=1.0),
+        stroke.replace("revolute", "prismatic"),
+    ]
+    loops = (
+        'dependent = ["knee", "pivot"]\n[start]\npivot = 0.1\n[[loop]]\nkind = "pin"\n'
+        f"first = {end('rod', np.array([0.0, 0.0, -0.15]))}\nsecond = {end('shank', below)}\n"
+    )
+    return Machine(f'<robot name="cylinder">{"".join([*links, *joints])}</robot>', loops, ("cylinder",))

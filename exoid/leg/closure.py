@@ -10,7 +10,7 @@ the mass matrix of the tree to those of the independent joints, and no loop forc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -122,7 +122,7 @@ class Closure:
             x = pose.copy()
             x[independent] += rng.uniform(-0.05, 0.05, len(independent))
             near.append(open_._assemble(x))
-        at = open_._linearise(np.array([one for one in near if open_._gaps(one).max() < CLOSED]).T)
+        at = open_._linearise(np.array([one for one in near if open_.gap(one[None]).max() < CLOSED]).T)
         directions, size, _ = np.linalg.svd(at.A.reshape(len(at.A), -1), full_matrices=False)
         held = int((size > INDEPENDENT_ROWS * size[0]).sum())
         on_paths = ", ".join(names[j] for j in sorted(moved))
@@ -137,7 +137,7 @@ class Closure:
         size = np.linalg.svd(A_d, compute_uv=False)
         if size[-1] < INDEPENDENT_ROWS * size[0]:
             raise BadArgumentError(
-                f"the loops do not determine {', '.join(loops.dependent)} at {_angles(names, pose)}: a dead centre",
+                f"the loops do not determine {', '.join(loops.dependent)} at {open_._angles(pose)}: a dead centre",
                 where=where,
                 remedy=f"give angles away from it in [start], or choose other dependent joints among {on_paths}",
             )
@@ -303,14 +303,13 @@ class Closure:
         pose[self.dependent] = found.x
         return pose
 
-    def _gaps(self, pose: FloatArray) -> FloatArray:
-        return np.asarray(self.gap(pose[None])[0])
+    def _angles(self, pose: FloatArray) -> str:
+        return ", ".join(f"{self.model.names[j + 1]} = {pose[j]:.4g}" for j in self.independent.tolist())
 
     def _refuse_gap(self, pose: FloatArray, place: str = "") -> None:
         """Refuse a pose at which the loops are open, or at which they change the branch."""
-        gaps, names = self._gaps(pose), list(self.model.names)[1:]
-        k = int(np.argmax(gaps))
-        at = ", ".join(f"{names[j]} = {pose[j]:.4g}" for j in self.independent)
+        gaps = self.gap(pose[None])[0]
+        k, at = int(np.argmax(gaps)), self._angles(pose)
         open_ = f"does not close at {at}: a gap of {1e3 * gaps[k]:.3g} mm stays at best"
         what = open_ if gaps[k] > CLOSED else f"closes at {at} only beyond a dead centre"
         if self.sign == 0.0 and gaps[k] <= CLOSED:
@@ -371,10 +370,6 @@ def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
 
 def _blocks(count: int) -> Iterator[slice]:
     return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
-
-
-def _angles(names: Sequence[str], pose: FloatArray) -> str:
-    return ", ".join(f"{name} = {angle:.3g}" for name, angle in zip(names, pose, strict=True))
 
 
 def refuse_loops(leg: object, what: str) -> None:

@@ -127,21 +127,11 @@ def joint_frames(model: pin.Model, q: FloatArray) -> JointFrames:
         axis = joint_axis(joint)
         slide, u = axis[:3], axis[3:]
         along = np.outer(u, u)
+        np.matmul(at.rotation.T, R, out=rotation[j])
         np.add(p, at.translation @ R, out=translation[j])
-        if (at.rotation == np.eye(3)).all():
-            rotation[j] = R
-        else:
-            np.matmul(at.rotation.T, R, out=rotation[j])
         if slide.any():
             translation[j] += (slide @ rotation[j]) * q[joint.idx_v]
         elif u.any():
-            cosine, sine = np.cos(q[joint.idx_v]), np.sin(q[joint.idx_v])
-            if along.max() == 1.0:  # an axis of the frame: the two others turn
-                a, b = ((1, 2), (2, 0), (0, 1))[int(np.argmax(along.diagonal()))]
-                turn = sine * u.sum()
-                first, second = np.array(rotation[j][:, a]), rotation[j][:, b]
-                rotation[j][:, a], rotation[j][:, b] = cosine * first + turn * second, cosine * second - turn * first
-            else:
-                across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
-                rotation[j] = along @ rotation[j] + cosine * across + sine * turned
+            across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
+            rotation[j] = along @ rotation[j] + np.cos(q[joint.idx_v]) * across + np.sin(q[joint.idx_v]) * turned
     return JointFrames(rotation, translation)

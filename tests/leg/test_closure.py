@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from closed_machines import four_bar_knee, two_rod_ankle
+from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
 
 from exoid import Leg
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
 from exoid.leg.base_kinematics import BaseKinematics
 
-MACHINES = {"knee": four_bar_knee, "ankle": two_rod_ankle}
+MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "ankle": two_rod_ankle}
 
 
 @pytest.fixture(params=[(name, seed) for name in MACHINES for seed in (0, 1)], ids=str)
@@ -22,8 +22,9 @@ def leg(request: pytest.FixtureRequest, tmp_path) -> Leg:
 
 def random_motion(leg: Leg, samples: int = 40, seed: int = 5):
     rng = np.random.default_rng(seed)
-    v, a = rng.normal(0.0, 2.0, (2, samples, len(leg.joint_names)))
-    return leg.closure.reachable(rng.uniform(-0.5, 0.5, v.shape)), v, a
+    size = np.where(leg.limits.upper < 0.1, 0.1, 1.0)  # the stroke of a cylinder in metres
+    v, a = size * rng.normal(0.0, 2.0, (2, samples, len(leg.joint_names)))
+    return leg.closure.reachable(size * rng.uniform(-0.5, 0.5, v.shape)), v, a
 
 
 def constraints(leg: Leg) -> pin.StdVec_RigidConstraintModel:
