@@ -20,12 +20,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pinocchio as pin
-from lxml import etree
 
 import exoid
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
-from closed_machines import Machine, four_bar_knee, two_rod_ankle
+from closed_machines import Machine, four_bar_knee, to_mjcf, two_rod_ankle
 
 MACHINES = {"four-bar knee": four_bar_knee, "two-rod ankle": two_rod_ankle}
 STEP, RATE, DURATION = 2.5e-4, 400.0, 30.0  # of the simulation [s], of the log [Hz], of a motion [s]
@@ -35,22 +34,13 @@ DAMPING = 0.05  # of each motor [N·m·s/rad]
 
 def world(machine: Machine) -> mujoco.MjModel:
     """The machine with a motor at each driven joint, its loops closed by `connect`."""
-    root = etree.fromstring(machine.urdf)
-    etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="false")
-    spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
+    spec = to_mjcf(machine)
     spec.option.timestep, spec.option.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
-    for loop in exoid.leg.loops.Loops.from_data(exoid.tools.toml.parse_toml(machine.loops)).loops:
-        equality = spec.add_equality(type=mujoco.mjtEq.mjEQ_CONNECT, objtype=mujoco.mjtObj.mjOBJ_SITE)
-        for end, role in ((loop.first, "name1"), (loop.second, "name2")):
-            name = f"{loop.name} {role}"
-            spec.body(end.link).add_site(name=name, pos=end.xyz)
-            setattr(equality, role, name)
+    for equality in spec.equalities:
         equality.solref, equality.solimp = [2.0 * STEP, 1.0], [0.9999, 0.9999, 1e-3, 0.5, 2.0]
     for name in machine.joints:
         spec.joint(name).damping = np.array([[DAMPING], [0.0], [0.0]])
-        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        motor.set_to_motor()
     return spec.compile()
 
 

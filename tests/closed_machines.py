@@ -5,9 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
+from lxml import etree
 
 from exoid import Leg
+from exoid.leg.loops import Loops
+from exoid.tools.toml import parse_toml
 
 
 class Machine(NamedTuple):
@@ -74,7 +78,7 @@ def four_bar_knee(seed: int) -> Machine:
         joint("rear_pin", "thigh", "rear", b),
     ]
     loops = (
-        'dependent = ["front_pin", "rear_pin"]\n[[loop]]\nname = "four-bar"\nkind = "pin"\naxis = [0, 1, 0]\n'
+        'dependent = ["front_pin", "rear_pin"]\n[[loops]]\nname = "four-bar"\nkind = "pin"\naxis = [0, 1, 0]\n'
         f"first = {end('rear', d - b)}\nsecond = {end('shank', d - c)}\n"
     )
     return Machine(f'<robot name="four-bar">{"".join([*links, *joints])}</robot>', loops, ("hip", "knee"))
@@ -105,7 +109,7 @@ def two_rod_ankle(seed: int) -> Machine:
         ]
         dependent += [f"swing_{side}", f"tilt_{side}"]
         loops.append(
-            f'[[loop]]\nname = "rod {side}"\nkind = "ball"\nfirst = {end(f"rod_{side}", rod)}\n'
+            f'[[loops]]\nname = "rod {side}"\nkind = "ball"\nfirst = {end(f"rod_{side}", rod)}\n'
             f"second = {end('foot', ball - ankle)}\n"
         )
     named = ", ".join(f'"{name}"' for name in dependent)
@@ -131,7 +135,49 @@ def cylinder_knee(seed: int) -> Machine:
         stroke.replace("revolute", "prismatic"),
     ]
     loops = (
-        'dependent = ["knee", "pivot"]\n[start]\npivot = 0.1\n[[loop]]\nkind = "pin"\n'
+        'dependent = ["knee", "pivot"]\n[start]\npivot = 0.1\n[[loops]]\nname = "cylinder"\nkind = "pin"\n'
         f"first = {end('rod', np.array([0.0, 0.0, -0.15]))}\nsecond = {end('shank', below)}\n"
     )
     return Machine(f'<robot name="cylinder">{"".join([*links, *joints])}</robot>', loops, ("cylinder",))
+
+
+def welded_knee(seed: int) -> Machine:
+    """Four-bar knee as a chain whose last link, a stub, is welded to the thigh."""
+    machine, rng = four_bar_knee(seed), np.random.default_rng(seed)
+    loop = parse_toml(machine.loops)["loops"][0]
+    root = etree.fromstring(machine.urdf)
+    (pivot,) = (each for each in root.iter("joint") if each.get("name") == "rear_pin")
+    place = np.array(pivot.find("origin").get("xyz").split(), float)
+    up = -np.array(loop["first"]["xyz"])
+    pivot.find("parent").set("link", "shank")
+    pivot.find("origin").set("xyz", " ".join(map(str, loop["second"]["xyz"])))
+    root.append(etree.fromstring(link("stub", rng, 0.05, 0.02, planar=True)))
+    root.append(etree.fromstring(joint("stub_pin", "rear", "stub", up)))
+    loops = (
+        'dependent = ["front_pin", "rear_pin", "stub_pin"]\n[[loops]]\nname = "stub"\nkind = "weld"\n'
+        f"first = {end('thigh', place)}\nsecond = {end('stub', np.zeros(3))}\n"
+    )
+    return Machine(etree.tostring(root).decode(), loops, machine.joints)
+
+
+def to_mjcf(machine: Machine, *, sites: bool = True) -> mujoco.MjSpec:
+    """The machine in MuJoCo with a motor at each driven joint; its loops are `connect` of sites or bodies, or `weld`."""
+    root = etree.fromstring(machine.urdf)
+    etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="false")
+    spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
+    for loop in Loops.from_data(parse_toml(machine.loops)).loops:
+        ends, weld = (loop.first, loop.second), loop.kind == "weld"
+        kind = mujoco.mjtEq.mjEQ_WELD if weld else mujoco.mjtEq.mjEQ_CONNECT
+        names = [end.link for end in ends] if weld or not sites else [f"{loop.name} {end.link}" for end in ends]
+        by = mujoco.mjtObj.mjOBJ_BODY if weld or not sites else mujoco.mjtObj.mjOBJ_SITE
+        equality = spec.add_equality(type=kind, objtype=by, name=loop.name, name1=names[0], name2=names[1])
+        if weld:
+            equality.data[3:10] = [*loop.first.xyz, 1.0, 0.0, 0.0, 0.0]
+        elif not sites:
+            equality.data[:3] = loop.first.xyz
+        else:
+            for end, name in zip(ends, names, strict=True):
+                spec.body(end.link).add_site(name=name, pos=end.xyz)
+    for name in machine.joints:
+        spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+    return spec

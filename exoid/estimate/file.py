@@ -119,7 +119,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             "cumulative": leg.cumulative,
             **({"base": leg.base} if leg.base != "fixed" else {}),
             **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
-            **({"loops": leg.closure.loops.to_data()} if leg.closure else {}),
+            **({"loops": json_value(leg.closure.loops)} if leg.closure else {}),
             "urdf": leg.description.text,
         },
         "covariance": estimate.covariance.tolist(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
@@ -12,16 +12,22 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import UnreadableInputError, in_file
+from exoid.errors import NotSupportedError, UnreadableInputError, in_file
+from exoid.tools.json_values import json_value, record
 from exoid.tools.toml import read_toml
+
+from .mjcf import require_mujoco
 
 LoopKind = Literal["pin", "ball", "weld"]
 """What coincides at a loop: an axis, a point, or all of two frames."""
 
 EXAMPLE = (
-    'dependent = ["coupler", "rocker"], and for each loop a table [[loop]] with kind = "pin", axis = [0, 1, 0], '
+    'dependent = ["coupler", "rocker"], and for each loop a table [[loops]] with name, kind = "pin", axis = [0, 1, 0], '
     'first = {link = "coupler", xyz = [0, 0, -0.3]} and second = {link = "shank", xyz = [0.04, 0, 0.02]}'
 )
+
+LARGEST = 1e6
+"""Numbers beyond are no place [m] and no angle [rad]."""
 
 ARM = 0.1
 """Distance of the points that hold the directions of a pin or weld [m]: a gap of 1 mrad counts as 0.1 mm."""
@@ -73,77 +79,59 @@ class Loops:
 
     @classmethod
     def read(cls, path: str | Path) -> Loops:
-        """Read a file of loops."""
+        """Read a TOML file, or an MJCF whose bodies are the links of the URDF."""
         with in_file(str(path)):
-            return cls.from_data(read_toml(Path(path), EXAMPLE))
+            return _of_mjcf(str(path)) if str(path).endswith(".xml") else cls.from_data(read_toml(Path(path), EXAMPLE))
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Loops:
-        """Check and convert what a TOML file, an estimate or a sidecar holds."""
-        _refuse_unknown(data, ("dependent", "loop", "start"), "the file")
-        dependent, start, loops = data.get("dependent"), data.get("start", {}), data.get("loop")
-        if not _is_list(dependent, str) or not dependent or len(set(dependent)) < len(dependent):
-            raise _wrong("dependent must list each joint once that the loops solve for")
-        if not isinstance(start, dict) or not _are_numbers(list(start.values())):
-            raise _wrong("[start] must hold a number for each joint")
-        if not _is_list(loops, dict) or not loops:
-            raise _wrong("there is no [[loop]]")
-        return cls(tuple(_loop(one, k) for k, one in enumerate(loops, start=1)), tuple(dependent), start)
-
-    def to_data(self) -> dict[str, Any]:
-        """Convert to what :meth:`from_data` reads."""
-        loops = [
-            {"name": one.name, "kind": one.kind, "axis": list(one.axis)}
-            | {role: {k: x if k == "link" else list(x) for k, x in end._asdict().items()} for role, end in _ends(one)}
-            for one in self.loops
-        ]
-        return {"dependent": list(self.dependent), "start": dict(self.start), "loop": loops}
+        """Check and convert what a TOML file, an estimate or a sidecar holds; ``json_value`` writes it."""
+        try:
+            found = record(cls, data)
+        except (TypeError, ValueError, LookupError, AttributeError) as error:
+            what = f"a key is missing or unknown, or has another kind of value ({error})"
+            raise UnreadableInputError(what, remedy=f"write {EXAMPLE}") from None
+        for loop in found.loops:
+            triples = [loop.axis, *(each for end in (loop.first, loop.second) for each in (end.xyz, end.rpy))]
+            finite = all(len(x) == 3 and all(abs(each) < LARGEST for each in x) for x in triples)
+            if loop.kind not in get_args(LoopKind) or not finite or not any(loop.axis):
+                kinds = ", ".join(get_args(LoopKind))
+                what = f"loop {loop.name} has a kind that is none of {kinds}, or numbers that no place has"
+                raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
+        if not found.loops or not found.dependent or not all(abs(x) < LARGEST for x in found.start.values()):
+            what = "there are no [[loops]], no dependent joints, or a start that is no angle"
+            raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
+        return found
 
 
-def _ends(loop: Loop) -> tuple[tuple[str, LoopEnd], ...]:
-    return ("first", loop.first), ("second", loop.second)
+def _of_mjcf(path: str) -> Loops:
+    """Read ``<connect>`` and ``<weld>`` of an MJCF. Joints of the loops without an actuator are dependent."""
+    mujoco = require_mujoco()
+    try:
+        model = mujoco.MjModel.from_xml_path(path)
+    except ValueError as error:
+        raise UnreadableInputError(f"MuJoCo cannot read it ({error})", remedy="give an MJCF, or a TOML file") from None
+    kinds = {mujoco.mjtEq.mjEQ_CONNECT: "ball", mujoco.mjtEq.mjEQ_WELD: "weld"}
+    loops, around = [], set[int]()
+    for k in np.flatnonzero(model.eq_active0):
+        about, numbers, kind = model.equality(k), model.eq_data[k], kinds.get(int(model.eq_type[k]))
+        at = [int(about.obj1id[0]), int(about.obj2id[0])]
+        by_site = int(model.eq_objtype[k]) == mujoco.mjtObj.mjOBJ_SITE
+        if kind is None or (by_site and kind == "weld"):
+            raise NotSupportedError(f"its equality {about.name!r} is no <connect>, and no <weld> of two bodies")
+        places = [numbers[3:6], numbers[:3]] if kind == "weld" else [numbers[:3], numbers[3:6]]
+        if by_site:
+            at, places = [int(model.site_bodyid[site]) for site in at], [model.site_pos[site] for site in at]
+        turn = pin.rpy.matrixToRpy(pin.Quaternion(*numbers[6:10]).matrix()) if kind == "weld" else np.zeros(3)
+        names, turns = [model.body(body).name for body in at], [turn, np.zeros(3)]
+        ends = [LoopEnd(*each) for each in zip(names, map(tuple, places), map(tuple, turns), strict=True)]
+        loops.append({"name": about.name or f"equality {k}", "kind": kind, "first": ends[0], "second": ends[1]})
+        around |= _carriers(model, at[0]) ^ _carriers(model, at[1])
+    driven = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT, 0]
+    joints = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) in around and j not in driven]
+    return Loops.from_data(json_value({"loops": loops, "dependent": [model.joint(j).name for j in joints]}))
 
 
-def _loop(data: Mapping[str, Any], number: int) -> Loop:
-    name = data.get("name", f"loop {number}")
-    if not isinstance(name, str):
-        raise _wrong(f"the name of loop {number} is {name!r}")
-    _refuse_unknown(data, ("name", "kind", "axis", "first", "second"), name)
-    kind, axis = data.get("kind", ""), data.get("axis", [0.0, 1.0, 0.0])
-    if kind not in get_args(LoopKind):
-        raise _wrong(f"{name} has the kind {kind!r}, which is none of {', '.join(get_args(LoopKind))}")
-    if not _are_numbers(axis, 3) or not math.hypot(*axis) > 0.0:
-        raise _wrong(f"the axis of {name} is {axis!r}, not three numbers")
-    ends: list[LoopEnd] = []
-    for role in ("first", "second"):
-        end = data.get(role)
-        if not isinstance(end, dict) or not isinstance(end.get("link"), str):
-            raise _wrong(f"{name} has no {role} = {{link = …, xyz = […]}}")
-        _refuse_unknown(end, LoopEnd._fields, f"{role} of {name}")
-        for key in ("xyz", "rpy"):
-            if not _are_numbers(end.get(key, [0, 0, 0]), 3):
-                raise _wrong(f"{key} of {name}, {role}, is {end[key]!r}, not three numbers")
-        ends.append(LoopEnd(end["link"], *(tuple(map(float, end.get(key, [0, 0, 0]))) for key in ("xyz", "rpy"))))
-    return Loop(name, kind, ends[0], ends[1], tuple(map(float, axis)))
-
-
-def _refuse_unknown(data: Mapping[str, Any], known: Sequence[str], place: str) -> None:
-    if unknown := [key for key in data if key not in known]:
-        raise _wrong(f"{place} has the key {unknown[0]!r}, which is none of {', '.join(known)}")
-
-
-def _is_list(values: object, kind: type) -> bool:
-    return isinstance(values, list) and all(isinstance(x, kind) for x in values)
-
-
-def _are_numbers(values: object, count: int | None = None) -> bool:
-    """Whether values are a list of finite numbers of plausible size."""
-    return (
-        isinstance(values, list)
-        and count in (None, len(values))
-        and all(isinstance(x, (int, float)) and not isinstance(x, bool) and abs(x) < 1e6 for x in values)
-    )
-
-
-def _wrong(what: str) -> UnreadableInputError:
-    return UnreadableInputError(what, remedy=f"write {EXAMPLE}")
+def _carriers(model: Any, body: int) -> set[int]:  # noqa: ANN401 - of MuJoCo
+    """Body and all bodies between it and the world."""
+    return {body} | _carriers(model, int(model.body_parentid[body])) if body else set()

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
+from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle, welded_knee
 
 from exoid import Leg
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
 from exoid.leg.base_kinematics import BaseKinematics
 
-MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "ankle": two_rod_ankle}
+MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "weld": welded_knee, "ankle": two_rod_ankle}
 
 
 @pytest.fixture(params=[(name, seed) for name in MACHINES for seed in (0, 1)], ids=str)
@@ -144,7 +145,7 @@ WRONG = {
     "too few dependent joints": (', "rear_pin"', "", BadArgumentError, "take 2 freedoms"),
     "an unknown kind": ('"pin"', '"glue"', UnreadableInputError, "none of pin, ball, weld"),
     "an unknown key": ("axis", "axes", UnreadableInputError, "'axes'"),
-    "no loop": ("[[loop]]", "[loop]", UnreadableInputError, r"no \[\[loop\]\]"),
+    "no loop": ("[[loops]]", "[loops]", UnreadableInputError, "another kind of value"),
     "two frames of one link": ('"rear", xyz', '"shank", xyz', BadArgumentError, "do not move"),
     "no TOML": ("dependent = [", "dependent = ", UnreadableInputError, "not TOML"),
 }
@@ -157,6 +158,35 @@ def test_wrong_loops_are_refused_in_one_line(kind, tmp_path):
     with pytest.raises(error, match=words) as caught:
         machine.leg(tmp_path, machine.loops.replace(old, new))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "sites"), [(four_bar_knee, True), (two_rod_ankle, True), (four_bar_knee, False), (welded_knee, True)]
+)
+def test_mjcf_describes_the_same_loops(make, sites, tmp_path):
+    machine = make(0)
+    leg, spec = machine.leg(tmp_path), to_mjcf(machine, sites=sites)
+    spec.compile()
+    (tmp_path / "leg.xml").write_text(spec.to_xml())
+    other = Leg.from_urdf(tmp_path / "leg.urdf", loops=tmp_path / "leg.xml")
+    assert other.joint_names == leg.joint_names
+    q, v, a = random_motion(leg)
+    torque = leg.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(other.inverse_dynamics(q, v, a), torque, atol=2e-5 * np.abs(torque).max())
+
+
+def test_what_exoid_cannot_read_in_an_mjcf_is_refused(tmp_path):
+    machine = four_bar_knee(0)
+    machine.leg(tmp_path)
+    spec = to_mjcf(machine)
+    spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_JOINT, name1="front_pin", name2="rear_pin", objtype=mujoco.mjtObj.mjOBJ_JOINT
+    )
+    spec.compile()
+    for text, error in ((spec.to_xml(), NotSupportedError), ("<mujoco", UnreadableInputError)):
+        (tmp_path / "leg.xml").write_text(text)
+        with pytest.raises(error, match=r"leg\.xml"):
+            Leg.from_urdf(tmp_path / "leg.urdf", loops=tmp_path / "leg.xml")
 
 
 def test_motion_beyond_a_dead_centre_is_refused_with_its_sample(tmp_path):
