@@ -161,7 +161,7 @@ def welded_knee(seed: int) -> Machine:
 
 
 def to_mjcf(machine: Machine, *, sites: bool = True) -> mujoco.MjSpec:
-    """The machine in MuJoCo with a motor at each driven joint; its loops are `connect` of sites or bodies, or `weld`."""
+    """The machine in MuJoCo, with motors; its loops are `connect` of sites or bodies, or `weld`."""
     root = etree.fromstring(machine.urdf)
     etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="false")
     spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
@@ -172,7 +172,7 @@ def to_mjcf(machine: Machine, *, sites: bool = True) -> mujoco.MjSpec:
         by = mujoco.mjtObj.mjOBJ_BODY if weld or not sites else mujoco.mjtObj.mjOBJ_SITE
         equality = spec.add_equality(type=kind, objtype=by, name=loop.name, name1=names[0], name2=names[1])
         if weld:
-            equality.data[3:10] = [*loop.first.xyz, 1.0, 0.0, 0.0, 0.0]
+            equality.data[:10] = [*loop.second.xyz, *loop.first.xyz, 1.0, 0.0, 0.0, 0.0]
         elif not sites:
             equality.data[:3] = loop.first.xyz
         else:
