@@ -16,6 +16,7 @@ from exoid.identification.findings.checkup import signal_findings
 from exoid.identification.findings.loop_gap import loop_gaps
 from exoid.leg.exported import read_exported
 from exoid.torques import TorqueModel
+from exoid.view.scenes.skeleton import Skeleton
 
 SOME = 0.02  # friction of the motors [N·m·s/rad]
 
@@ -132,10 +133,8 @@ def test_a_rig_is_refused(tmp_path):
 
 
 def test_dependent_joints_move_in_a_scene(leg):
-    pytest.importorskip("meshcat")
-    from exoid.view.scenes.skeleton import Skeleton  # noqa: PLC0415 - an extra
-
-    skeleton = Skeleton(leg)
-    moved = skeleton.joint_transforms(np.array([[0.0, 0.0], [0.2, 0.1]]))
+    moved = Skeleton(leg).joint_transforms(np.array([[0.0, 0.0], [0.2, 0.1]]))
     assert moved.shape == (2, len(leg.tree_joint_names), 4, 4)
     assert (np.abs(moved[1] - moved[0]).max(axis=(1, 2)) > 1e-3).all()
+    drawn = exoid.view.scene(leg, recording=swing(leg, 0))
+    assert all(name in str(drawn.commands) for name in leg.tree_joint_names)
