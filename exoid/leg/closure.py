@@ -356,16 +356,8 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Solver of A x = b for samples last; not a number where A is singular."""
     by_sample = np.ascontiguousarray(A.transpose(2, 0, 1))
-
-    def solve(b: FloatArray) -> FloatArray:
-        try:
-            found = np.linalg.solve(by_sample, b.transpose(2, 0, 1))
-        except np.linalg.LinAlgError:
-            by_sample[np.linalg.det(by_sample) == 0.0] = np.nan
-            found = np.linalg.solve(by_sample, b.transpose(2, 0, 1))
-        return np.asarray(found.transpose(1, 2, 0))
-
-    return solve
+    by_sample[np.linalg.det(by_sample) == 0.0] = np.nan
+    return lambda b: np.asarray(np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0))
 
 
 def _blocks(count: int) -> Iterator[slice]:

@@ -82,7 +82,7 @@ def _down(skeleton: Skeleton, body: int) -> FloatArray:
 
 def _placement_at_zero(skeleton: Skeleton, body: int) -> FloatArray:
     """Placement of a body in the torso's frame with all joints at zero, (4, 4)."""
-    return np.asarray(skeleton.body_placements(np.zeros(len(skeleton.parents)))[0, body])
+    return np.asarray(skeleton.body_placements(np.zeros(len(skeleton.leg.joint_names)))[0, body])
 
 
 def _segment_length(skeleton: Skeleton) -> float:
