@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import exoid
 from exoid.errors import BadArgumentError, nearest
+from exoid.leg.loops import Loops
 
 from .messages import note
 from .numbers import split_names, values_by_name
@@ -42,11 +43,11 @@ def dataset(name: str) -> Dataset:
 
 def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Leg:
     """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data."""
-    side, inertias, joints, moving, floating, contact = options
+    side, inertias, joints, moving, floating, contact, loops = options
     base: Literal["fixed", "moving", "floating"] = "moving" if moving else "floating" if floating else "fixed"
     if name in BUILT_IN or name in DATASETS:
         refuse({"--moving-base": moving or None}, f"{name} is planar; name a URDF file for a base in space")
-        refuse({"--joints": joints, "--contact": contact}, f"joints and feet of {name} are known")
+        refuse({"--joints": joints, "--contact": contact, "--loops": loops}, f"joints and feet of {name} are known")
     if name in BUILT_IN:
         if side == "both" or (floating and side is None):
             return exoid.load_exo(name, inertias, base=base)
@@ -62,9 +63,9 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
         refuse({"--floating-base": floating or None}, "--moving-base is for rows of joints only")
     chosen = split_names(joints)
     if chosen is None and logged is not None:
-        chosen = _moving_joints(Path(name), logged)
+        chosen = _moving_joints(Path(name), logged, () if loops is None else Loops.read(loops).dependent)
     kinds: dict[str, Any] = values_by_name(contact, "--contact", str, "LINK=KIND, e.g. --contact LF_FOOT=point")
-    return exoid.Leg.from_urdf(name, chosen, base=base, contacts=kinds)
+    return exoid.Leg.from_urdf(name, chosen, base=base, contacts=kinds, loops=loops)
 
 
 def refuse_unknown_leg(name: str) -> None:
@@ -91,9 +92,9 @@ def _side(logged: Sequence[str]) -> str:
     return sides[0] if sides else "left"
 
 
-def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
-    """Logged joints of a URDF, from the base outwards."""
-    joints = _joint_order(urdf)
+def _moving_joints(urdf: Path, logged: Sequence[str], followed: Sequence[str]) -> tuple[str, ...]:
+    """Logged joints of a URDF, from the base outwards, without those that follow from loops."""
+    joints = tuple(joint for joint in _joint_order(urdf) if joint not in followed)
     if not joints:
         remedy = "give joints a type such as revolute"
         raise BadArgumentError("no joint of the URDF moves", where=str(urdf), remedy=remedy)

@@ -101,6 +101,7 @@ class LegOptions(NamedTuple):
             rich_help_panel="log",  # few legs need it: shown with the options of logs
         ),
     ] = None
+    loops: Annotated[Text, Option(metavar="LOOPS.TOML", help="Closed loops of the URDF.", rich_help_panel="log")] = None
 
 
 ANY_LEG = LegOptions()

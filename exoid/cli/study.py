@@ -30,7 +30,7 @@ COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
 
 
-@expand_options(without=FIXED_BASE)
+@expand_options(without={"choice": (*FIXED_BASE["choice"], "loops")})
 def study(
     leg: LegName,
     folder: Annotated[Text, Option("--folder", "-o", metavar="DIR", help="Keep finished chunks, and resume.")] = None,

@@ -10,6 +10,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.closure import refuse_loops
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.json_values import named
@@ -35,6 +36,7 @@ def leg_source(
     """Turn the torques of a planar leg into C99."""
     prefix, leg = identifier(name), model.leg
     refuse_floating_base(leg, "code of a leg")
+    refuse_loops(leg, "code of a leg")
     if leg.chain is None:
         raise NotSupportedError(
             "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",

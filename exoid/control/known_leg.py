@@ -53,7 +53,7 @@ def _reduced(source: Estimate) -> Estimate:
 def _known(model: ControlModel, torque_std: float) -> Estimate:
     """Parameters at which the torques of estimate and model are the same."""
     torques = TorqueModel(model.leg, _terms(model))
-    q, v, a = random_motion(ROWS, model.n)
+    q, v, a = random_motion(ROWS, model.n, model.leg.closure)
     plain = replace(model, others=())
     labels = model.leg.joint_labels
     rubbing = {f"{symbol}_{x}": row for symbol, row in (("c0", 0), ("d", 1)) for x in labels}

@@ -12,6 +12,7 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import Estimate
+from exoid.leg.closure import refuse_loops
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.model import configuration
@@ -172,6 +173,8 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
+        if q.ndim == 1 and self.leg.closure is not None:
+            return np.array(self.leg.gravity(q)[0])
         if q.ndim == 1:
             return np.array(pin.computeGeneralizedGravity(self.pinocchio, self._data, self._configuration(q)))
         still = np.zeros_like(q)
@@ -250,6 +253,7 @@ class ControlModel:
     @cached_property
     def pinocchio(self) -> pin.Model:
         """Bodies with rotors, for Pinocchio's algorithms."""
+        refuse_loops(self.leg, "this controller")
         model = self.leg.model.copy()
         model.armature[:] += self.armature
         return model
@@ -279,6 +283,8 @@ class ControlModel:
 
     def _bodies(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """RNEA(q, v, a) + Ia a, of one leg by Pinocchio, of many at once."""
+        if q.ndim == 1 and self.leg.closure is not None:
+            return np.array(self.leg.inverse_dynamics(q, v, a)[0] + self.armature * a)
         if q.ndim == 1:
             return np.array(pin.rnea(self.pinocchio, self._data, self._configuration(q), v, a))
         leg = self.leg

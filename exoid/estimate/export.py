@@ -21,6 +21,7 @@ from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, m
 from exoid.leg.rewriting import rewrite
 from exoid.regression.least_squares import scaled_inverse
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together
+from exoid.tools.json_values import json_value
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Coulomb, Term, TorqueModel, Viscous
 from exoid.torques.catalog import term_to_json
@@ -89,6 +90,7 @@ class Export:
             "cumulative": leg.cumulative,
             **({"base": leg.base} if leg.base != "fixed" else {}),
             **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
+            **({"loops": json_value(leg.closure.loops)} if leg.closure else {}),
             "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
             "units": dict(zip(estimate.names, estimate.units, strict=True)),
             "only_here": list(self.only_in_sidecar),

@@ -14,6 +14,7 @@ from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
+from exoid.leg.loops import Loops
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.tools.files import read_json, refuse_content, write_whole
@@ -118,6 +119,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             "cumulative": leg.cumulative,
             **({"base": leg.base} if leg.base != "fixed" else {}),
             **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
+            **({"loops": json_value(leg.closure.loops)} if leg.closure else {}),
             "urdf": leg.description.text,
         },
         "covariance": estimate.covariance.tolist(),
@@ -134,6 +136,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         cumulative=about["cumulative"],
         base=about.get("base", "fixed"),
         contacts=about.get("contacts"),
+        loops=Loops.from_data(about["loops"]) if "loops" in about else None,
     )
     if leg.description.sha256 != about["sha256"]:
         raise UnreadableInputError(

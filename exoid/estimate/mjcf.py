@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
+from exoid.leg.closure import refuse_loops
 from exoid.leg.lift import Lift
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR, MassChange
@@ -96,6 +97,7 @@ def export_mjcf(
 ) -> MjcfExport:
     """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`."""
     leg = estimate.model.leg
+    refuse_loops(leg, "an MJCF")
     if leg.base == "floating":
         raise NotSupportedError(
             "an MJCF of a floating base is not written",

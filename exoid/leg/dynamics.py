@@ -94,8 +94,23 @@ def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
     return np.array(torques).reshape(len(q), model.nv)
 
 
+class JointFrames(NamedTuple):
+    """Placement of each joint frame in the base frame, samples last."""
+
+    rotation: FloatArray  # rotation matrices, (n, 3, 3, N)
+    translation: FloatArray  # origins [m], (n, 3, N)
+
+
 def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
     """Compute the frames of all joints by forward kinematics, batched over samples."""
+    rotation, translation = joint_frames(model, q.T)
+    return SegmentPlacements(
+        np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(translation.transpose(2, 0, 1))
+    )
+
+
+def joint_frames(model: pin.Model, q: FloatArray) -> JointFrames:
+    """Compute the frames of all joints for angles (n, N)."""
     # With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,
     #
     #     R_j = R R₀ [cos q (1 − u uᵀ) + sin q [u]× + u uᵀ],  p_j = p + R p₀        (revolute)
@@ -103,8 +118,9 @@ def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
     #
     # (Featherstone 2008, ch. 4). The interpreter works once for each joint, and not for each sample.
     n = model.njoints - 1
-    rotation, translation = np.empty((n, 3, 3, len(q))), np.empty((n, 3, len(q)))  # samples last: wide products
-    root = np.broadcast_to(np.eye(3)[..., None], (3, 3, len(q))), np.zeros((3, len(q)))
+    # samples last: wide products
+    rotation, translation = np.empty((n, 3, 3, q.shape[1])), np.empty((n, 3, q.shape[1]))
+    root = np.broadcast_to(np.eye(3)[..., None], (3, 3, q.shape[1])), np.zeros((3, q.shape[1]))
     for j in range(n):
         joint, at, parent = model.joints[j + 1], model.jointPlacements[j + 1], model.parents[j + 1] - 1
         R, p = root if parent < 0 else (rotation[parent], translation[parent])
@@ -114,10 +130,8 @@ def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
         np.matmul(at.rotation.T, R, out=rotation[j])
         np.add(p, at.translation @ R, out=translation[j])
         if slide.any():
-            translation[j] += (slide @ rotation[j]) * q[:, joint.idx_v]
+            translation[j] += (slide @ rotation[j]) * q[joint.idx_v]
         elif u.any():
             across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
-            rotation[j] = along @ rotation[j] + np.cos(q[:, joint.idx_v]) * across + np.sin(q[:, joint.idx_v]) * turned
-    return SegmentPlacements(
-        np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(translation.transpose(2, 0, 1))
-    )
+            rotation[j] = along @ rotation[j] + np.cos(q[joint.idx_v]) * across + np.sin(q[joint.idx_v]) * turned
+    return JointFrames(rotation, translation)

@@ -16,6 +16,7 @@ from exoid.tools.files import read_json
 from .description import Description, read_description
 from .leg import Leg
 from .leg_data import Base
+from .loops import Loops
 
 SCHEMA = "exoid-sidecar-1"
 
@@ -69,6 +70,7 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
         cumulative=data["cumulative"],
         base=data.get("base", "fixed"),
         contacts=data.get("contacts"),
+        loops=Loops.from_data(data["loops"]) if data.get("loops") else None,
     )
     beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
     beside |= dict.fromkeys(data["not_dissipative"], 0.0)
@@ -135,7 +137,7 @@ def _is_complete(data: Mapping[str, Any]) -> bool:
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
         and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
         and data.get("base", "fixed") in get_args(Base)
-        and all(isinstance(x, dict) for x in (terms, data.get("contacts", {})))
+        and all(isinstance(x, dict) for x in (terms, data.get("contacts", {}), data.get("loops", {})))
         and all(isinstance(term, str) for term in terms.values())
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
@@ -15,6 +15,7 @@ import pinocchio as pin
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 
+from .closure import Closure, refuse_loops
 from .description import Description, read_description
 from .dh import Convention, DHBody, DHRow, describe_dh
 from .dynamics import (
@@ -29,6 +30,7 @@ from .dynamics import (
 from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
 from .leg_data import Base, Contact, LegData, to_numbers, without_side
 from .link_frames import held_directions, link_frame
+from .loops import Loops
 from .model import build_model, with_dynamic_parameters
 from .reduction.documented import documented_machine
 from .reduction.numeric import numeric
@@ -59,6 +61,7 @@ class Leg(LegData):
         cumulative: bool = True,
         base: Base = "fixed",
         contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+        loops: str | Path | None = None,
     ) -> Leg:
         """Read a leg from a URDF file.
 
@@ -75,19 +78,27 @@ class Leg(LegData):
             contacts: Kind of contact of links that do not rest flat on the ground: "point" for a foot that holds its
                 origin, "edge" for a line through it, across the plane of the leg. For the heel and the toe of a foot,
                 ``<foot>_heel`` and ``<foot>_toe``, the place of that edge in the axes of the foot [m], (3,).
+            loops: TOML file of closed loops: pins, balls and welds between links, and the joints that follow from them,
+                which ``joints`` leaves out; see docs/loops.md. None without loops.
 
         Returns:
             The leg.
 
         Raises:
-            ExoidError: The URDF cannot be read or used, or a joint or link is missing.
+            ExoidError: The URDF cannot be read or used, a joint or link is missing, or a loop does not close.
 
         Example:
             >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
         """
         description = read_description(path)
         return cls.from_description(
-            description, joints, locked=locked, cumulative=cumulative, base=base, contacts=contacts
+            description,
+            joints,
+            locked=locked,
+            cumulative=cumulative,
+            base=base,
+            contacts=contacts,
+            loops=None if loops is None else Loops.read(loops),
         )
 
     @classmethod
@@ -142,6 +153,7 @@ class Leg(LegData):
         cumulative: bool = True,
         base: Base = "fixed",
         contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+        loops: Loops | None = None,
     ) -> Leg:
         """Build a leg from a description in memory.
 
@@ -152,12 +164,13 @@ class Leg(LegData):
             cumulative: See :meth:`from_urdf`.
             base: See :meth:`from_urdf`.
             contacts: See :meth:`from_urdf`.
+            loops: Closed loops; see :meth:`from_urdf`.
 
         Returns:
             The leg.
 
         Raises:
-            ExoidError: The URDF cannot be used, or a joint or link is missing.
+            ExoidError: The URDF cannot be used, a joint or link is missing, or a loop does not close.
         """
         if base not in get_args(Base):
             remedy = 'pass base="fixed", base="moving" or base="floating"; or "x", "y" or "z" for a rail'
@@ -169,15 +182,25 @@ class Leg(LegData):
         locked = MappingProxyType(dict(locked or {}))
         places = {link: place for link, place in (contacts or {}).items() if not isinstance(place, str)}
         description = add_edges(description, places) if places else description
-        model = build_model(description, joints, locked)
+        model = build_model(description, joints, locked, () if loops is None else loops.dependent)
+        closure = (
+            None
+            if loops is None
+            else Closure.of(loops, model, partial(link_frame, model, description), description.name)
+        )
         floating = base == "floating"
+        if floating and closure is not None:
+            raise NotSupportedError(
+                "closed loops behind a floating base", where=description.name, remedy='hold the base: base="fixed"'
+            )
         if floating and model.inertias[0].mass <= 0.0:
             raise UnreadableInputError(
                 f"the root link {description.root_link!r} of a floating base has no mass: no <inertial>?",
                 where=description.name,
                 remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
             )
-        machine = None if base == "moving" else PlanarMachine.from_model(model, floating=floating)
+        numerical = base == "moving" or closure is not None
+        machine = None if numerical else PlanarMachine.from_model(model, floating=floating)
         if machine is not None:
             reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
         else:
@@ -185,14 +208,14 @@ class Leg(LegData):
             if floating:
                 reduction = numeric(free_flyer_model(model), (description.root_link, *links))
             else:
-                reduction = numeric(model, links, moving_base=base == "moving")
+                reduction = numeric(model, links, moving_base=base == "moving", closure=closure)
         kinds: dict[str, Contact] = {**(contacts or {}), **dict.fromkeys(places, "edge")}  # type: ignore[dict-item]
         for link, kind in kinds.items():
             link_frame(model, description, link)
             if kind not in get_args(Contact):
                 known = ", ".join(get_args(Contact))
                 raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")
-        return cls(description, model, reduction, machine, locked, cumulative, base, MappingProxyType(kinds))
+        return cls(description, model, reduction, machine, locked, cumulative, base, MappingProxyType(kinds), closure)
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.
@@ -229,17 +252,15 @@ class Leg(LegData):
         Raises:
             ExoidError: Shapes do not fit.
         """
-        samples = self.samples(q, v, a)
+        tree = self.tree_motion(*self.samples(q, v, a))
+        samples = tree.q, tree.v, tree.a
         if self.base == "floating" or not isinstance(torso, TorsoMotion | None):
-            q, v, a = samples
-            rows = inverse_dynamics_on_base(self._free, q, v, a, *self._base(torso, len(q)).spatial())
-            return project_columns(rows, self._base_coordinates)
+            rows = inverse_dynamics_on_base(self._free, *samples, *self._base(torso, len(tree.q)).spatial())
+            return tree.project(project_columns(rows, self._base_coordinates))
         if torso is None:
-            return inverse_dynamics(self.model, *samples)
-        moved = (
-            np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
-        )
-        return inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
+            return tree.project(inverse_dynamics(self.model, *samples))
+        moved = (np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(tree.q))), samples, strict=True))
+        return tree.project(inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:])
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Compute the mass matrix M(q), which does not depend on the tilt of the torso.
@@ -256,7 +277,8 @@ class Leg(LegData):
         (q,) = self.samples(q)
         if self.base == "floating":
             return floating_mass_matrix(self._free, self._base_coordinates, q)
-        return mass_matrix(self.model, q)
+        tree = self.tree_motion(q)
+        return tree.project(tree.project(mass_matrix(self.model, tree.q)).swapaxes(1, 2))
 
     def frame_jacobian(self, q: ArrayLike, link: str, point: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
         """Compute the Jacobian J of a point of a link: its twist per unit of each coordinate of the rows.
@@ -275,11 +297,11 @@ class Leg(LegData):
         Raises:
             ExoidError: The shape does not fit, or the URDF has no such link.
         """
-        (q,) = self.samples(q)
+        tree = self.tree_motion(*self.samples(q))
         frame = link_frame(self.model, self.description, link)
         place = frame.placement * pin.SE3(np.eye(3), _point(point))
-        J = tree_jacobian(self._tree, q, frame.body, place.inverse().action)
-        return project_columns(J, self._base_coordinates) if self.base == "floating" else J
+        J = tree_jacobian(self._tree, tree.q, frame.body, place.inverse().action)
+        return project_columns(J, self._base_coordinates) if self.base == "floating" else tree.project(J)
 
     def contact_jacobian(self, q: ArrayLike, link: str) -> FloatArray:
         """Compute the Jacobian of what a link in contact with the ground keeps at zero.
@@ -324,6 +346,7 @@ class Leg(LegData):
             ExoidError: Shapes do not fit.
         """
         q, v = self.samples(q, v)
+        refuse_loops(self, "a Coriolis matrix")
         if self.base == "floating":
             raise NotSupportedError(
                 "a floating base has no Coriolis matrix without its velocity in space",
@@ -353,10 +376,11 @@ class Leg(LegData):
         if self.base == "floating":
             still = np.zeros_like(q)
             return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
+        tree = self.tree_motion(q)
         if torso is None:
-            return gravity_torque(self.model, q)
+            return tree.project(gravity_torque(self.model, tree.q))
         position, _, _ = torso_coordinates(torso.samples(len(q)))
-        return gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
+        return tree.project(gravity_torque(self._on_torso, np.hstack([position, tree.q]))[:, TORSO_JOINTS:])
 
     def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
         """Compute gravity in the base frame of a tilted torso.
@@ -371,7 +395,7 @@ class Leg(LegData):
         return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
 
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
-        """Compute the placement of every segment frame in the base frame.
+        """Compute the placement of every segment frame in the base frame, of dependent joints of loops included.
 
         Args:
             q: Joint angles [rad], (N, n).
@@ -383,7 +407,7 @@ class Leg(LegData):
         Raises:
             ExoidError: The shape does not fit.
         """
-        (q,) = self.samples(q)
+        q = self.tree_motion(*self.samples(q)).q
         if torso is None:
             return segment_placements(self.model, q)
         position, _, _ = torso_coordinates(torso.samples(len(q)))

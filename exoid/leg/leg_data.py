@@ -14,6 +14,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 
 from .base_kinematics import BaseKinematics
+from .closure import Closure, TreeMotion
 from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
@@ -64,6 +65,7 @@ class LegData:
         base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
             more than on a fixed base. "floating" if rows of the base come before those of the joints.
         contacts: Kind of contact of links that do not rest flat.
+        closure: Loop equations of a machine with closed loops, whose joints are the independent ones; None without.
     """
 
     description: Description
@@ -74,6 +76,7 @@ class LegData:
     cumulative: bool = True
     base: Base = "fixed"
     contacts: Mapping[str, Contact] = field(default_factory=dict)
+    closure: Closure | None = None
 
     @property
     def hip(self) -> FloatArray:
@@ -83,6 +86,11 @@ class LegData:
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints in the URDF, from the torso outwards."""
+        return self.tree_joint_names if self.closure is None else self.closure.joint_names
+
+    @property
+    def tree_joint_names(self) -> tuple[str, ...]:
+        """Names of all moving joints, those that follow from closed loops included."""
         return tuple(self.model.names)[1:]
 
     @property
@@ -145,7 +153,8 @@ class LegData:
     @property
     def bodies(self) -> tuple[str, ...]:
         """Links whose inertia is in the equation: those that joints carry, behind the root link if the base floats."""
-        return (self.description.root_link,) * (self.base == "floating") + self.link_names
+        carried = tuple(self.description.child_links[joint] for joint in self.tree_joint_names)
+        return (self.description.root_link,) * (self.base == "floating") + carried
 
     @property
     def link_parameters(self) -> FloatArray:
@@ -173,13 +182,15 @@ class LegData:
     def limits(self) -> JointLimits:
         """Limits of the joints."""
         model = self.model
-        joints = [model.joints[j] for j in range(1, model.njoints)]
+        chosen = slice(None) if self.closure is None else self.closure.independent
+        joints = [model.joints[j + 1] for j in np.arange(model.njoints - 1)[chosen].tolist()]
         lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
         upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
         # continuous joints have no limits, and exporters of CAD programs write 0 for those that nobody gave
         free = np.array([joint.nq == 2 for joint in joints]) | (lower == upper)
         speed, effort = (np.where(limit > 0.0, limit, np.inf) for limit in (model.velocityLimit, model.effortLimit))
-        return JointLimits(np.where(free, -np.inf, lower), np.where(free, np.inf, upper), speed, effort)
+        lower, upper = np.where(free, -np.inf, lower), np.where(free, np.inf, upper)
+        return JointLimits(lower, upper, speed[chosen], effort[chosen])
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
@@ -222,7 +233,8 @@ class LegData:
             self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
         elif torso is None or self.base != "fixed":
             base = None if torso is None else self._base(torso, len(q)).spatial()
-            fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
+            moved = self.tree_motion(q, v, a)
+            fill_reduced_regressor(self.reduction, self._tree, moved.q, moved.v, moved.a, out, base, moved.G)
         else:
             if self.description.root_link == RAIL:
                 raise NotSupportedError(
@@ -236,6 +248,24 @@ class LegData:
                 remedy='make the leg with Leg.from_urdf(..., base="moving")',
                 command="give --moving-base",
             )
+
+    def tree_motion(self, q: FloatArray, v: FloatArray | None = None, a: FloatArray | None = None) -> TreeMotion:
+        """Find the motion of all joints, those that follow from closed loops included.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n); None at rest.
+            a: Joint accelerations [rad/s²], (N, n); None for none.
+
+        Returns:
+            Motion of :attr:`tree_joint_names`.
+
+        Raises:
+            ExoidError: The loops do not close at a sample.
+        """
+        still = np.zeros_like(q)
+        v, a = still if v is None else v, still if a is None else a
+        return TreeMotion(q, v, a) if self.closure is None else self.closure.motion(q, v, a)
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
         """Check that arrays have the same shape (N, n).
@@ -261,6 +291,7 @@ class LegData:
     def __repr__(self) -> str:
         """Write the URDF, the joints and the parameters."""
         kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
+        kind += ", closed loops" * (self.closure is not None)
         names = ", ".join(self.parameter_names)
         return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
 

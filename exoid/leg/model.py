@@ -16,14 +16,20 @@ NEGATIVE = 1e-6
 """Largest negative principal inertia, over the largest positive one, that counts as rounding."""
 
 
-def build_model(description: Description, joints: Sequence[str] | None, locked: Mapping[str, float]) -> pin.Model:
-    """Build the model whose only joints are ``joints``; links behind locked joints are lumped into their parents."""
+def build_model(
+    description: Description, joints: Sequence[str] | None, locked: Mapping[str, float], dependent: Sequence[str] = ()
+) -> pin.Model:
+    """Build the model whose only joints are ``joints`` and ``dependent`` ones of loops.
+
+    Links behind locked joints are lumped into their parents.
+    """
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
     if joints is not None and (isinstance(joints, str) or not joints or not all(isinstance(j, str) for j in joints)):
         raise BadArgumentError(f"joints must be names, not {joints!r}", remedy="pass e.g. joints=('hip', 'knee')")
-    moving = [name for name in single if name not in locked] if joints is None else list(joints)
-    for name in (*moving, *locked):
+    free = (name for name in single if name not in locked and name not in dependent)
+    moving = list(free if joints is None else joints)
+    for name in (*moving, *locked, *dependent):
         if name not in single:
             raise _missing(name, single, full, description)
     if sorted(moving, key=single.index) != moving or len(set(moving)) != len(moving):
@@ -32,10 +38,14 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
             where=description.name,
             remedy=f"name each once, from the torso outwards: {tuple(sorted(set(moving), key=single.index))}",
         )
-    if set(moving) & set(locked):
-        raise BadArgumentError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
     if not moving:
         raise BadArgumentError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
+    if followed := sorted(set(moving) & set(dependent)):
+        what = f"{followed} are dependent joints of loops, and cannot be chosen"
+        raise BadArgumentError(what, joints=tuple(followed), where=description.name, remedy="leave them out of joints")
+    moving = sorted((*moving, *dependent), key=single.index)
+    if set(moving) & set(locked):
+        raise BadArgumentError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
     _refuse_free_joints(full, moving, description)
     positions = np.zeros((1, full.nv))
     for name, value in locked.items():

@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.closure import refuse_loops
 from exoid.leg.exported import parameter_terms, read_exported
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
@@ -60,6 +61,7 @@ class Plant:
     def __post_init__(self) -> None:
         """Check base, shapes and signs."""
         refuse_floating_base(self.leg, "a rig")
+        refuse_loops(self.leg, "a rig")
         n, count = len(self.leg.joint_names), np.size(self.pitch)
         sizes = {"parameters": (len(self.leg.parameter_names), count), "stiffness": (3, n, count), "pitch": (count,)}
         for name in _array_names():
@@ -110,6 +112,7 @@ class Plant:
                 the mass matrix is not positive definite at some pose.
         """
         refuse_floating_base(leg, "a rig")
+        refuse_loops(leg, "a rig")
         values = dict(values or {})
         labels = leg.joint_labels
         known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}

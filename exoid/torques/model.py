@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
+from exoid.leg.leg_data import without_side
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
@@ -158,7 +159,7 @@ class TorqueModel:
         rigid, base_rows = self.leg.parameter_names, self.leg.base_rows
         acting = np.zeros((len(self.row_names), len(self.names)), dtype=np.bool_)
         base = None if self.leg.base == "fixed" else random_base(10)
-        q, v, a = random_motion(10, len(self.joint_names))
+        q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
         acting[:, : len(rigid)] = self.leg.regressor(q, v, a, base).any(axis=0)
         for block in self.blocks:
             places = [self.names.index(name) for name in block.names if name in self.names]
@@ -332,6 +333,31 @@ class TorqueModel:
             columns = self.columns(motion.rows(rows))[self.friction]
             torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
         return torque
+
+    def refuse_other_torques(self, recording: Recording | Poses) -> None:
+        """Refuse torques of the joints that follow from closed loops: these are passive.
+
+        Args:
+            recording: Recording of all joints, or poses.
+
+        Raises:
+            ExoidError: A dependent joint has a torque.
+        """
+        closure = self.leg.closure
+        if closure is None or recording.tau is None:
+            return
+        names = self.leg.tree_joint_names
+        for j in closure.dependent.tolist():
+            for name in {names[j], without_side(names)[j]} & {*recording.joint_names}:
+                torque = np.nan_to_num(recording.tau[:, recording.joint_names.index(name)])
+                if torque.any():
+                    raise BadArgumentError(
+                        f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
+                        f"{np.abs(torque).max():.3g} N·m",
+                        where=recording.source.name if recording.source else "",
+                        remedy="leave its torque out, or take it for an independent joint and another one as dependent",
+                        joints=(name,),
+                    )
 
     def on_links(self, recording: Recording | Poses) -> Recording | Poses:
         """Turn wrenches that were measured in the laboratory into axes of their links.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.closure import Closure
 from exoid.leg.torso import MovingBase, TorsoMotion
 
 from .internal_state import InternalState
@@ -115,10 +116,12 @@ class LoadedMotion(NamedTuple):
         return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found, heat)
 
 
-def random_motion(samples: int, joints: int) -> FloatArray:
-    """Draw independent normal angles, velocities and accelerations, always the same."""
-    motion = np.random.default_rng(0).standard_normal((3, samples, joints))
-    return motion * [[[1.0]], [[2.0]], [[5.0]]]
+def random_motion(samples: int, joints: int, closure: Closure | None = None) -> FloatArray:
+    """Draw independent normal angles, at which loops close, velocities and accelerations, always the same."""
+    motion = np.random.default_rng(0).standard_normal((3, samples, joints)) * [[[1.0]], [[2.0]], [[5.0]]]
+    if closure is not None:
+        motion[0] = closure.reachable(motion[0])
+    return motion
 
 
 def random_base(samples: int) -> BaseKinematics:

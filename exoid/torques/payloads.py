@@ -42,10 +42,10 @@ def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> Flo
 def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
     """Compute what payloads add to the parameters π of the links, (10 k,)."""
     added = np.zeros((len(leg.bodies), 10))
-    first = len(leg.bodies) - len(leg.joint_names)
+    carried = [leg.bodies.index(link) for link in leg.link_names]
     named = (leg.link_labels, leg.link_names, leg.joint_labels, leg.joint_names)  # the last ones count first
     joints = {name: place for place, name in enumerate(leg.bodies)}
-    joints |= {name: place for names in named for place, name in enumerate(names, start=first)}
+    joints |= {name: place for names in named for name, place in zip(names, carried, strict=True)}
     for payload in payloads:
         if payload.joint not in joints:
             raise BadArgumentError(

@@ -53,7 +53,7 @@ def regroup(
     count = len(leg.parameter_names)
     names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
     loaded = {name for block in blocks if block.term.loaded for name in block.names}
-    q, v, a = random_motion(10 * len(names), len(leg.joint_names))
+    q, v, a = random_motion(10 * len(names), len(leg.joint_names), leg.closure)
     columns = np.zeros((len(names), leg.base_rows + q.shape[1], len(q)))
     base = random_base(len(q)) if moving_base or leg.base != "fixed" else None
     leg.fill_regressor(q, v, a, columns[:count], base)

@@ -232,7 +232,6 @@ REFUSED = {
         ("rig", lambda: exoid.rig.Plant.build(FLOATING)),
         ("control", lambda: ControlModel.of(FLOATING)),
         ("excitation", lambda: plan_excitation(FLOATING)),
-        ("assessment", lambda: assess(FLOATING, [])),
         ("Coriolis", lambda: FLOATING.coriolis(np.zeros(6), np.zeros(6))),
         *(("'screw'", lambda x=x: screw(x)) for x in (pin.JointModelSpherical(), pin.JointModelHX(0.1))),
     ],

@@ -121,7 +121,10 @@ def assess(
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
     floats = leg.base == "floating"
-    scales = _scales_on_ground(model, limits, values, rows) if floats else Scales.of(model, limits, values)
+    if floats:
+        scales = _scales_on_ground(model, limits, values, rows, preparation)
+    else:
+        scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     recorded = information_of(model, rows, torque_noise, preparation)
     advice = () if floats else _advise(model, limits, torque_noise, scales, recorded)
@@ -133,10 +136,11 @@ def _scales_on_ground(
     limits: MotionLimits,
     values: Mapping[str, float] | None,
     recordings: Sequence[Recording | StaticRows],
+    preparation: Preparation | None,
 ) -> Scales:
     """Compute the scales over random states on the supports of a log, with the least joint torques that hold them."""
     expected, rng, tables = expected_parameters(model, values), np.random.default_rng(0), []
-    for support, _ in supports_during(model, recordings):
+    for support, _ in supports_during(model, recordings, preparation):
         q, v, a = reference_states(limits, STATES // 4, rng)
         turn, change, force = rng.uniform(-1.0, 1.0, (3, len(q), 3))
         W = support.regressor(q, v, a, BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])))

@@ -153,6 +153,8 @@ class Objective(MotionObjective):
         return sum(part.mean for part in parts), slopes
 
     def _regressor(self, states: States, pitch: float) -> FloatArray:
+        if self.model.leg.closure is not None:  # beyond the limits, loops may not close; the penalty leads back
+            states = states._replace(q=np.clip(states.q, self.limits.lower, self.limits.upper))
         return self.model.regressor(*states, TorsoMotion(pitch=pitch) if pitch else None).transpose(2, 1, 0)
 
     def _through_regressor(self, states: States, adjoint: FloatArray, pitch: float) -> States:

@@ -149,7 +149,7 @@ def _information_on_ground(
     # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
     # intervals up to twice as wide.
     total: Information | None = None
-    for support, parts in supports_during(model, recordings):
+    for support, parts in supports_during(model, recordings, preparation):
         information = information_of(support, parts, noise, preparation)
         total = information if total is None else total.plus(information)
     if total is None:
@@ -158,7 +158,7 @@ def _information_on_ground(
 
 
 def supports_during(
-    model: TorqueModel, recordings: Sequence[Recording | StaticRows]
+    model: TorqueModel, recordings: Sequence[Recording | StaticRows], preparation: Preparation | None
 ) -> Iterator[tuple[SupportModel, list[Recording]]]:
     """Sets of links that rest, with the parts of the recordings during which they do."""
     found: dict[tuple[str, ...], list[Recording]] = {}

@@ -23,6 +23,7 @@ from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
 from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence
+from .loop_gap import loop_gaps
 from .physics import (
     CheckedFit,
     far_from_urdf,
@@ -73,7 +74,7 @@ def check_fit(fitted: FittedLeg) -> Checkup:
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
     """Check the channels and times of recordings; no fit is needed."""
-    recordings, names = [], []
+    recordings, names, closure = [], [], model.leg.closure
     for one in data:
         if isinstance(one, Poses):
             continue
@@ -83,7 +84,8 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
             checks = channel_findings, wraps, missing_samples, late_velocities
-            for finding in (found_there for look in checks for found_there in look(part)):
+            every = (found_there for look in checks for found_there in look(part))
+            for finding in (*every, *(loop_gaps(closure, one) if closure is not None else ())):
                 key = (finding.kind, finding.joint)
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding

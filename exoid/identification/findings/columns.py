@@ -92,15 +92,20 @@ class _Point:
         widths = (term.smoothing for term in terms if isinstance(term.smoothing, float) and term.smoothing > 0.0)
         return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
 
+    @property
+    def by_differences(self) -> bool:
+        """Whether the regressor is faster than Pinocchio's derivatives, or these do not exist."""
+        return bool(self.of.model.leg.limbs) or self.of.model.leg.closure is not None
+
     @cached_property
     def slopes(self) -> TorqueSlopes:
-        """Derivatives of the rigid-body torque of a leg that is not planar."""
+        """Derivatives of the rigid-body torque of a leg whose :attr:`changed` is not used."""
         motion = self.motion
         return inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
 
     @cached_property
     def changed(self) -> FloatArray:
-        """Rigid-body torque of a planar leg with the angle of each joint off by a step, then scaled, (2 n, n, N)."""
+        """Rigid-body torque by the regressor with the angle of each joint off by a step, then scaled, (2 n, n, N)."""
         samples, n = self.motion.q.shape
         several = Motion(*self.motion[:4]).rows(np.tile(np.arange(samples), 2 * n))
         q, v, a = (x.reshape(2 * n, samples, n) for x in several[:3])
@@ -108,11 +113,11 @@ class _Point:
             q[j, :, j] += STEP
             for x in (q, v, a):
                 x[n + j, :, j] *= 1.0 + STEP
-        torque = self.planar_torque(self.of.model.leg, several)
+        torque = self.regressor_torque(self.of.model.leg, several)
         return torque.reshape(n, 2 * n, samples).transpose(1, 0, 2)
 
-    def planar_torque(self, leg: Leg, motion: Motion) -> FloatArray:
-        """Rigid-body torque of a planar leg, (n, N)."""
+    def regressor_torque(self, leg: Leg, motion: Motion) -> FloatArray:
+        """Rigid-body torque of a leg by its regressor, (n, N)."""
         count = len(leg.parameter_names)
         out = np.zeros((count, *motion.q.shape[::-1]))
         leg.fill_regressor(motion.q, motion.v, motion.a, out, motion.torso)
@@ -132,7 +137,7 @@ def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
 
 def _zero(at: _Point, j: int, _: int) -> FloatArray:
     """Derivative of the rigid-body torque by an angle."""
-    if not at.of.model.leg.limbs:
+    if not at.by_differences:
         return at.slopes.q[:, :, j].T
     return np.asarray((at.changed[j] - at.of_leg) / STEP)
 
@@ -140,7 +145,7 @@ def _zero(at: _Point, j: int, _: int) -> FloatArray:
 def _scale(at: _Point, j: int, _: int) -> FloatArray:
     """Derivative of the rigid-body torque by the scale of an angle and its derivatives."""
     motion = at.motion
-    if not at.of.model.leg.limbs:
+    if not at.by_differences:
         pairs = zip(at.slopes, (motion.q, motion.v, motion.a), strict=True)
         return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
     return np.asarray((at.changed[motion.q.shape[1] + j] - at.of_leg) / STEP)
@@ -154,7 +159,8 @@ def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
     first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
     directions = (first / np.linalg.norm(first), np.cross(up, first / np.linalg.norm(first)))
     model.gravity.linear = np.cross(directions[axis], gravity)
-    return gravity_torque(model, at.motion.q).T
+    tree = at.leg.tree_motion(at.motion.q)
+    return tree.project(gravity_torque(model, tree.q)).T
 
 
 def _length(at: _Point, j: int, _: int) -> FloatArray:
@@ -166,15 +172,15 @@ def _length(at: _Point, j: int, _: int) -> FloatArray:
     offsets[j] *= 1.0 + STEP
     changed = replace(limb, chain=replace(limb.chain, offsets=offsets))
     longer = replace(leg, machine=replace(leg.machine, limbs=(changed,)))
-    return (at.planar_torque(longer, at.motion) - at.of_leg) / STEP
+    return (at.regressor_torque(longer, at.motion) - at.of_leg) / STEP
 
 
 def _clock(at: _Point, _: int, __: int) -> FloatArray:
     """Derivative of the torque by the relative speed of the clock: all but gravity goes with its square."""
-    if not at.of.model.leg.limbs:
+    if not at.by_differences:
         return 2.0 * (at.of_leg - gravity_torque(at.leg.model, at.motion.q).T)
     still = np.zeros_like(at.motion.v)
-    return 2.0 * (at.of_leg - at.planar_torque(at.of.model.leg, at.motion._replace(v=still, a=still)))
+    return 2.0 * (at.of_leg - at.regressor_torque(at.of.model.leg, at.motion._replace(v=still, a=still)))
 
 
 def _stribeck(at: _Point, j: int, _: int) -> FloatArray:

@@ -89,7 +89,7 @@ def _parts(leg: Leg) -> list[list[LinkInertia]]:
     """Links of each body that have an inertia, placed by Pinocchio's frames."""
     inertials = read_inertials(leg.description)
     parts: list[list[LinkInertia]] = [[] for _ in leg.bodies]
-    first = len(leg.joint_names) + 1 - len(parts)  # the root link is a body only if it floats
+    first = leg.model.njoints - len(parts)  # the root link is a body only if it floats
     for frame in leg.model.frames:
         renamed = frame.name not in inertials  # by build_model
         link = frame.name.rpartition(" ")[0] if renamed else frame.name

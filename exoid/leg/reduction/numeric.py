@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
+from exoid.leg.closure import Closure, TreeMotion
 from exoid.leg.dynamics import joint_torque_regressor
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
@@ -57,18 +58,26 @@ LONGEST_NAME = 4
 """Largest number of terms in a parameter's name; :attr:`Reduction.collect` has the whole sum."""
 
 
-def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_base: bool = False) -> Reduction:
+def numeric(
+    model: pin.Model,
+    labels: Sequence[str],
+    *,
+    seed: int = 0,
+    moving_base: bool = False,
+    closure: Closure | None = None,
+) -> Reduction:
     """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``."""
     # Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
     # Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
     regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
-    W = regressor(model)
+    W = regressor(model, closure)
     rng = np.random.default_rng(seed)
-    changes = [regressor(_rounded(model, rng)) - W for _ in range(DRAWS)]
+    changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(DRAWS)]
     scale = _column_scale(W, changes)
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > THRESHOLD * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
-    rank = _decide_rank(unit, [change[:, nonzero] / scale[nonzero] for change in changes], W.shape[1])
+    changed = [change[:, nonzero] / scale[nonzero] for change in changes]
+    rank = _decide_rank(unit, changed, W.shape[1], closed=closure is not None)
     _, R, order = scipy.linalg.qr(unit * _preferences(nonzero, W.shape[1]), mode="economic", pivoting=True)
     r = rank.rank
     kept, grouped = nonzero[order[:r]], nonzero[order[r:]]
@@ -90,31 +99,40 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_ba
     return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread, rank)
 
 
-def _random_regressor(model: pin.Model, *, seed: int, moving_base: bool) -> FloatArray:
+def _random_regressor(model: pin.Model, closure: Closure | None, *, seed: int, moving_base: bool) -> FloatArray:
     rng = np.random.default_rng(seed)
     samples, floating = 15 * model.nv + 20, is_floating(model)
     low = np.maximum(_by_joint(model, model.lowerPositionLimit, -np.pi), -np.pi)
     high = np.minimum(_by_joint(model, model.upperPositionLimit, np.pi), np.pi)
     low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
+    if closure is not None:
+        low, high = low[closure.independent], high[closure.independent]
     q = rng.uniform(low, high, (samples, len(low)))
     v, a = rng.uniform(-3, 3, (2, samples, len(low)))
-    if not moving_base and not floating:
+    moved = TreeMotion(q, v, 3.0 * a)
+    if closure is not None:
+        poses, _ = closure.solve(closure.reachable(q))
+        moved = closure.rates(poses, v, 3.0 * a)
+    if not moving_base and not floating and closure is None:
         return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
     velocity, acceleration = np.zeros((samples, 6)), rng.uniform(-9, 9, (samples, 6))
     velocity[:, 3:] = rng.uniform(-3, 3, (samples, 3))
     tree = Tree.from_model(model)
     columns = np.zeros((10 * tree.bodies, tree.rows, samples))
-    fill_tree_regressor(tree, q, v, 3.0 * a, range(len(columns)), columns, BaseSamples(velocity, acceleration))
-    return columns.transpose(2, 1, 0).reshape(samples * model.nv, -1)
+    base = BaseSamples(velocity, acceleration) if moving_base or floating else None
+    fill_tree_regressor(tree, moved.q, moved.v, moved.a, range(len(columns)), columns, base)
+    if moved.G is not None:
+        columns = np.einsum("ktb,tib->kib", columns, moved.G)
+    return columns.transpose(2, 1, 0).reshape(-1, len(columns))
 
 
-def _rounded(model: pin.Model, rng: np.random.Generator) -> pin.Model:
-    """Copy a model with random rounding errors of its joint placements."""
+def _rounded(model: pin.Model, closure: Closure | None, rng: np.random.Generator) -> tuple[pin.Model, Closure | None]:
+    """Copy a model, and the loops that close it, with random rounding errors of the places of joints and points."""
     copy = pin.Model(model)
     for j in range(1, copy.njoints):
         rotation, translation = rng.uniform(-ROUNDING, ROUNDING, (2, 3))
         copy.jointPlacements[j] = copy.jointPlacements[j] * pin.SE3(pin.exp3(rotation), translation)
-    return copy
+    return copy, None if closure is None else closure.rounded(copy, rng, ROUNDING)
 
 
 def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:
@@ -130,7 +148,7 @@ def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.maximum(np.maximum(length, rounded), THRESHOLD * length.max()))
 
 
-def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int) -> RankDecision:
+def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int, *, closed: bool) -> RankDecision:
     """Count the directions with effects beyond those of rounding: generalised singular values of Y and ΔY."""
     floor = THRESHOLD * np.eye(unit.shape[1])  # directions that no rounding changes
     R = np.asarray(np.linalg.qr(unit, mode="r"))
@@ -138,6 +156,9 @@ def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int) 
     rounded = np.asarray(np.linalg.qr(stacked, mode="r"))
     effects = np.linalg.svd(scipy.linalg.solve_triangular(rounded, R.T, trans="T").T, compute_uv=False)
     rank = int((effects > DISTINCT).sum())
+    # The short strokes of closed loops make effects that fade out evenly: those above the next gap are kept, too
+    while closed and 0 < rank < len(effects) and effects[rank] * GAP > effects[rank - 1]:
+        rank += 1
     sigma = np.linalg.svd(unit, compute_uv=False)
     sigma = sigma / sigma[0]
     dropped = float(sigma[rank]) if rank < len(sigma) else 0.0

@@ -77,19 +77,25 @@ def fill_reduced_regressor(
     a: FloatArray,
     out: FloatArray,
     base: BaseSamples | None = None,
+    G: FloatArray | None = None,
 ) -> None:
-    """Write the regressor of base parameters: columns of Pinocchio's, combined where the reduction says so."""
+    """Write the regressor of base parameters: columns of Pinocchio's, combined where the reduction says so.
+
+    With closed loops, G (t, n, N) takes the rows of all joints to those of the independent ones.
+    """
     columns, spread = reduction.columns, reduction.spread
-    if reduction.selects:
+    if reduction.selects and G is None:
         fill_tree_regressor(tree, q, v, a, columns, out, base)
         return
     for start in range(0, len(q), BLOCK):  # limits the memory of Pinocchio's wide regressor
         rows = slice(start, start + BLOCK)
         part = out[..., rows]
-        Y = np.zeros((len(columns), *part.shape[1:]))
+        Y = np.zeros((len(columns), tree.rows, part.shape[-1]))
         moved = None if base is None else BaseSamples(*(x[rows] for x in base))
         fill_tree_regressor(tree, q[rows], v[rows], a[rows], columns, Y, moved)
-        part[:] = np.tensordot(spread[columns].T, Y, axes=1)
+        if G is not None:
+            Y = np.einsum("ktb,tib->kib", Y, G[..., rows])
+        part[:] = Y if reduction.selects else np.tensordot(spread[columns].T, Y, axes=1)
 
 
 class _Run(NamedTuple):

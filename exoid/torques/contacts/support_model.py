@@ -63,7 +63,7 @@ class SupportModel(TorqueModel):
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which row, (R, P)."""
-        q, v, a = random_motion(10, len(self.joint_names))
+        q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
         base = None if self.leg.base == "fixed" else random_base(10)
         motion = Motion(q, v, a, base, internal_states(self.blocks, q, v))
         return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)

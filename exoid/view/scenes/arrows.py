@@ -61,7 +61,7 @@ def draw_weights(geometry: LegGeometry, trajectory: LegTrajectory, down: FloatAr
     reach, inertias, drawing = geometry.skeleton.reach, geometry.inertias[-1].bodies, Drawing()
     heaviest = max(inertia.mass for inertia in inertias)
     bodies = geometry.skeleton.body_placements(trajectory.q)[:, 1:]
-    paths = [child_path(geometry.root, f"weight {name}") for name in geometry.leg.link_names]
+    paths = [child_path(geometry.root, f"weight {name}") for name in geometry.leg.bodies[-len(inertias) :]]
     for body, (path, inertia) in enumerate(zip(paths, inertias, strict=True)):
         arrow = straight_arrow(WEIGHT_LENGTH * reach * inertia.mass / heaviest, THICKNESS * reach, WEIGHT)
         centre = bodies[:, body, :3, :3] @ inertia.lever + bodies[:, body, :3, 3]
@@ -74,7 +74,7 @@ def draw_weights(geometry: LegGeometry, trajectory: LegTrajectory, down: FloatAr
 def draw_torques(geometry: LegGeometry, trajectory: LegTrajectory) -> Drawing:
     """Draw the torque of each joint, measured or against gravity."""
     largest = float(np.abs(trajectory.tau).max())
-    drawing, paths = _around_axes(geometry, "torque", trajectory.tau, largest, geometry.joint_colours)
+    drawing, paths = _around_axes(geometry, "torque", trajectory.tau, largest, None)
     unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
     scale = f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}" if largest else ""
     label = "measured torque" if trajectory.measured else "torque against gravity"
@@ -90,7 +90,7 @@ def draw_wearer(geometry: LegGeometry, replay: Replay, found: Interaction) -> Dr
     known = np.nan_to_num(found.torque[:, [found.joint_names.index(name) for name in names]])
     torque = np.nan_to_num(at_frames(replay.time, found.time, known, gap=0.03))  # zero where none is known
     largest = float(np.abs(torque).max())
-    drawing, paths = _around_axes(geometry, "wearer", torque, largest, [WEARER] * len(names), beside=0.05)
+    drawing, paths = _around_axes(geometry, "wearer", torque, largest, WEARER, beside=0.05)
     scale = f"radius of {TORQUE_RADIUS * skeleton.reach:.2g} m = {largest:.3g} N·m" if largest else ""
     drawing += Drawing(layers=[Layer("torque of the wearer", (WEARER,), paths, scale=scale)])
     flesh, limbs = Material(WEARER, opacity=0.25, finish="flat"), []
@@ -105,14 +105,18 @@ def draw_wearer(geometry: LegGeometry, replay: Replay, found: Interaction) -> Dr
 
 
 def _around_axes(
-    geometry: LegGeometry, name: str, torque: FloatArray, largest: float, colours: list[str], beside: float = 0.0
+    geometry: LegGeometry, name: str, torque: FloatArray, largest: float, colour: str | None, beside: float = 0.0
 ) -> tuple[Drawing, tuple[str, ...]]:
-    """Circular arrows around the axes, ``beside`` the joints by that share of the reach, and their paths."""
+    """Circular arrows around the axes of driven joints, ``beside`` them by that share of the reach, and their paths."""
     reach, drawing, paths = geometry.skeleton.reach, Drawing(), []
-    joints = zip(geometry.joint_paths(geometry.root), geometry.skeleton.axes, torque.T, colours, strict=True)
-    for joint, axis, of_joint, colour in joints:
+    leg, every = (
+        geometry.leg,
+        zip(geometry.joint_paths(geometry.root), geometry.skeleton.axes, geometry.joint_colours, strict=True),
+    )
+    driven = [each for each, name in zip(every, leg.tree_joint_names, strict=True) if name in leg.joint_names]
+    for (joint, axis, own), of_joint in zip(driven, torque.T, strict=True):
         place, path = f"{joint}/{name}", f"{joint}/{name}/arrow"
-        arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour)
+        arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour or own)
         scale = torque_scale(of_joint, largest)
         commands = [
             set_object(path, arrow, shadows=False),

@@ -69,7 +69,7 @@ class LegGeometry:
     @property
     def joint_colours(self) -> list[str]:
         """Colour of each joint."""
-        return [joint_colour(joint) for joint in range(len(self.leg.joint_names))]
+        return [joint_colour(joint) for joint in range(len(self.leg.tree_joint_names))]
 
     def without_torso(self) -> LegGeometry:
         """Return the geometry without visuals of the torso, which another leg draws."""
@@ -78,7 +78,7 @@ class LegGeometry:
     def joint_paths(self, root: str) -> tuple[str, ...]:
         """Path of each joint's frame below a root; its body is the child "body"."""
         paths = [root]
-        for name, parent in zip(self.leg.joint_names, self.skeleton.parents, strict=True):
+        for name, parent in zip(self.leg.tree_joint_names, self.skeleton.parents, strict=True):
             paths.append(child_path(paths[parent] if parent == 0 else f"{paths[parent]}/body", name))
         return tuple(paths[1:])
 
@@ -163,7 +163,7 @@ def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=PULL)
-    moving = lifted.link_parameters[-len(leg.joint_names) :]
+    moving = lifted.link_parameters[-len(leg.tree_joint_names) :]
     return tuple(pin.Inertia.FromDynamicParameters(row) for row in moving)
 
 

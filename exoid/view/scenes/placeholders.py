@@ -23,7 +23,7 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         cylinder(0.115 * size, 0.13 * size, FRAME).placed(at_joint),
         cylinder(0.075 * size, 0.145 * size, Material(colour)).placed(at_joint),
     ]
-    names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
+    names = (leg.tree_joint_names[body - 1] + leg.bodies[body - len(leg.tree_joint_names) - 1]).lower()
     # Words in the name of a link or joint that identify the last body as a foot.
     if not next_joints(skeleton, body) and any(word in names for word in ("foot", "ankle", "toe", "sole")):
         return [*visuals, *_foot(skeleton, body, size)]
@@ -82,7 +82,7 @@ def _down(skeleton: Skeleton, body: int) -> FloatArray:
 
 def _placement_at_zero(skeleton: Skeleton, body: int) -> FloatArray:
     """Placement of a body in the torso's frame with all joints at zero, (4, 4)."""
-    return np.asarray(skeleton.body_placements(np.zeros(len(skeleton.parents)))[0, body])
+    return np.asarray(skeleton.body_placements(np.zeros(len(skeleton.leg.joint_names)))[0, body])
 
 
 def _segment_length(skeleton: Skeleton) -> float:

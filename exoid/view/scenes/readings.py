@@ -56,15 +56,16 @@ def joint_readings(
         predicted = _predicted_torque(source, geometry.leg, replay)
     paths, revolute = geometry.joint_paths(geometry.root), geometry.skeleton.revolute
     for joint, name in enumerate(geometry.leg.joint_names):
+        body = geometry.leg.tree_joint_names.index(name)
         yield Readings(
             name,
-            paths[joint],
-            geometry.joint_colours[joint],
-            np.rad2deg(trajectory.q[:, joint]) if revolute[joint] else 1e3 * trajectory.q[:, joint],
+            paths[body],
+            geometry.joint_colours[body],
+            np.rad2deg(trajectory.q[:, joint]) if revolute[body] else 1e3 * trajectory.q[:, joint],
             trajectory.tau[:, joint],
             None if predicted is None else predicted[:, joint],
             trajectory.measured,
-            ("°", "N·m") if revolute[joint] else ("mm", "N"),
+            ("°", "N·m") if revolute[body] else ("mm", "N"),
         )
 
 

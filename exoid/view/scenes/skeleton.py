@@ -101,7 +101,7 @@ class Skeleton:
             if (parent := j.find("parent")) is not None and (child := j.find("child")) is not None
         ]
         parent_of = {child: parent for _, parent, child, _ in joints}
-        moving = {child for name, _, child, _ in joints if name in self.leg.joint_names}
+        moving = {child for name, _, child, _ in joints if name in self.leg.tree_joint_names}
         above: set[str] = set()
         for link in moving:
             ancestor = parent_of.get(link)

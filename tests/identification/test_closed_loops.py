@@ -1,0 +1,140 @@
+"""Closed legs through the whole way: identify, check, save, export, command line, controllers, scenes."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from closed_machines import four_bar_knee, two_rod_ankle
+from typer.testing import CliRunner
+
+import exoid
+from exoid.cli.app import app
+from exoid.control import ControlModel
+from exoid.identification.findings.checkup import signal_findings
+from exoid.identification.findings.loop_gap import loop_gaps
+from exoid.leg.exported import read_exported
+from exoid.torques import TorqueModel
+from exoid.view.scenes.skeleton import Skeleton
+
+SOME = 0.02  # friction of the motors [N·m·s/rad]
+
+
+def swing(leg: exoid.Leg, seed: int, noise: float = 0.0, joints: tuple[str, ...] = ()) -> exoid.Recording:
+    """Log of a random motion by inverse dynamics; dependent joints of these names are measured, too."""
+    rng = np.random.default_rng(seed)
+    t, n = np.arange(3000)[:, None] / 200.0, len(leg.joint_names)
+    f, phase = rng.uniform(0.2, 1.5, (5, 1, n)), rng.uniform(0, 2 * np.pi, (5, 1, n))
+    w = 2 * np.pi * f
+    q, v, a = 0.08 * np.stack([np.sin(w * t + phase), w * np.cos(w * t + phase), -(w**2) * np.sin(w * t + phase)]).sum(
+        1
+    )
+    tau = leg.inverse_dynamics(q, v, a) + SOME * v
+    tau += noise * np.std(tau, axis=0) * rng.standard_normal(tau.shape)
+    names = leg.tree_joint_names if joints else leg.joint_names
+    every, torque = leg.tree_motion(q).q if joints else q, np.full((len(t), len(names)), np.nan)
+    torque[:, [names.index(name) for name in leg.joint_names]] = tau
+    log = exoid.Recording(time=t[:, 0], q=every, tau=torque, joint_names=names)
+    return log.select([name for name in names if name in (*leg.joint_names, *joints)]) if joints else log
+
+
+@pytest.fixture(params=[four_bar_knee, two_rod_ankle], ids=["knee", "ankle"])
+def leg(request, tmp_path) -> exoid.Leg:
+    return request.param(0).leg(tmp_path)
+
+
+@pytest.mark.slow
+def test_an_exact_log_gives_the_torque_of_another_motion(leg):
+    estimate = exoid.identify(leg, [swing(leg, 0, 1e-3), swing(leg, 1, 1e-3)], [exoid.Viscous()])
+    test = swing(leg, 2)
+    assert (exoid.validate(estimate, test).nrmse < 2e-3).all()
+    assert estimate.names[-2:] == tuple(f"d_{label}" for label in leg.joint_labels)
+    off = np.abs(estimate.values - [*leg.parameters, SOME, SOME]) / estimate.std
+    assert off.max() < 5.0
+
+
+@pytest.mark.slow
+def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
+    estimate = exoid.identify(leg, swing(leg, 0, 1e-3), [exoid.Viscous()])
+    estimate.save(tmp_path / "est.json")
+    again = exoid.Estimate.load(tmp_path / "est.json")
+    q, v, a = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 5, 2))
+    np.testing.assert_array_equal(again.torque(q, v, a), estimate.torque(q, v, a))
+    estimate.to_urdf(tmp_path / "identified.urdf")
+    exported = read_exported(tmp_path / "identified.urdf")
+    assert exported.leg.joint_names == leg.joint_names
+    found = exported.leg.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(
+        found, estimate.leg.inverse_dynamics(q, v, a), rtol=1e-3, atol=1e-3 * np.abs(found).max()
+    )
+
+
+def test_controllers_take_the_driven_joints_only(leg):
+    model = ControlModel.of(leg)
+    q, v, a = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 2))
+    torque = model.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(torque, leg.inverse_dynamics(q, v, a)[0])
+    np.testing.assert_allclose(model.inverse_dynamics(*np.tile([q, v, a], (1, 1))[..., None])[:, 0], torque)
+    np.testing.assert_allclose(model.gravity(q), leg.gravity(q)[0])
+
+
+def test_a_loop_described_wrongly_is_named_with_its_size(tmp_path):
+    machine = four_bar_knee(0)
+    leg = machine.leg(tmp_path)
+    log = swing(leg, 0, 1e-3, ("front_pin", "rear_pin"))
+    assert not list(loop_gaps(leg.closure, log))
+    x, _, z = leg.closure.loops.loops[0].second.xyz
+    for millimetres in (0.3, 5.0):
+        shifted = machine.loops.replace(f"{x:.5f}, 0.00000, {z:.5f}", f"{x + 1e-3 * millimetres}, 0, {z}")
+        assert shifted != machine.loops
+        found = list(loop_gaps(machine.leg(tmp_path, shifted).closure, log))
+        assert bool(found) is (millimetres > 1.0)
+    assert found[0].value == pytest.approx(5e-3, rel=0.02)
+    assert "four-bar" in found[0].message
+    one = log.select(["hip", "knee", "rear_pin"])
+    (finding,) = loop_gaps(machine.leg(tmp_path, shifted).closure, one)
+    assert finding.value > 2e-3
+    described = signal_findings(TorqueModel(machine.leg(tmp_path, shifted), ()), [log])
+    assert "loop-gap" in [finding.kind for finding in described]
+
+
+def test_a_torque_at_a_passive_joint_is_refused(tmp_path):
+    leg = four_bar_knee(0).leg(tmp_path)
+    log = swing(leg, 0, 1e-3, ("rear_pin",))
+    tau = np.array(log.tau)
+    tau[:, log.joint_names.index("rear_pin")] = 0.3
+    driven = exoid.Recording(time=log.time, q=log.q, tau=tau, joint_names=log.joint_names)
+    with pytest.raises(exoid.ExoidError, match="joint rear_pin follows from a closed loop"):
+        exoid.identify(leg, driven)
+
+
+@pytest.mark.slow
+def test_the_command_line_takes_loops(tmp_path):
+    leg = four_bar_knee(0).leg(tmp_path)
+    for seed in (0, 1):
+        swing(leg, seed, 1e-3, ("rear_pin",)).to_csv(tmp_path / f"{seed}.csv")
+    urdf, loops, est = (str(tmp_path / name) for name in ("leg.urdf", "loops.toml", "est.json"))
+    logs = [str(tmp_path / f"{seed}.csv") for seed in (0, 1)]
+    run = CliRunner().invoke(app, ["identify", urdf, logs[0], "--loops", loops, "-o", est, "--terms", "viscous"])
+    assert run.exit_code == 0, run.output
+    run = CliRunner().invoke(app, ["validate", est, logs[1], "--json"])
+    assert run.exit_code == 0, run.output
+    run = CliRunner().invoke(app, ["check", urdf, logs[0], "--loops", loops, "--json"])
+    assert run.exit_code == 0, run.output
+    assert json.loads(run.stdout) is not None
+    run = CliRunner().invoke(app, ["identify", urdf, logs[0], "--loops", urdf])
+    assert isinstance(run.exception, exoid.errors.UnreadableInputError)
+
+
+def test_a_rig_is_refused(tmp_path):
+    with pytest.raises(exoid.ExoidError, match="closed loops"):
+        exoid.rig.Plant.build(four_bar_knee(0).leg(tmp_path))
+
+
+def test_dependent_joints_move_in_a_scene(leg):
+    moved = Skeleton(leg).joint_transforms(np.array([[0.0, 0.0], [0.2, 0.1]]))
+    assert moved.shape == (2, len(leg.tree_joint_names), 4, 4)
+    assert (np.abs(moved[1] - moved[0]).max(axis=(1, 2)) > 1e-3).all()
+    drawn = exoid.view.scene(leg, recording=swing(leg, 0))
+    assert all(name in str(drawn.commands) for name in leg.tree_joint_names)

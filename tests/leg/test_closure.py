@@ -1,0 +1,220 @@
+"""Closed loops: Pinocchio's constrained dynamics and finite differences are the truth."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle, welded_knee
+
+from exoid import Leg
+from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
+from exoid.leg.base_kinematics import BaseKinematics
+
+MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "weld": welded_knee, "ankle": two_rod_ankle}
+
+
+@pytest.fixture(params=[(name, seed) for name in MACHINES for seed in (0, 1)], ids=str)
+def leg(request: pytest.FixtureRequest, tmp_path) -> Leg:
+    name, seed = request.param
+    return MACHINES[name](seed).leg(tmp_path)
+
+
+def random_motion(leg: Leg, samples: int = 40, seed: int = 5):
+    rng = np.random.default_rng(seed)
+    size = np.where(leg.limits.upper < 0.1, 0.1, 1.0)  # the stroke of a cylinder in metres
+    v, a = size * rng.normal(0.0, 2.0, (2, samples, len(leg.joint_names)))
+    return leg.closure.reachable(size * rng.uniform(-0.5, 0.5, v.shape)), v, a
+
+
+def constraints(leg: Leg) -> pin.StdVec_RigidConstraintModel:
+    """The points of all loops as Pinocchio's constraints."""
+    found = pin.StdVec_RigidConstraintModel()
+    found.extend(
+        pin.RigidConstraintModel(
+            pin.ContactType.CONTACT_3D,
+            leg.model,
+            pair.bodies[0] + 1,
+            pin.SE3(np.eye(3), pair.places[0]),
+            pair.bodies[1] + 1,
+            pin.SE3(np.eye(3), pair.places[1]),
+            pin.ReferenceFrame.LOCAL,
+        )
+        for pair in leg.closure.pairs
+    )
+    return found
+
+
+def test_torques_give_the_acceleration_of_constrained_dynamics(leg):
+    q, v, a = random_motion(leg)
+    tree, torque = leg.tree_motion(q, v, a), leg.inverse_dynamics(q, v, a)
+    models = constraints(leg)
+    data, datas = leg.model.createData(), pin.StdVec_RigidConstraintData()
+    datas.extend(model.createData() for model in models)
+    pin.initConstraintDynamics(leg.model, data, models, datas)
+    settings = pin.ProximalSettings(1e-14, 1e-10, 200)
+    driven = leg.closure.independent
+    for k in range(len(q)):
+        tau = np.zeros(leg.model.nv)
+        tau[driven] = torque[k]
+        found = pin.constraintDynamics(leg.model, data, tree.q[k], tree.v[k], tau, models, datas, settings)
+        np.testing.assert_allclose(found, tree.a[k], rtol=1e-9, atol=1e-9 * np.abs(tree.a[k]).max())
+
+
+def test_loops_close_and_the_regressor_gives_the_torque(leg):
+    q, v, a = random_motion(leg, 300)
+    tree = leg.tree_motion(q, v, a)
+    assert leg.closure.gap(tree.q).max() < 1e-12
+    np.testing.assert_array_equal(tree.q[:, leg.closure.independent], q)
+    torque = leg.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(leg.regressor(q, v, a) @ leg.parameters, torque, atol=1e-12 * np.abs(torque).max())
+
+
+def test_velocity_and_acceleration_are_derivatives_of_the_pose(leg):
+    q, v, a = random_motion(leg)
+    h = 1e-4
+    poses = [leg.tree_motion(q + s * h * v + 0.5 * (s * h) ** 2 * a).q for s in (-1, 0, 1)]
+    tree = leg.tree_motion(q, v, a)
+    np.testing.assert_allclose((poses[2] - poses[0]) / (2 * h), tree.v, atol=2e-5 * np.abs(tree.v).max())
+    np.testing.assert_allclose((poses[2] - 2 * poses[1] + poses[0]) / h**2, tree.a, atol=1e-3 * np.abs(tree.a).max())
+
+
+def test_power_of_the_motors_is_the_change_of_energy(leg):
+    q, v, a = random_motion(leg)
+    data, h = leg.model.createData(), 1e-5
+
+    def energy(step: float) -> np.ndarray:
+        tree = leg.tree_motion(q + step * v + 0.5 * step**2 * a, v + step * a)
+        return np.array(
+            [
+                pin.computeKineticEnergy(leg.model, data, q, v) + pin.computePotentialEnergy(leg.model, data, q)
+                for q, v in zip(tree.q, tree.v, strict=True)
+            ]
+        )
+
+    power = (leg.inverse_dynamics(q, v, a) * v).sum(axis=1)
+    np.testing.assert_allclose((energy(h) - energy(-h)) / (2 * h), power, atol=1e-6 * np.abs(power).max())
+
+
+def test_mass_matrix_gravity_and_jacobian_are_those_of_the_torque(leg):
+    q, v, _ = random_motion(leg)
+    still = np.zeros_like(q)
+    M, G = leg.mass_matrix(q), leg.gravity(q)
+    np.testing.assert_allclose(leg.inverse_dynamics(q, still, still), G, atol=1e-12)
+    for k, one in enumerate(np.eye(len(leg.joint_names))):
+        column = leg.inverse_dynamics(q, still, still + one) - G
+        np.testing.assert_allclose(M[..., k], column, atol=1e-12 * np.abs(column).max())
+    link, h = leg.bodies[-1], 1e-6
+    body = list(leg.bodies).index(link)
+    ends = [leg.forward_kinematics(q + s * h * v).translation[:, body] for s in (-1, 1)]
+    turn = leg.forward_kinematics(q).rotation[:, body]
+    twist = np.einsum("bij,bj->bi", leg.frame_jacobian(q, link), v)
+    velocity = np.einsum("bij,bj->bi", turn, twist[:, :3])
+    np.testing.assert_allclose((ends[1] - ends[0]) / (2 * h), velocity, atol=1e-7)
+
+
+def test_a_sample_does_not_depend_on_its_neighbours(leg):
+    q, v, a = random_motion(leg, 400)
+    together = leg.inverse_dynamics(q, v, a)
+    some = np.arange(0, 400, 37)
+    alone = np.vstack([leg.inverse_dynamics(q[k], v[k], a[k]) for k in some])
+    np.testing.assert_allclose(together[some], alone, atol=1e-11 * np.abs(alone).max())
+
+
+def test_a_closed_leg_has_the_joints_of_its_motors(tmp_path):
+    machine = four_bar_knee(0)
+    leg = machine.leg(tmp_path)
+    assert leg.joint_names == ("hip", "knee")
+    assert len(leg.parameter_names) == 11
+    assert leg.limits.lower.shape == (2,)
+    assert leg.bodies == ("thigh", "front", "shank", "rear")
+
+
+def test_a_weld_of_the_last_link_holds_all_joints_of_a_triangle(tmp_path):
+    machine = four_bar_knee(0)
+    with pytest.raises(BadArgumentError, match="take 3 freedoms of their joints, and 2 joints are dependent"):
+        machine.leg(tmp_path, machine.loops.replace('"pin"', '"weld"'))
+
+
+WRONG = {
+    "a rod too short to close": ('"rear", xyz = [', '"rear", xyz = [0.5, 0, 0], rpy = [', BadArgumentError, "a gap of"),
+    "an unknown link": ('"rear"', '"raer"', BadArgumentError, "no link 'raer'"),
+    "an unknown joint": ('"rear_pin"', '"rear_pim"', BadArgumentError, "rear_pim"),
+    "a joint in no loop": ('"rear_pin"', '"hip"', BadArgumentError, "moves no loop"),
+    "too few dependent joints": (', "rear_pin"', "", BadArgumentError, "take 2 freedoms"),
+    "an unknown kind": ('"pin"', '"glue"', UnreadableInputError, "none of pin, ball, weld"),
+    "an unknown key": ("axis", "axes", UnreadableInputError, "'axes'"),
+    "no loop": ("[[loops]]", "[loops]", UnreadableInputError, "another kind of value"),
+    "two frames of one link": ('"rear", xyz', '"shank", xyz', BadArgumentError, "do not move"),
+    "no TOML": ("dependent = [", "dependent = ", UnreadableInputError, "not TOML"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_wrong_loops_are_refused_in_one_line(kind, tmp_path):
+    machine, (old, new, error, words) = four_bar_knee(0), WRONG[kind]
+    assert old in machine.loops
+    with pytest.raises(error, match=words) as caught:
+        machine.leg(tmp_path, machine.loops.replace(old, new))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "sites"), [(four_bar_knee, True), (two_rod_ankle, True), (four_bar_knee, False), (welded_knee, True)]
+)
+def test_mjcf_describes_the_same_loops(make, sites, tmp_path):
+    machine = make(0)
+    leg, spec = machine.leg(tmp_path), to_mjcf(machine, sites=sites)
+    spec.compile()
+    (tmp_path / "leg.xml").write_text(spec.to_xml())
+    other = Leg.from_urdf(tmp_path / "leg.urdf", loops=tmp_path / "leg.xml")
+    assert other.joint_names == leg.joint_names
+    q, v, a = random_motion(leg)
+    torque = leg.inverse_dynamics(q, v, a)
+    np.testing.assert_allclose(other.inverse_dynamics(q, v, a), torque, atol=2e-5 * np.abs(torque).max())
+
+
+def test_what_exoid_cannot_read_in_an_mjcf_is_refused(tmp_path):
+    machine = four_bar_knee(0)
+    machine.leg(tmp_path)
+    spec = to_mjcf(machine)
+    spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_JOINT, name1="front_pin", name2="rear_pin", objtype=mujoco.mjtObj.mjOBJ_JOINT
+    )
+    spec.compile()
+    for text, error in ((spec.to_xml(), NotSupportedError), ("<mujoco", UnreadableInputError)):
+        (tmp_path / "leg.xml").write_text(text)
+        with pytest.raises(error, match=r"leg\.xml"):
+            Leg.from_urdf(tmp_path / "leg.urdf", loops=tmp_path / "leg.xml")
+
+
+def test_motion_beyond_a_dead_centre_is_refused_with_its_sample(tmp_path):
+    leg = four_bar_knee(0).leg(tmp_path)
+    q = np.zeros((30, 2))
+    q[17] = [0.1, 2.9]
+    with pytest.raises(BadArgumentError, match=r"sample 17, loop four-bar .* at hip = 0.1, knee = 2.9"):
+        leg.gravity(q)
+
+
+def test_what_closed_loops_do_not_have_is_refused(tmp_path):
+    machine = four_bar_knee(0)
+    with pytest.raises(NotSupportedError, match="floating base"):
+        machine.leg(tmp_path, base="floating")
+    with pytest.raises(ExoidError, match="dependent joints of loops"):
+        machine.leg(tmp_path, joints=("hip", "knee", "front_pin"))
+    leg = machine.leg(tmp_path)
+    with pytest.raises(NotSupportedError, match="Coriolis"):
+        leg.coriolis(np.zeros((3, 2)), np.zeros((3, 2)))
+
+
+def test_a_moving_base_gives_the_torque_that_its_motion_causes(tmp_path):
+    """Accelerating the base upwards at 9.81 m/s² doubles gravity."""
+    machine = four_bar_knee(0)
+    leg = machine.leg(tmp_path, base="moving")
+    q, v, a = random_motion(leg)
+    still = np.zeros((len(q), 3))
+    base = BaseKinematics(still, still, np.tile([0.0, 0.0, 2 * 9.81], (len(q), 1)))
+    torque = leg.inverse_dynamics(q, v, a, base)
+    np.testing.assert_allclose(torque, leg.inverse_dynamics(q, v, a) + leg.gravity(q), atol=1e-9)
+    np.testing.assert_allclose(leg.regressor(q, v, a, base) @ leg.parameters, torque, atol=1e-9)
