@@ -105,7 +105,7 @@ def split(
     lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
     # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
-    # contact: a force that is zero may be eliminated, too, and a late switch does no harm.
+    # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
     steady, near = ~_widened(touch_downs(leg, rest), smeared), smeared / recording.sample_rate
     beside = smeared + round(LATE * recording.sample_rate)
