@@ -121,10 +121,7 @@ def assess(
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
     floats = leg.base == "floating"
-    if floats:
-        scales = _scales_on_ground(model, limits, values, rows, preparation)
-    else:
-        scales = Scales.of(model, limits, values)
+    scales = _scales_on_ground(model, limits, values, rows, preparation) if floats else Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     recorded = information_of(model, rows, torque_noise, preparation)
     advice = () if floats else _advise(model, limits, torque_noise, scales, recorded)
