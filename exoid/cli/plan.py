@@ -50,7 +50,9 @@ class SearchOptions(NamedTuple):
     duration: Annotated[float, Option(metavar="S", help="Duration of all motions together.")] = 60.0
     rate: Annotated[float, Option(metavar="HZ", help="Rate of controller and log.")] = 100.0
     noise: TorqueNoise = None
-    noise_bandwidth: Annotated[float, Option(metavar="HZ", help="Bandwidth of the noise; default: white.")] = math.inf
+    noise_bandwidth: Annotated[
+        float, Option(metavar="HZ", help="Bandwidth of the torque noise; default: white.", rich_help_panel="log")
+    ] = math.inf
     highest: Annotated[float, Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0
     criterion: Annotated[Literal["worst", "a", "d"], Option(help="Criterion to minimise.")] = "worst"
     starts: Annotated[int | None, Option(min=1, help="Starts of the search; 16, with --stance 2.")] = None

@@ -11,7 +11,7 @@ import exoid
 from exoid import Leg, Payload, TorsoMotion, published
 from exoid.control.model import ControlModel
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
-from exoid.experiments.excitation import assess, plan_excitation
+from exoid.experiments.excitation import plan_excitation
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.description import describe, read_description
 from exoid.leg.dh import DHBody
