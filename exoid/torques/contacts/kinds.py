@@ -41,9 +41,9 @@ def whole_feet(leg: Leg, flags: Mapping[str, BoolArray]) -> dict[str, BoolArray]
     return out
 
 
-def touch_downs(leg: Leg, rest: Mapping[str, BoolArray]) -> BoolArray:
+def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int) -> BoolArray:
     """First samples of each foot on the ground, by whatever part of it."""
-    found = np.zeros(len(next(iter(rest.values()), ())), dtype=np.bool_)
+    found = np.zeros(samples, dtype=np.bool_)
     for foot, edges in _by_foot(leg, list(rest)).items():
         down = np.logical_or.reduce([rest[link] for link in (foot, *edges)])
         found |= down & np.diff(down, prepend=down[:1])

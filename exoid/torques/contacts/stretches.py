@@ -107,7 +107,7 @@ def split(
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    steady, near = ~_widened(touch_downs(leg, rest), smeared), smeared / recording.sample_rate
+    steady, near = ~_widened(touch_downs(leg, rest, len(recording)), smeared), smeared / recording.sample_rate
     beside = smeared + round(LATE * recording.sample_rate)
     down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
     if leg.base_rows and recording.base is None:
