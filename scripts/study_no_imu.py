@@ -14,6 +14,7 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
+from figures_over_seeds import print_figures
 
 from exoid.estimate import Estimate
 from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing
@@ -101,17 +102,9 @@ def main() -> None:
     if options.lean:
         for degrees in (-3.0, -0.5, 0.0, 0.5, 3.0):
             seeds = range(1000, 1000 + options.seeds)
-            print_table(f"{degrees:g}°, {len(seeds)} seeds", [on_leaning_ground(seed, degrees) for seed in seeds])
+            print_figures(f"{degrees:g}°, {len(seeds)} seeds", [on_leaning_ground(seed, degrees) for seed in seeds])
     else:
-        print_table(f"{options.seeds} seeds", [figures(seed) for seed in range(options.seeds)])
-
-
-def print_table(title: str, found: list[dict[str, float]]) -> None:
-    """Print mean, median and extremes of figures over seeds."""
-    print(f"{title:52s} {'mean':>8} {'median':>8} {'least':>8} {'most':>8}")
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        print(f"{name:52s} {values.mean():8.3g} {np.median(values):8.3g} {values.min():8.3g} {values.max():8.3g}")
+        print_figures(f"{options.seeds} seeds", [figures(seed) for seed in range(options.seeds)])
 
 
 if __name__ == "__main__":

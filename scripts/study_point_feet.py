@@ -9,13 +9,13 @@ of each foot in turn. Test: a trot and jumps, of which no part was in the traini
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 import pinocchio as pin
 from example_robot_data.robots_loader import ROBOTS, getModelPath
+from figures_over_seeds import run_seeds
 from lxml import etree
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 from scipy.spatial.transform import Rotation
@@ -236,19 +236,6 @@ def figures(text: str, seed: int) -> dict[str, float]:
     return found
 
 
-def main() -> None:
-    """Print the figures of all seeds."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
-    options = parser.parse_args()
-    text = urdf()
-    found = [figures(text, seed) for seed in range(options.first, options.first + options.seeds)]
-    print(f"{options.seeds} seeds from {options.first}")
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        print(f"  {name}: mean {values.mean():.3g}, from {values.min():.3g} to {values.max():.3g}")
-
-
 if __name__ == "__main__":
-    main()
+    text = urdf()
+    run_seeds(__doc__, lambda seed: figures(text, seed))

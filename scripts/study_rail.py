@@ -9,11 +9,11 @@ along a vertical rail. The force under the foot is measured in the training alon
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
+from figures_over_seeds import run_seeds
 from lxml import etree
 from scipy.interpolate import PchipInterpolator
 
@@ -218,18 +218,5 @@ def figures(seed: int) -> dict[str, float]:
     return found
 
 
-def main() -> None:
-    """Print the figures of all seeds."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
-    options = parser.parse_args()
-    found = [figures(seed) for seed in range(options.first, options.first + options.seeds)]
-    print(f"{options.seeds} seeds from {options.first}")
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        print(f"  {name}: mean {values.mean():.3g}, from {values.min():.3g} to {values.max():.3g}")
-
-
 if __name__ == "__main__":
-    main()
+    run_seeds(__doc__, figures)

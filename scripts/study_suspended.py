@@ -8,11 +8,11 @@ point feet. The hook is a ball joint 0.2 m above the base, whose force is unknow
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 
 import mujoco
 import numpy as np
+from figures_over_seeds import run_seeds
 from lxml import etree
 from scipy.interpolate import make_interp_spline
 from study_point_feet import ACCELEROMETER, ENCODER, FEET, GYRO, RATE, STEP, TORQUE, Kinematics, urdf, waves
@@ -119,19 +119,6 @@ def figures(text: str, seed: int) -> dict[str, float]:
     return found
 
 
-def main() -> None:
-    """Print the figures of all seeds."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
-    options = parser.parse_args()
-    text = with_hook(urdf())
-    found = [figures(text, seed) for seed in range(options.first, options.first + options.seeds)]
-    print(f"{options.seeds} seeds from {options.first}")
-    for name in found[0]:
-        values = np.array([each[name] for each in found])
-        print(f"  {name}: mean {values.mean():.3g}, from {values.min():.3g} to {values.max():.3g}")
-
-
 if __name__ == "__main__":
-    main()
+    text = with_hook(urdf())
+    run_seeds(__doc__, lambda seed: figures(text, seed))

@@ -146,21 +146,21 @@ def plan(
     refuse_unknown_leg(leg)
     if stance.stance is None:
         refuse(given(stance), "they are for --stance")
+        floats = None if assess else choice.floating_base or None
+        refuse({"--floating-base": floats}, "motions on the ground are planned with --stance")
     else:
+        choice = choice._replace(floating_base=True)
         swinging = {"--assess": assess, "--foot": limits.foot, "--ground": limits.ground, **given(torso)}
         refuse(swinging, "--stance plans motions on the ground")
     if assess:
         refuse({"-o": output}, "--assess plans nothing")
     else:
         refuse(given(reading), "only the log of --assess is read")
-        floats = choice.floating_base and stance.stance is None
-        refuse({"--floating-base": floats or None}, "motions on the ground are planned with --stance")
     files = {f"--output ({file.name})": file for file in _files(output, torso, stance)}
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
-    floats = choice.floating_base or stance.stance is not None
-    found = find_leg(leg, choice._replace(floating_base=floats), logged)
+    found = find_leg(leg, choice, logged)
     allowed, chosen, excitation = limits.of(found), given_terms(terms), exoid.experiments.excitation
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan

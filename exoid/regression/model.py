@@ -86,11 +86,8 @@ class RegressorModel(Protocol):
     def regressor(self, *samples: Any, **beside: Any) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
 
-    def refuse_other_torques(self, recording: Any) -> None:  # noqa: ANN401 - a recording or poses
-        """Refuse torques of joints that act on the leg, and have no rows."""
-
-    def on_links(self, recording: Any) -> Any:  # noqa: ANN401 - a recording or poses
-        """Turn wrenches that were measured in the laboratory into axes of their links."""
+    def select(self, recording: Any, joints: tuple[str, ...]) -> Any:  # noqa: ANN401 - a recording or poses
+        """Pick the joints of the leg, with wrenches in axes of their links."""
 
     def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401
         """Measured side of the equation: torques of the joints, and measured wrenches on links, (N, n)."""

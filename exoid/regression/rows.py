@@ -312,8 +312,7 @@ def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     names = model.joint_names
     for chosen in (names, model.joint_labels):
         if set(chosen) <= set(recording.joint_names):
-            model.refuse_other_torques(recording)
-            found: Measured = model.on_links(recording if recording.joint_names == chosen else recording.select(chosen))
+            found: Measured = model.select(recording, chosen)
             return found
     missing = [name for name in names if name not in recording.joint_names]
     raise UnreadableInputError(

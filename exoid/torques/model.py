@@ -334,15 +334,27 @@ class TorqueModel:
             torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
         return torque
 
-    def refuse_other_torques(self, recording: Recording | Poses) -> None:
-        """Refuse torques of the joints that follow from closed loops: these are passive.
+    def select(self, recording: Recording | Poses, joints: tuple[str, ...]) -> Recording | Poses:
+        """Pick the joints of the leg, with wrenches in axes of their links.
 
         Args:
-            recording: Recording of all joints, or poses.
+            recording: Recording of all joints, or poses, which have no wrenches.
+            joints: Joints of the leg as the recording calls them.
+
+        Returns:
+            The recording, or the poses, of these joints.
 
         Raises:
-            ExoidError: A dependent joint has a torque.
+            ExoidError: A joint that follows from a closed loop, and is passive, has a torque.
         """
+        self._refuse_other_torques(recording)
+        found = recording if recording.joint_names == joints else recording.select(joints)
+        if isinstance(found, Poses) or all(wrench.axes == "link" for wrench in found.wrenches.values()):
+            return found
+        return replace(found, wrenches=wrenches_on_links(self.leg, found))
+
+    def _refuse_other_torques(self, recording: Recording | Poses) -> None:
+        """Refuse torques of the joints that follow from closed loops: these are passive."""
         closure = self.leg.closure
         if closure is None or recording.tau is None:
             return
@@ -358,19 +370,6 @@ class TorqueModel:
                         remedy="leave its torque out, or take it for an independent joint and another one as dependent",
                         joints=(name,),
                     )
-
-    def on_links(self, recording: Recording | Poses) -> Recording | Poses:
-        """Turn wrenches that were measured in the laboratory into axes of their links.
-
-        Args:
-            recording: Recording of the leg's joints, or poses, which have no wrenches.
-
-        Returns:
-            The recording with wrenches in axes of their links.
-        """
-        if isinstance(recording, Poses) or all(wrench.axes == "link" for wrench in recording.wrenches.values()):
-            return recording
-        return replace(recording, wrenches=wrenches_on_links(self.leg, recording))
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.

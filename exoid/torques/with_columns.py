@@ -110,13 +110,9 @@ class WithColumns:
         """Form the columns, samples first."""
         return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
 
-    def refuse_other_torques(self, recording: Any) -> None:  # noqa: ANN401 - a recording or poses
-        """Refuse torques of joints that act on the leg, and have no rows."""
-        self.model.refuse_other_torques(recording)
-
-    def on_links(self, recording: Any) -> Any:  # noqa: ANN401 - a recording or poses
-        """Turn wrenches that were measured in the laboratory into axes of their links."""
-        return self.model.on_links(recording)
+    def select(self, recording: Any, joints: tuple[str, ...]) -> Any:  # noqa: ANN401 - a recording or poses
+        """Pick the joints of the leg, with wrenches in axes of their links."""
+        return self.model.select(recording, joints)
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation."""

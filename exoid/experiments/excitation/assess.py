@@ -21,7 +21,7 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .limits import MotionLimits
-from .precision import Information, Precision, StaticRows, information_of, supports_during
+from .precision import Information, Precision, StaticRows, information_of, on_ground, supports_during
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
 from .text import prediction_text
 
@@ -108,23 +108,25 @@ def assess(
         preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
 
     Returns:
-        Predicted precision, and experiments to add; none to add for a floating base, whose motion each machine has of
-        its own.
+        Predicted precision, and experiments to add; none to add for a leg on the ground, where each machine has
+        motions of its own.
 
     Raises:
         ExoidError: There is no recording, a joint is missing, a recording is too short for the filter, or a log of a
-            floating base has poses, or no stretch on links without measured wrenches.
+            leg on the ground has poses, or no stretch on links without measured wrenches.
     """
     items = [data] if isinstance(data, (Recording, Poses)) else list(data)
     if not items:
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
-    floats = leg.base == "floating"
-    scales = _scales_on_ground(model, limits, values, rows, preparation) if floats else Scales.of(model, limits, values)
+    if stands := on_ground(model, rows):
+        scales = _scales_on_ground(model, limits, values, rows, preparation)
+    else:
+        scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     recorded = information_of(model, rows, torque_noise, preparation)
-    advice = () if floats else _advise(model, limits, torque_noise, scales, recorded)
+    advice = () if stands else _advise(model, limits, torque_noise, scales, recorded)
     return Assessment(recorded.precision(model, scales), advice, torque_noise)
 
 
@@ -140,7 +142,8 @@ def _scales_on_ground(
     for support, _ in supports_during(model, recordings, preparation):
         q, v, a = reference_states(limits, STATES // 4, rng)
         turn, change, force = rng.uniform(-1.0, 1.0, (3, len(q), 3))
-        W = support.regressor(q, v, a, BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])))
+        base = BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])) if model.leg.base_rows else None
+        W = support.regressor(q, v, a, base)
         shares = support.row_shares(q)
         tables.append(W if shares is None else np.einsum("njr,nrp->njp", shares, W))
     return Scales.over(expected, np.vstack(tables))

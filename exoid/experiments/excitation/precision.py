@@ -16,6 +16,7 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff
+from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
@@ -123,7 +124,7 @@ def information_of(
 ) -> Information:
     """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation."""
     items, count = list(data), len(model.names)
-    if model.leg.base == "floating" and not isinstance(model, SupportModel):
+    if not isinstance(model, SupportModel) and on_ground(model, items):
         return _information_on_ground(model, items, noise, preparation)
     if preparation is None:
         preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in items if isinstance(one, Recording)]))
@@ -135,6 +136,12 @@ def information_of(
             R = _r_factor(R, W)
             score_covariance += filtered.T @ filtered
     return Information(R, score_covariance, duration)
+
+
+def on_ground(model: TorqueModel, data: Iterable[Recording | StaticRows]) -> bool:
+    """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
+    logs = (for_leg(model, one) for one in data if isinstance(one, Recording))
+    return bool(model.leg.base_rows) or any(map(depends_on_contacts, logs))
 
 
 def _information_on_ground(
@@ -168,13 +175,14 @@ def supports_during(
         for links, _, part in split(model.leg, for_leg(model, recording), preparation).stretches:
             found.setdefault(links, []).append(part)
     for links, parts in found.items():
-        if not links:
+        if not links and (model.leg.base_rows or any(one.wrenches for one in parts)):
             raise NotSupportedError(
                 "the precision of measured wrenches is not predicted",
                 remedy="leave the wrenches of the feet out: their noise is not known",
             )
         q = np.vstack([one.q[one.mask] for one in parts])
-        yield SupportModel.of(model, links, reference_axes(model.leg, links, q[:: 1 + len(q) // 2000])), parts
+        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // 2000]) if links else None
+        yield SupportModel.of(model, links, axes), parts
 
 
 def predict(

@@ -131,7 +131,7 @@ def _carried_on_points(
 ) -> tuple[FloatArray, FloatArray]:
     """Rotation and position of a base whose resting feet keep their points; three of them turn it, fewer move it."""
     inside = {link: link_placements(leg, q, link).translation for link in contacts}
-    upright = np.eye(3) if imu is None or imu.specific_force is None else align_z(imu.specific_force[0]).T
+    upright = np.eye(3) if imu is None else align_z(imu.specific_force[0]).T
     rotation, position = np.tile(upright, (len(q), 1, 1)), np.zeros((len(q), 3))
     anchors: dict[str, FloatArray] = {}
     for f in range(len(q)):
@@ -144,9 +144,8 @@ def _carried_on_points(
         if resting:
             at, to = (np.array([each[link] for link in resting]) for each in (resting, anchors))
             if len(resting) >= 3:
-                turn = scipy.spatial.transform.Rotation.align_vectors(to - to.mean(axis=0), at - at.mean(axis=0))[
-                    0
-                ].as_matrix()
+                found, _ = scipy.spatial.transform.Rotation.align_vectors(to - to.mean(axis=0), at - at.mean(axis=0))
+                turn = found.as_matrix()
             place = to.mean(axis=0) - turn @ at.mean(axis=0)
         rotation[f], position[f] = turn, place
     return rotation, position
