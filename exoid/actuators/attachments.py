@@ -12,12 +12,10 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
 
 from .drive import is_number
-
-FARTHEST = 3.0
-"""Largest coordinate of an attachment point [m]; larger ones are in mm."""
 
 SHORTEST = 1e-3
 """Shortest length of an actuator, and smallest of its largest moment arms [m]."""

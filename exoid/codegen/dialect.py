@@ -11,6 +11,9 @@ import numpy as np
 
 from exoid.errors import BadArgumentError
 
+ABSURD = 1e9
+"""Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
+
 PRECISIONS = ("double", "float")
 """Types of number that a leg can be written in."""
 

@@ -7,9 +7,7 @@ from exoid.actuators.attachments import SHORTEST, SquaredLength
 from exoid.actuators.motor import SLOW
 from exoid.errors import ExoidError, NotSupportedError
 
-from .dialect import Dialect
-
-BOUND = 1e9  # in place of a limit that was not given: C99 has no literal for infinity
+from .dialect import ABSURD, Dialect
 
 
 def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
@@ -62,7 +60,7 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
             driving, driven = drive.gear_factors
             mean, half = number(0.5 * (driving + driven)), number(0.5 * (driving - driven))
             sign = f"{dialect.function('copysign')}({number(1.0)}, {tau})"
-            known = f"within({v}, {number(BOUND)})"  # a safe torque is made also while the velocity is unknown
+            known = f"within({v}, {number(ABSURD)})"  # a safe torque is made also while the velocity is unknown
             current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {known} / {number(SLOW)}))"
         return _limited(current, drive.max_current, dialect)
     if isinstance(drive, SeriesElastic):
@@ -96,4 +94,4 @@ def _arm(squared: SquaredLength, q: str, dialect: Dialect) -> str:
 
 def _limited(command: str, limit: float | None, dialect: Dialect) -> str:
     """Limit a command to both sides; zero where it is not finite."""
-    return f"within({command}, {dialect.number(BOUND if limit is None else limit)})"
+    return f"within({command}, {dialect.number(ABSURD if limit is None else limit)})"

@@ -13,15 +13,12 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.reduction.planar import GRAVITY
 
 from .constants import Constants, constants_of_bodies
-from .dialect import Dialect, identifier
+from .dialect import ABSURD, Dialect, identifier
 from .drives import commands_in_c
 from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
 from .safety import Safety
 from .source import CSource
 from .templates import fill, initializer
-
-ABSURD = 1e9
-"""Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
 
 INSIDE: dict[str, frozenset[str]] = {
     "springs": frozenset({"springs"}),

@@ -9,8 +9,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import MOTION, Dialect, InputInC, LawInC
+from exoid.codegen.dialect import ABSURD
 from exoid.codegen.law_in_c import per_joint
-from exoid.codegen.law_source import ABSURD
 from exoid.codegen.templates import step_of
 from exoid.errors import BadArgumentError
 from exoid.rig import Target

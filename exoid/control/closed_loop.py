@@ -27,14 +27,11 @@ from exoid.rig import (
 from exoid.rig import simulate as simulate_rig
 from exoid.tools.numbers import checked
 
-from .law import AnyLaw, Memory, State, name_of, stateful
+from .law import RATE, AnyLaw, Memory, State, name_of, stateful
 from .tracking import Tracking, tracking_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-LOG_RATE = 100.0
-"""Rate of the log [Hz], unless the controller is faster."""
 
 
 class SimulationOptions(TypedDict, total=False):
@@ -132,13 +129,13 @@ def simulate_many(
             f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles"
         )
     most = 10**7  # samples: a day at 100 Hz
-    if duration * max(law.rate, LOG_RATE) > most:
+    if duration * max(law.rate, RATE) > most:
         raise BadArgumentError(
             f"a run of {duration:g} s is longer than {most:.0e} samples", remedy="simulate a shorter one"
         )
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
-    log = max(LOG_RATE, law.rate) if log_rate is None else log_rate
+    log = max(RATE, law.rate) if log_rate is None else log_rate
     run = simulate_rig(
         plant,
         reference,

@@ -9,8 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.regression.model import MotionSamples, RegressorModel
-
-BLOCK = 8192  # samples worked on at once
+from exoid.torques.motion import BLOCK
 
 
 class TorqueBand(NamedTuple):

@@ -8,10 +8,8 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
+from exoid.rig.worn_stepper import TOLERANCE
 from exoid.tools.numbers import checked
-
-TOLERANCE = 1e-9
-"""Tolerance of a limit [rad, rad/s]."""
 
 
 def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:

@@ -17,9 +17,6 @@ from lxml import etree
 from exoid.errors import UnreadableInputError
 from exoid.tools.files import read_bounded
 
-LARGEST_URDF = 20_000_000
-"""Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
-
 MOST_LINKS = 1000
 """Largest number of links. Humanoids with hands have about 150; thousands overflow the stack of Pinocchio's parser."""
 
@@ -27,6 +24,9 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 
 LARGEST_NUMBER = 1e9
 """Largest number of an inertia, a place or friction in SI units; with larger ones arithmetic overflows."""
+
+FARTHEST = 5.0
+"""Largest distance of a point from its joint or link, and length of a row of a DH table [m]; larger ones are mm."""
 
 UNBOUNDED = ("limit",)
 """Elements whose numbers may be larger, because they mean that there is no limit."""
@@ -116,7 +116,7 @@ def read_description(path: str | Path) -> Description:
     """Read a URDF file."""
     path = Path(path)
     remedy = "give the path of a URDF file without embedded meshes, or the name of a built-in leg ('bleex', 'cuhk')"
-    content = read_bounded(path, LARGEST_URDF, remedy)
+    content = read_bounded(path, remedy)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -18,12 +18,9 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 
-from .description import Description, describe
+from .description import FARTHEST, Description, describe
 
 Convention = Literal["standard", "modified"]
-
-LONGEST = 10.0
-"""Largest length of a row [m]; larger ones are millimetres."""
 
 LARGEST_ANGLE = 2.0 * math.pi
 """Largest angle of a row [rad]; larger ones are degrees."""
@@ -117,7 +114,7 @@ def _rows(table: Sequence[DHRow] | ArrayLike, name: str) -> FloatArray:
             remedy="give rows (a, alpha, d, offset), one for each joint",
         )
     rows = np.column_stack([rows, np.zeros((len(rows), 4 - rows.shape[1]))])
-    if np.abs(rows[:, [0, 2]]).max() > LONGEST:
+    if np.abs(rows[:, [0, 2]]).max() > FARTHEST:
         raise BadArgumentError(
             f"a length of {np.abs(rows[:, [0, 2]]).max():g} m looks like millimetres", where=name, remedy="give m"
         )

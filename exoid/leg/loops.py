@@ -16,6 +16,7 @@ from exoid.errors import NotSupportedError, UnreadableInputError, in_file
 from exoid.tools.json_values import json_value, record
 from exoid.tools.toml import read_toml
 
+from .description import LARGEST_NUMBER
 from .mjcf import require_mujoco
 
 LoopKind = Literal["pin", "ball", "weld"]
@@ -25,9 +26,6 @@ EXAMPLE = (
     'dependent = ["coupler", "rocker"], and for each loop a table [[loops]] with name, kind = "pin", axis = [0, 1, 0], '
     'first = {link = "coupler", xyz = [0, 0, -0.3]} and second = {link = "shank", xyz = [0.04, 0, 0.02]}'
 )
-
-LARGEST = 1e6
-"""Numbers beyond are no place [m] and no angle [rad]."""
 
 ARM = 0.1
 """Distance of the points that hold the directions of a pin or weld [m]: a gap of 1 mrad counts as 0.1 mm."""
@@ -93,12 +91,12 @@ class Loops:
             raise UnreadableInputError(what, remedy=f"write {EXAMPLE}") from None
         for loop in found.loops:
             triples = [loop.axis, *(each for end in (loop.first, loop.second) for each in (end.xyz, end.rpy))]
-            finite = all(len(x) == 3 and all(abs(each) < LARGEST for each in x) for x in triples)
+            finite = all(len(x) == 3 and all(abs(each) < LARGEST_NUMBER for each in x) for x in triples)
             if loop.kind not in get_args(LoopKind) or not finite or not any(loop.axis):
                 kinds = ", ".join(get_args(LoopKind))
                 what = f"loop {loop.name} has a kind that is none of {kinds}, or numbers that no place has"
                 raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
-        if not found.loops or not found.dependent or not all(abs(x) < LARGEST for x in found.start.values()):
+        if not found.loops or not found.dependent or not all(abs(x) < LARGEST_NUMBER for x in found.start.values()):
             what = "there are no [[loops]], no dependent joints, or a start that is no angle"
             raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
         return found

@@ -12,13 +12,11 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.tools.extras import install_extra
 
+from .description import LARGEST_NUMBER
 from .model import joint_axis
 
 SHORTEST = 0.01
 """Length below which a link is not drawn [m]."""
-
-LARGEST = 1e6
-"""Largest limit; larger ones of a URDF mean that there is none."""
 
 
 class JointNumbers(NamedTuple):
@@ -126,11 +124,11 @@ def _with_all_digits(
         for attribute, values in said.items():
             if values[k]:
                 joint.set(attribute, repr(float(values[k])))
-        if max(abs(numbers.lower[k]), abs(numbers.upper[k])) < LARGEST:
+        if max(abs(numbers.lower[k]), abs(numbers.upper[k])) < LARGEST_NUMBER:
             joint.set("range", _text([numbers.lower[k], numbers.upper[k]]))
     for motor in root.iter("motor", "general"):
         effort = float(numbers.effort[[model.names[k + 1] for k in range(len(links))].index(motor.get("joint", ""))])
-        if 0.0 < effort < LARGEST:
+        if 0.0 < effort < LARGEST_NUMBER:
             motor.set("ctrlrange", _text([-effort, effort]))
     etree.indent(root)
     return etree.tostring(root, encoding="unicode") + "\n"

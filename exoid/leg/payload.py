@@ -8,11 +8,10 @@ import numpy as np
 
 from exoid.errors import BadArgumentError
 
+from .description import FARTHEST
+
 HEAVIEST = 500.0
 """Largest mass of a payload [kg]; a larger number is in grams."""
-
-FARTHEST = 5.0
-"""Largest distance of a payload from its joint [m]; a larger number is in millimetres."""
 
 FORM = "SEGMENT:MASS@X,Y,Z in kg and m, such as shank:3.0@0,0,-0.3"
 """Form of a payload in text."""

@@ -12,10 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.tools.numbers import checked
 
-from .description import Description, describe
-
-FARTHEST = 2.0
-"""Largest distance of a heel or toe from the origin of its foot [m]; larger ones are in another unit."""
+from .description import FARTHEST, Description, describe
 
 INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 

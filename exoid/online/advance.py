@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import RANK
 
 from .changes import Verdict, judge, look
 from .drift import follow_epochs
-from .hypotheses import SPANNED
 from .information import absorb
 from .rows import Rows, rows_of
 from .settings import Settings
@@ -82,7 +82,7 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
     if verdict.complete:  # all that the candidates may change
         bases = [settings.detection.hypotheses[k].basis for k in verdict.candidates]
         U, sizes, _ = np.linalg.svd(np.hstack(bases), full_matrices=False)
-        basis = U[:, sizes > SPANNED * sizes[0]]
+        basis = U[:, sizes > RANK * sizes[0]]
     state = _given_up(settings, state, basis)
     over = since > PROBATION
     if verdict.best != detector.named and (over or len(verdict.candidates) == 1):

@@ -9,10 +9,8 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import RANK
 from exoid.torques import Armature, Offset, Stiffness, Term, TorqueModel
-
-SPANNED = 1e-6
-"""Singular values below this part of the largest count as zero."""
 
 KINDS: dict[type[Term], str] = {Offset: "offset", Armature: "inertia", Stiffness: "stiffness"}
 """Kinds of changes of terms that are no friction."""
@@ -44,9 +42,9 @@ def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
     for k, joint in enumerate(leg.joint_names):
         added = leg.reduction.collect[:, 10 * k : 10 * k + 10]
         U, sizes, _ = np.linalg.svd(added, full_matrices=False)
-        basis = np.zeros((len(names), int(np.count_nonzero(sizes > SPANNED * sizes[0]))))
+        basis = np.zeros((len(names), int(np.count_nonzero(sizes > RANK * sizes[0]))))
         basis[: len(added)] = U[:, : basis.shape[1]]
-        moved = np.abs(basis).max(axis=1) > SPANNED
+        moved = np.abs(basis).max(axis=1) > RANK
         parameters = tuple(name for name, is_moved in zip(names, moved, strict=True) if is_moved)
         hypotheses.append(Hypothesis("load", joint, basis, parameters))
     return tuple(hypotheses)

@@ -13,7 +13,7 @@ from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
 from exoid.leg.lift import check_physical, lift
 from exoid.regression.diagnostics import parameter_scale
-from exoid.regression.least_squares import RFactor, solve, stack
+from exoid.regression.least_squares import TINY, RFactor, solve, stack
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import FiniteDifference, ZeroPhase
 
@@ -22,9 +22,6 @@ from .state import Correlation, Information, State
 
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
-
-TINY = 1e-150
-"""Smallest residual that a weight is made of [N·m]."""
 
 
 def solved(settings: Settings, state: State, information: Information) -> State:

@@ -10,11 +10,9 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.signals.checks import FASTEST
 
 from .settings import Settings
-
-FASTEST = 50.0
-"""Largest speed of a joint [rad/s]: angles that change faster jump."""
 
 TWO_TURNS = 4.0 * math.pi
 """Angle that no joint of a leg makes [rad]."""

@@ -16,19 +16,13 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 
-from .least_squares import RFactor, Solution, stack
+from .least_squares import ROUNDING, TINY, RFactor, Solution, stack
 from .noise import AutoregressiveNoise
 from .problem import LeastSquaresProblem, RowProblem, RowSource
 from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_recordings, sandwich
 
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
-
-ROUNDING = 1e-9
-"""Changes below this part of the largest are none: the block is of a group without the parameter."""
-
-TINY = 1e-300
-"""Smallest variance to divide by."""
 
 ACCURACY = 5e-4
 """Accuracy of the rows, over the RMS torque of their joint: no interval is narrower than for noise of this size.

@@ -11,11 +11,10 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
+from .least_squares import TINY
+
 LARGEST_ORDER = 30
 """Autoregressive orders up to this are compared."""
-
-TINY = 1e-30
-"""Smallest variance to divide by."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,9 @@ FEWEST_SAMPLES = 10
 SLOWEST = 0.5
 """Sampling interval from which on time is not in seconds [s]: 2 Hz show no motion of a leg, and are 2 kHz in ms."""
 
+FASTEST = 50.0
+"""Speed that no leg reaches [rad/s]: an angle that changes faster jumped."""
+
 LARGEST_ANGLE = 2.0 * np.pi
 """Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
 

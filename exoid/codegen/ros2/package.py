@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from exoid._version import __version__
-from exoid.codegen.dialect import Dialect, identifier
+from exoid.codegen.dialect import ABSURD, Dialect, identifier
 from exoid.codegen.law_in_c import LawInC, law_in_c, per_joint
-from exoid.codegen.law_source import ABSURD, law_source
+from exoid.codegen.law_source import law_source
 from exoid.codegen.safety import Safety
 from exoid.codegen.source import CSource
 from exoid.codegen.templates import fill

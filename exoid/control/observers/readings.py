@@ -13,11 +13,9 @@ from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputErr
 from exoid.estimate import Estimate
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording
+from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
-
-FASTEST = 50.0
-"""Speed that no leg reaches [rad/s]: an angle that changes faster jumped."""
 
 
 class ObserverReading(NamedTuple):

@@ -23,11 +23,9 @@ from exoid.torques import TorqueModel
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
+from exoid.torques.motion import BLOCK
 
 from .scales import Scales, TorqueNoise
-
-BLOCK = 2**15
-"""Number of samples in a block of a long log."""
 
 READINGS = 50
 """Default number of independent readings of a pose, both directions of approach together."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_static
@@ -16,7 +17,7 @@ from exoid.identification import identify
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.leg.published import cuhk_parameters, cuhk_resistances
-from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates, Sensors
+from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
@@ -26,9 +27,6 @@ from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, 
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
 """Assumed flat motor of 90 W with gear ratio 50, 0.8 kg·m² at the joint; the document names neither."""
-
-SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
-"""Assumed sensors: potentiometer with a 13-bit converter, tachometer and current sensor."""
 
 RATES = Rates(control=500.0, log=cuhk.LOG_RATE, step=1e-3)
 """Rates of controller and log, and step of the plant."""

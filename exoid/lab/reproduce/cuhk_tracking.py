@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.control import SMOOTH, ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
 from exoid.control.law import AnyLaw
+from exoid.control.standard_laws import SENSORS
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait
@@ -29,7 +30,7 @@ from exoid.rig import (
     simulate,
 )
 
-from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SENSORS, SERVOS, SETTLE, TERMS
+from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SERVOS, SETTLE, TERMS
 
 GAINS = {"kp": (22.0, 55.0), "kd": (2.2, 5.5)}
 """Gains of hip and knee [N·m/rad, N·m·s/rad], which document 2 does not print.

@@ -15,8 +15,7 @@ from exoid.control.tracking import Tracking
 from exoid.errors import BadArgumentError
 from exoid.rig import Plant, Target
 
-STEP = 1e-6
-"""Step of numerical derivatives [rad]."""
+from .worn.linear_law import STEP
 
 
 @dataclass(frozen=True, eq=False)

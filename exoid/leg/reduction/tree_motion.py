@@ -9,12 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.leg.closure import BLOCK
 
 from .planar import cosine_and_sine
 from .tree import BASE_ROWS, Tree, TreeJoint
-
-BLOCK = 4096
-"""Samples computed at once: enough that the interpreter costs little, few enough for the processor's cache."""
 
 CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 """Axes x, y, z and the two that follow each."""

@@ -21,10 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.leg.closure import BLOCK
 
 from .reduction import Reduction
 from .tree import BASE_ROWS, Tree, TreeJoint
-from .tree_motion import BLOCK, CYCLIC, carry, turn_back
+from .tree_motion import CYCLIC, carry, turn_back
 
 VELOCITY, ACCELERATION, AXES = 0, 1, 2
 """Places among the motion vectors of a body; behind them are the axes of the joints that carry it."""

@@ -10,14 +10,12 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.numbers import checked
-
-LARGEST = 2.0
-"""Largest distance of a point of a sole from the origin of its link [m]; larger ones are in another unit."""
 
 SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
 """Symbols of what acts on a joint: Coulomb and viscous friction, rotor, spring and its torque at zero."""
@@ -42,12 +40,12 @@ class Sole:
     def __post_init__(self) -> None:
         """Check shape and unit."""
         points = np.array(self.points, dtype=np.float64)
-        if points.ndim != 2 or points.shape[1:] != (3,) or len(points) < 2 or not (np.abs(points) <= LARGEST).all():
+        if points.ndim != 2 or points.shape[1:] != (3,) or len(points) < 2 or not (np.abs(points) <= FARTHEST).all():
             raise BadArgumentError(
                 f"a sole with points of shape {points.shape}",
-                remedy=f"give at least heel and toe in m, (K, 3), at most {LARGEST:g} m from the origin of the link",
+                remedy=f"give at least heel and toe in m, (K, 3), at most {FARTHEST:g} m from the origin of the link",
             )
-        checked(self.radius, "the radius of the spheres of a sole", above=0.0, most=LARGEST)
+        checked(self.radius, "the radius of the spheres of a sole", above=0.0, most=FARTHEST)
         points.flags.writeable = False
         object.__setattr__(self, "points", points)
 

@@ -40,8 +40,6 @@ def most_seconds(size: int) -> float:
 
 def refuse_expansion(memory: int, path: Path) -> None:
     """Refuse a file whose content is far larger than the file, which may be made to fill the memory."""
-    if memory <= MOST_MEMORY:
-        return
     size = size_on_disk(path)
     if memory > most_memory(size):
         raise UnreadableInputError(
