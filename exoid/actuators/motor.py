@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.torques.terms import SMOOTHING
 
 from .drive import Drive, UnknownConstant, check_constant, is_positive, refuse_beyond
-
-SLOW = 0.02
-"""Velocity over which the efficiency changes from one direction of power to the other [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,7 @@ class Motor(Drive):
     τ = ratio · η^±1 · k_t · i (doc. 2 computes its torque so, without η). Where the motor drives the joint, τ q̇ > 0,
     the gear passes on the part η of the power: τ = η · ratio · k_t · i. Where the joint drives the motor, it passes on
     the part η_back: τ = ratio · k_t · i / η_back. Around standstill, the factor changes from one to the other as
-    tanh(q̇ / :data:`SLOW`) does.
+    tanh(q̇ / 0.02 rad/s) does.
 
     The torque accelerates the rotor too: its reflected inertia I_a = ratio² · rotor_inertia is the parameter ``Ia`` of
     :class:`exoid.Armature`. ``identify`` holds it if the rotor inertia is given.
@@ -125,5 +123,5 @@ class Motor(Drive):
     def _gear_factor(self, direction: FloatArray, v: FloatArray) -> FloatArray:
         """η where the motor drives, 1 / η_back where it is driven, between both near standstill."""
         driving, driven = self.gear_factors
-        power = np.tanh(np.sign(direction) * v / SLOW)
+        power = np.tanh(np.sign(direction) * v / SMOOTHING)
         return np.asarray(0.5 * (driving + driven) + 0.5 * (driving - driven) * power)

@@ -12,9 +12,7 @@ from exoid.errors import NotSupportedError
 from exoid.torques import Term
 from exoid.torques.motion import LoadedMotion, random_motion
 from exoid.torques.term import TermBlock
-
-SLIDING = 0.02
-"""Velocity over which a contact with memory changes its sign in a controller [rad/s]."""
+from exoid.torques.terms import SMOOTHING
 
 
 class OtherTerm(NamedTuple):
@@ -43,7 +41,7 @@ class OtherTerm(NamedTuple):
         """Compute the torque of the term."""
         # The distance since the last reversal is unknown, so presliding contacts count as sliding.
         state = self.term.internal_state
-        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SLIDING)}
+        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SMOOTHING)}
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
         columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
         return np.asarray(np.tensordot(self.values, columns, axes=1))

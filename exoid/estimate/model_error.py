@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.torques import InternalState, Motion, Presliding, TorqueModel
+from exoid.torques.terms import SMOOTHING
 from exoid.torques.with_columns import WithColumns
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
 STRIBECK = (0.1, 0.3)  # Stribeck velocities, as parts of the largest speed of the training
-WIDTH = 0.02  # velocity over which the sign of the other forms changes [rad/s]
 KINDS: dict[str, tuple[int, ...]] = {"presliding": (0, 1, 2), "stribeck": (3, 4), "quadratic": (5,), "load": (6,)}
 """Columns of each form of friction."""
 
@@ -66,9 +66,9 @@ class AlternativeFriction:
         for length in LENGTHS:
             yield motion.states[j, Presliding(length)]
         v = motion.v[:, j]
-        sign = np.tanh(v / WIDTH)
+        sign = np.tanh(v / SMOOTHING)
         for part in STRIBECK:
-            yield sign * np.exp(-((v / (part * max(self.speed[j], WIDTH))) ** 2))
+            yield sign * np.exp(-((v / (part * max(self.speed[j], SMOOTHING))) ** 2))
         yield v * np.abs(v)
         yield sign * np.abs(load)
 

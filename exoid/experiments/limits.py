@@ -7,8 +7,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import TOLERANCE
 from exoid.rig import Reference
-from exoid.rig.worn_stepper import TOLERANCE
 from exoid.tools.numbers import checked
 
 

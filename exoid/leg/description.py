@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal
 from functools import cached_property
 from pathlib import Path
+from reprlib import repr as shortened
 
 from lxml import etree
 
@@ -25,6 +26,9 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 LARGEST_NUMBER = 1e9
 """Largest number of an inertia, a place or friction in SI units; with larger ones arithmetic overflows."""
 
+LARGEST_ANGLE = 2.0 * math.pi
+"""Usual largest angle of a joint, and largest of a row of a DH table [rad]; larger ones are almost always degrees."""
+
 FARTHEST = 5.0
 """Largest distance of a point from its joint or link, and length of a row of a DH table [m]; larger ones are mm."""
 
@@ -33,9 +37,6 @@ UNBOUNDED = ("limit",)
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 """A decimal number. Each text matches in one way only, so that long ones take no longer than they are."""
-
-LONGEST_TEXT = 80
-"""Number of characters of an attribute in messages."""
 
 NUMBERS: Mapping[str, Mapping[str, int]] = {
     "link/inertial/mass": {"value": 1},
@@ -209,15 +210,16 @@ def check_numbers(
                 if text is None and element.tag not in required:
                     continue
                 words = (text or "").split()
+                said = f"<{element.tag} {attribute}={shortened(text)}>"
                 if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
                     raise UnreadableInputError(
-                        f"<{element.tag} {attribute}={_short(text)}> is not {count} finite number{'s' * (count > 1)}",
+                        f"{said} is not {count} finite number{'s' * (count > 1)}",
                         where=_place(element, name),
                         remedy="write decimal numbers, separated by spaces",
                     )
                 if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
                     raise UnreadableInputError(
-                        f"<{element.tag} {attribute}={_short(text)}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
+                        f"{said} is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
                         where=_place(element, name),
                         remedy="correct the number",
                     )
@@ -242,10 +244,6 @@ def _check_axes(root: etree._Element, name: str) -> None:
         # Smallest length of a joint axis
         if math.hypot(*map(float, axis.get("xyz", "").split())) < 1e-6:
             raise UnreadableInputError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
-
-
-def _short(text: str | None) -> str:
-    return repr(text if text is None or len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}…")
 
 
 def _place(element: etree._Element, name: str) -> str:

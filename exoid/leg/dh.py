@@ -18,12 +18,9 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 
-from .description import FARTHEST, Description, describe
+from .description import FARTHEST, LARGEST_ANGLE, Description, describe
 
 Convention = Literal["standard", "modified"]
-
-LARGEST_ANGLE = 2.0 * math.pi
-"""Largest angle of a row [rad]; larger ones are degrees."""
 
 
 class DHRow(NamedTuple):

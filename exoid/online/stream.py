@@ -10,12 +10,10 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.signals.checks import FASTEST
 
 from .settings import Settings
-
-TWO_TURNS = 4.0 * math.pi
-"""Angle that no joint of a leg makes [rad]."""
 
 BRIDGED = 3
 """Largest number of consecutive samples that are missing and replaced by straight lines."""
@@ -70,7 +68,7 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
         jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
         if jumped and stream.implausible < settings.rate * REFUSED:
             return _refused(settings, stream, "angle-jump"), (), False
-    if not -TWO_TURNS <= min(q) <= max(q) <= TWO_TURNS:
+    if max(map(abs, q)) > 2.0 * LARGEST_ANGLE:
         worst = max(range(n), key=lambda k: abs(q[k]))
         name = settings.model.joint_names[worst]
         what = f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice"

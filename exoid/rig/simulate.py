@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.reduction.planar import TOLERANCE
 
 from .actuators import Actuator, StepTorque
 from .controllers import Controller, Reference, Target
@@ -18,7 +19,7 @@ from .run import Energy, Run
 from .sensors import Sensors, read_angle, read_interaction, read_torque, read_velocity
 from .stepper import PlanarStepper, Step, Stepper
 from .wearer import Wearer
-from .worn_stepper import TOLERANCE, WornStepper
+from .worn_stepper import WornStepper
 
 DIVERGED_SPEED = 1e4
 """Speed from which a joint counts as diverged [rad/s]."""

@@ -24,6 +24,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.dynamics import inverse_dynamics
+from exoid.leg.reduction.planar import TOLERANCE
 from exoid.leg.torso import TorsoMotion
 
 from .controllers import Reference, Target
@@ -31,9 +32,6 @@ from .pinocchio_stepper import PinocchioBodies, PinocchioStepper
 from .plant import Plant
 from .stepper import Equations, PlanarStepper, Step, Stepper
 from .wearer import IMPEDANCES, Wearer
-
-TOLERANCE = 1e-9
-"""Tolerance of equal geometry [m], and of an end stop [rad]."""
 
 
 class Exchange(NamedTuple):

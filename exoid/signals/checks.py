@@ -21,9 +21,6 @@ SLOWEST = 0.5
 FASTEST = 50.0
 """Speed that no leg reaches [rad/s]: an angle that changes faster jumped."""
 
-LARGEST_ANGLE = 2.0 * np.pi
-"""Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
-
 
 def as_numbers(values: ArrayLike, name: str) -> FloatArray:
     """Copy values to a C-contiguous, read-only float64 array."""

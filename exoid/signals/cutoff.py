@@ -104,10 +104,12 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     allowed = ratio <= 0.02**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
-    for cutoff in CUTOFFS[lowest:].tolist():  # the ends of the filters leave half of each recording
-        if all(cutoff < 0.4 * each.rate and 4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
+    slowest = min(each.rate for each in powers)
+    for cutoff in CUTOFFS[lowest : np.searchsorted(CUTOFFS, LARGEST_RATIO * slowest)].tolist():
+        # the ends of the filters leave half of each recording
+        if all(4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
             return float(cutoff)
-    return highest_cutoff(min(each.rate for each in powers))
+    return highest_cutoff(slowest)
 
 
 def highest_cutoff(rate: float) -> float:

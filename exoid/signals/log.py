@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError, UnreadableInputError, within
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.payload import Payload, as_payloads
 
 from . import checks, timebase
@@ -58,7 +59,7 @@ def read_log(
     if splits:
         time, found, mask = _split_at_gaps(time, found, mask)
     arrays = _arrays(found, joints, of_joints)
-    largest_angle = options.get("largest_angle", checks.LARGEST_ANGLE)
+    largest_angle = options.get("largest_angle", LARGEST_ANGLE)
     checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
     if "v" in arrays:
         checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)

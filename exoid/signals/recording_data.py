@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotSupportedError, in_file
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -38,7 +39,7 @@ class RecordingData:
     source: Source | None = None
     mask: BoolArray | None = None
     torso: TorsoMotion | None = None
-    largest_angle: float = checks.LARGEST_ANGLE
+    largest_angle: float = LARGEST_ANGLE
     current: FloatArray | None = None
     force: FloatArray | None = None
     motor_torque: FloatArray | None = None

@@ -15,6 +15,9 @@ from .internal_state import InternalState, Presliding
 from .motion import JointMotion
 from .term import NonlinearParameter, Term, number
 
+SMOOTHING = 0.02
+"""Usual velocity over which friction, and the efficiency of a drive, change their sign [rad/s]."""
+
 SLOW = 0.05
 """Largest reversal speed over the RMS velocity: slow motion is no reversal."""
 
@@ -48,7 +51,7 @@ class DryFriction(Term):
         ExoidError: A setting is negative or not finite, or smoothing is nonlinear beside presliding.
     """
 
-    smoothing: float | NonlinearParameter = 0.02
+    smoothing: float | NonlinearParameter = SMOOTHING
     presliding: float | NonlinearParameter = 0.0
     dead_band: float = 0.0
     reversal_speed: float = 0.0

@@ -76,8 +76,7 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
 
 
 def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch):
-    for name in ("ITERATIONS", "LAST_ITERATIONS"):
-        monkeypatch.setattr(search, name, 5)
+    monkeypatch.setitem(search.STAGES, "worst", tuple(each._replace(iterations=5) for each in search.STAGES["worst"]))
     quick = ("--terms", "none", "--duration", "16", "--highest", "0.4", "--starts", "1", "--noise", "0.3")
     code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figure", "plan.png")
     assert code == 0

@@ -47,8 +47,8 @@ def random_states(one, count=40, seed=0):
 def quick_plan(feet):
     """Slow motions without terms after a short search: limits and precision are as true as those of a long one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "ITERATIONS", 8)
-        patch.setattr(search, "LAST_ITERATIONS", 30)
+        *stages, last = (each._replace(iterations=8) for each in search.STAGES["worst"])
+        patch.setitem(search.STAGES, "worst", (*stages, last._replace(iterations=30)))
         return plan_stance(EXO, (), feet=feet, noise=STD, duration=10.0 * len(feet), highest=0.4, starts=1)
 
 
@@ -272,8 +272,7 @@ def test_files_have_contacts_and_are_identified(plan, tmp_path):
 def test_a_machine_of_one_leg_stands_on_it():
     one = exoid.load_leg("bleex", base="floating")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "ITERATIONS", 3)
-        patch.setattr(search, "LAST_ITERATIONS", 3)
+        patch.setitem(search.STAGES, "worst", tuple(each._replace(iterations=3) for each in search.STAGES["worst"]))
         found = plan_stance(one, (), feet=("left_foot",), noise=0.4, duration=10.0, highest=0.4, starts=1)
     grades = dict(zip(found.precision.names, found.precision.identifiability, strict=True))
     assert {"X0", "Y0"} <= {name for name, grade in grades.items() if grade != "not"}

@@ -9,16 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.friction import WIDTH
 from exoid.control.model import ControlModel
-from exoid.control.other_term import SLIDING
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
 from exoid.tools.numbers import checked
 from exoid.torques import InternalState, Motion, TorqueModel
+from exoid.torques.terms import SMOOTHING
 from exoid.torques.with_columns import WithColumns
-
-SLOW = 0.05
-"""Velocity at which the level of dry friction is read [rad/s]."""
 
 
 class Momentum(NamedTuple):
@@ -95,12 +93,12 @@ class MomentumModel:
     def _columns(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Columns of the torque by the estimate's parameters and its model error, (N, K, n); contacts slide."""
         model, keys = self._band_model
-        states = {key: np.tanh(v[:, key[0]] / SLIDING) for key in keys}
+        states = {key: np.tanh(v[:, key[0]] / SMOOTHING) for key in keys}
         return model.columns(Motion(q, v, a, states=states)).transpose(2, 0, 1)
 
     def _unknown(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Bound of the friction's error, (n, N)."""
-        slow = np.full_like(v, SLOW)
+        slow = np.full_like(v, WIDTH)
         level = np.maximum(np.abs(self.model.friction(q, slow, 0.0)), np.abs(self.model.friction(q, -slow, 0.0)))
         return np.asarray(self.stiction * level * (1.0 - np.tanh(v / self.width) ** 2))
 

@@ -42,6 +42,7 @@ class Stage(NamedTuple):
     # parameter alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues)
     power: float
     penalty: float  # weight of the penalty
+    iterations: int = 60  # largest number
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

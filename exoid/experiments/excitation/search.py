@@ -15,21 +15,12 @@ from exoid.experiments.references import States
 from .fourier import FourierMotion
 from .objective import MotionObjective, Stage
 
-FIRST = {"worst": Stage(1.0, 30.0), "a": Stage(1.0, 30.0), "d": Stage(0.0, 30.0)}
-"""First stage of each criterion, with a low penalty; all starts pass through it."""
-
-LAST = {
-    "worst": (Stage(4.0, 300.0), Stage(16.0, 3e3), Stage(40.0, 3e4)),
-    "a": (Stage(1.0, 3e3), Stage(1.0, 3e4)),
-    "d": (Stage(0.0, 3e3), Stage(0.0, 3e4)),
+STAGES = {
+    "worst": (Stage(1.0, 30.0), Stage(4.0, 300.0), Stage(16.0, 3e3), Stage(40.0, 3e4, 150)),
+    "a": (Stage(1.0, 30.0), Stage(1.0, 3e3), Stage(1.0, 3e4, 150)),
+    "d": (Stage(0.0, 30.0), Stage(0.0, 3e3), Stage(0.0, 3e4, 150)),
 }
-"""Later stages of each criterion, for the better half of the starts."""
-
-ITERATIONS = 60
-"""Largest number of iterations of each stage but the last."""
-
-LAST_ITERATIONS = 150
-"""Largest number of iterations of the last stage."""
+"""Stages of each criterion. All starts pass the first, with a low penalty, and the better half of them the others."""
 
 
 class Iterate(NamedTuple):
@@ -55,28 +46,27 @@ def search(
     progress: Callable[[float], None] | None = None,
 ) -> SearchResult:
     """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best."""
-    report, last = progress or (lambda _: None), LAST[criterion]
+    report, (first, *later) = progress or (lambda _: None), STAGES[criterion]
     inner = objective.narrowed()
     better = max(1, (starts + 1) // 2)
-    total, done = starts + better * (len(last) + 1.5), 0.0
+    total, done = starts * first.iterations + better * sum(stage.iterations for stage in later), 0
     drawn: list[Iterate] = []
     for generator in np.random.default_rng(seed).spawn(starts):
-        drawn.append(_minimise(inner, objective.draw(generator), FIRST[criterion], ITERATIONS))
-        done += 1.0
+        drawn.append(_minimise(inner, objective.draw(generator), first))
+        done += first.iterations
         report(done / total)
     drawn.sort(key=lambda iterate: iterate.cost)
     finished: list[Iterate] = []
     for number, iterate in enumerate(drawn):
         if number >= better and finished:
             break
-        for stage in last:
-            final = stage is last[-1]
-            iterate = _minimise(inner, iterate.x, stage, LAST_ITERATIONS if final else ITERATIONS)  # noqa: PLW2901
-            done += 2.5 if final else 1.0
+        for stage in later:
+            iterate = _minimise(inner, iterate.x, stage)  # noqa: PLW2901
+            done += stage.iterations
             report(min(done / total, 1.0))
         x = _within_limits(objective, iterate.x)
         if x is not None:
-            finished.append(Iterate(objective(x, Stage(last[-1].power, 0.0))[0], x))
+            finished.append(Iterate(objective(x, Stage(later[-1].power, 0.0))[0], x))
     if not finished:
         raise _no_motion(objective, iterate.x)
     finished.sort(key=lambda iterate: iterate.cost)
@@ -87,10 +77,10 @@ def search(
     )
 
 
-def _minimise(objective: MotionObjective, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
+def _minimise(objective: MotionObjective, x: FloatArray, stage: Stage) -> Iterate:
     """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
-        objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": iterations, "maxcor": 20}
+        objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": stage.iterations, "maxcor": 20}
     )
     return Iterate(float(result.fun), np.asarray(result.x))
 

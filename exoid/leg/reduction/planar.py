@@ -28,7 +28,7 @@ BLOCK = 8192
 """Samples computed at once: the temporaries of one block stay in the processor's cache."""
 
 TOLERANCE = 1e-9
-"""Largest error of parallel axes and of gravity."""
+"""Error that is rounding: of parallel axes, of gravity, of equal geometry [m], and of an angle at its limit [rad]."""
 
 
 class Plane(NamedTuple):
