@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "cli": (3129, 2500),
     "codegen": (1589, 2000),
     "control": (6296, 5000),
-    "estimate": (3901, 2900),
+    "estimate": (3900, 2900),
     "experiments": (4176, 3200),
     "identification": (8503, 7200),
     "lab": (4785, 5000),
