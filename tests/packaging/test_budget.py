@@ -14,7 +14,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "codegen": (1589, 2000),
     "control": (6296, 5000),
     "estimate": (3900, 2900),
-    "experiments": (4176, 3200),
+    "experiments": (4177, 3200),
     "identification": (8503, 7200),
     "lab": (4785, 5000),
     "leg": (5323, 4200),
