@@ -62,14 +62,9 @@ class GroundForce(NamedTuple):
             it.
         """
         (fx, fy, fz), (mx, my, _) = self.force.T, self.moment.T
-        forward = (height * fx - my) / fz
-        sideward = (mx + height * fy) / fz
-        bands = (
-            (self.force_half[:, [0, 2]], self.moment_half[:, 1:2]),
-            (self.force_half[:, 1:], self.moment_half[:, :1]),
-        )
-        known = [np.isfinite(np.hstack(each)).all(axis=1) for each in bands]
-        return np.column_stack([np.where(known[0], forward, np.nan), np.where(known[1], sideward, np.nan)])
+        force, moment = np.isfinite(self.force_half), np.isfinite(self.moment_half)
+        seen = np.column_stack([force[:, 0] & force[:, 2] & moment[:, 1], force[:, 1] & force[:, 2] & moment[:, 0]])
+        return np.where(seen, np.column_stack([(height * fx - my) / fz, (mx + height * fy) / fz]), np.nan)
 
 
 def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, GroundForce]:
@@ -144,7 +139,11 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     rng = np.random.default_rng(0)
     again = [_solution(estimate, stretch._replace(recording=each), feet) for each in _noisier(leg, stretch, feet, rng)]
     of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
-    half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion)
+    # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
+    once = np.zeros((found.wrench.shape[1], len(recording)))
+    once[:, recording.mask] = found.wrench.T
+    smeared = (once - _filtered(estimate, recording, once))[:, recording.mask].T
+    half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion + smeared**2)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
         part = slice(6 * k, 6 * k + 6)

@@ -8,6 +8,7 @@ from standing import mirrored, standing
 
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous
+from exoid.errors import NotSupportedError
 from exoid.experiments.excitation import GroundLimits, MotionLimits, plan_stance, run_stance, search
 from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.objective import Stage
@@ -44,12 +45,12 @@ def random_states(one, count=40, seed=0):
     return States(*np.random.default_rng(seed).uniform(-1.0, 1.0, (3, count, one.count)))
 
 
-def quick_plan(feet):
+def quick_plan(feet, machine=EXO):
     """Slow motions without terms after a short search: limits and precision are as true as those of a long one."""
     with pytest.MonkeyPatch.context() as patch:
         *stages, last = (each._replace(iterations=8) for each in search.STAGES["worst"])
         patch.setitem(search.STAGES, "worst", (*stages, last._replace(iterations=30)))
-        return plan_stance(EXO, (), feet=feet, noise=STD, duration=10.0 * len(feet), highest=0.4, starts=1)
+        return plan_stance(machine, (), feet=feet, noise=STD, duration=10.0 * len(feet), highest=0.4, starts=1)
 
 
 @pytest.fixture(scope="module")
@@ -244,6 +245,18 @@ def test_two_feet_in_turn_determine_torso_and_legs(plan):
     assert plan.precision.identifiability == ("well",) * len(plan.model.names)
     assert plan.missing == ()
     assert "every parameter is determined well" in str(plan)
+
+
+@pytest.mark.slow
+def test_legs_of_unequal_size_are_planned_on_each_foot_alone():
+    description = EXO.description
+    hip = description.text.replace('xyz="0.0 -0.2 0.0"', 'xyz="0.05 -0.2 0.0"')  # the right hip, 5 cm in front
+    uneven = exoid.Leg.from_description(replace(description, text=hip), base="floating")
+    with pytest.raises(NotSupportedError) as refused:
+        quick_plan(FEET, uneven)
+    assert "left,right" in refused.value.remedy
+    found = quick_plan(("left", "right"), uneven)
+    assert found.precision.identifiability == ("well",) * len(found.model.names)
 
 
 @pytest.mark.slow

@@ -58,20 +58,21 @@ class StanceSupport:
     def of(cls, plant: GroundPlant, name: str) -> StanceSupport:
         """Find the legs of a support."""
         legs, labels = planar_legs(plant), [limb.label for limb in plant.leg.limbs]
+        names = [label or leg.foot for leg, label in zip(legs, labels, strict=True)]
         if name == BOTH:
             stands = legs
         else:
             stands = tuple(leg for leg, label in zip(legs, labels, strict=True) if name in (label, leg.foot))
         if not stands or not name:
-            names = ", ".join((BOTH, *(label or leg.foot for leg, label in zip(legs, labels, strict=True))))
+            known = ", ".join((BOTH, *names))
             raise BadArgumentError(
-                f"no support {name!r}", where=plant.leg.description.name, remedy=f"choose among {names}"
+                f"no support {name!r}", where=plant.leg.description.name, remedy=f"choose among {known}"
             )
         if not all(_congruent(stands[0], other) for other in stands[1:]):
             raise NotSupportedError(
                 "standing on feet side by side is planned for legs of equal size",
                 where=plant.leg.description.name,
-                remedy="plan one foot at a time",
+                remedy=f"plan on each foot alone, {','.join(names)}: this determines all that both would",
             )
         return cls(name, plant, stands, tuple(leg for leg in legs if leg not in stands), legs[0].hip)
 
