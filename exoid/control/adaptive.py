@@ -20,9 +20,6 @@ from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel
 
-FAR = 100.0
-"""Standard deviations between a parameter without bounds and its floor, which is free: from zero rounding is larger."""
-
 
 class AdaptiveMemory(NamedTuple):
     """Memory of an adaptive controller, for one leg or B."""
@@ -176,6 +173,5 @@ def adaptive(
     model = replace(model, covariance=regular(model.covariance, model.values))
     law = Adaptive(model, gains(kp, "kp"), gains(kd, "kd"), cone, time_constant, dead_zone, still, rate)
     nearest, count = law.start, len(model.model.leg.parameter_names)
-    near = nearest - FAR * np.sqrt(np.diagonal(model.covariance))
-    floor = np.append(FLOOR * nearest[:count], np.where(model.positive, 0.0, near[count:]))
+    floor = np.append(FLOOR * nearest[:count], np.where(model.positive, 0.0, nearest[count:]))
     return replace(law, model=replace(model, values=nearest), cone=cone.above(floor))

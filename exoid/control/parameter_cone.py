@@ -33,9 +33,6 @@ from .parameter_change import AXES, point_masses
 SHARES = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0, 1.3)
 """Distances of the places from the joint, over the reach of the link."""
 
-ANGLES = 12
-"""Number of directions in the plane of a planar leg."""
-
 FLOOR = 0.1
 """Share ε of the initial mass matrix below which M(q) never falls."""
 
@@ -86,16 +83,9 @@ def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
 
 def _places(leg: Leg) -> list[FloatArray]:
     """Places of the point masses of each link [m], (k, 3) each, in the frame of its joint."""
-    model, chain = leg.model, leg.chain
-    places = []
+    model, places, directions = leg.model, [], AXES / np.linalg.norm(AXES, axis=1)[:, None]
     for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
         below = [model.jointPlacements[j].translation for j, parent in enumerate(model.parents) if parent == link + 1]
         reach = max([2.0 * float(np.sqrt(np.trace(P[:3, :3]) / P[3, 3])), *(float(np.linalg.norm(x)) for x in below)])
-        if chain is None:
-            directions = AXES / np.linalg.norm(AXES, axis=1)[:, None]
-        else:
-            angles = 2.0 * np.pi * np.arange(ANGLES)[:, None] / ANGLES
-            forward, _, up = chain.plane
-            directions = (np.cos(angles) * forward + np.sin(angles) * up) @ chain.rotations[link]
         places.append(np.vstack([share * reach * directions for share in SHARES]))
     return places
