@@ -13,8 +13,9 @@ from exoid.leg.leg import Leg
 from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 from exoid.tools.numbers import checked
 
-AXES = np.array([d for d in product((-1, 0, 1), repeat=3) if np.abs(d).sum() in (1, 2)], dtype=np.float64)
-"""Directions of the places of a payload, (18, 3)."""
+DIRECTIONS = np.array([d for d in product((-1.0, 0.0, 1.0), repeat=3) if 0 < np.count_nonzero(d) < 3])
+DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
+"""Directions of the places of a payload: unit vectors, (18, 3)."""
 
 LEAST_STD = 1e-6
 """Smallest standard deviation of a combination of parameters, over the largest, each in its own."""
@@ -51,7 +52,7 @@ def payload_covariance(payload: float, leg: Leg) -> FloatArray:
         centre = P[:3, 3] / P[3, 3]
         squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
         reach = axes * np.sqrt(squares)
-        places = centre + SPREAD * np.vstack([np.zeros(3), AXES / np.linalg.norm(AXES, axis=1)[:, None]]) @ reach.T
+        places = centre + SPREAD * np.vstack([np.zeros(3), DIRECTIONS]) @ reach.T
         changes.append(point_masses(leg, link, places) / np.sqrt(len(places)))
     change = payload * np.hstack(changes)
     return np.asarray(change @ change.T)

@@ -28,7 +28,7 @@ from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 
-from .parameter_change import AXES, point_masses
+from .parameter_change import DIRECTIONS, point_masses
 
 SHARES = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0, 1.3)
 """Distances of the places from the joint, over the reach of the link."""
@@ -83,9 +83,9 @@ def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
 
 def _places(leg: Leg) -> list[FloatArray]:
     """Places of the point masses of each link [m], (k, 3) each, in the frame of its joint."""
-    model, places, directions = leg.model, [], AXES / np.linalg.norm(AXES, axis=1)[:, None]
+    model, places = leg.model, []
     for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
         below = [model.jointPlacements[j].translation for j, parent in enumerate(model.parents) if parent == link + 1]
         reach = max([2.0 * float(np.sqrt(np.trace(P[:3, :3]) / P[3, 3])), *(float(np.linalg.norm(x)) for x in below)])
-        places.append(np.vstack([share * reach * directions for share in SHARES]))
+        places.append(np.vstack([share * reach * DIRECTIONS for share in SHARES]))
     return places

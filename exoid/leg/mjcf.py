@@ -15,9 +15,6 @@ from exoid.tools.extras import install_extra
 from .description import LARGEST_NUMBER
 from .model import joint_axis
 
-SHORTEST = 0.01
-"""Length below which a link is not drawn [m]."""
-
 
 class JointNumbers(NamedTuple):
     """Numbers of the joints beside the rigid bodies, (n,) each."""
@@ -89,7 +86,7 @@ def _draw(body: Any, mujoco: Any, model: pin.Model, j: int) -> None:  # noqa: AN
     """Show a link as rods to the joints that it carries, or to beyond its centre of mass."""
     carried = [model.jointPlacements[k].translation for k in range(j + 1, model.njoints) if model.parents[k] == j]
     for end in carried or [2.0 * model.inertias[j].lever]:
-        if np.linalg.norm(end) > SHORTEST:
+        if end.any():
             # Radius of the rods that show the links [m]; they have no mass and touch nothing
             body.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,

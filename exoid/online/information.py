@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import RANK
 
 from .rows import Rows
 from .settings import Settings
@@ -30,9 +31,6 @@ from .state import Information
 
 ROUNDING = 1e-11
 """Part of a column, or of an entry, that is left by rounding where nothing should be left."""
-
-RIDGE = 1e-7
-"""Share of a column's size that stands in for information where there is none, to find directions only."""
 
 
 def absorb(settings: Settings, information: Information, rows: Rows, weights: FloatArray) -> Information:
@@ -84,7 +82,8 @@ def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArra
     size = np.sqrt((root**2).sum(axis=0) + (rows**2).sum(axis=0))
     size[size == 0.0] = 1.0
     regular = root / size
-    regular = regular + RIDGE * np.diag(np.where(np.diag(regular) < 0.0, -1.0, 1.0))
+    # where there is no information, as little as counts stands in: only the directions are used
+    regular = regular + RANK * np.diag(np.where(np.diag(regular) < 0.0, -1.0, 1.0))
     G = np.linalg.solve(regular.T, (rows / size).T).T
     G[np.abs(G * np.diag(regular)) <= ROUNDING * np.abs(rows / size)] = 0.0
     _, s, V = np.linalg.svd(G, full_matrices=False)

@@ -34,11 +34,11 @@ RATES = Rates(control=500.0, log=cuhk.LOG_RATE, step=1e-3)
 AMPERES = 1.0 / (MOTOR.torque_constant * MOTOR.ratio)
 """Current for one newton metre at the joint [A/(N·m)]."""
 
-DOCUMENT = Bench(Proportional(150.0 * AMPERES), MOTOR, SENSORS, RATES)
-"""Bench of document 2: P control with the corrected sign and an assumed gain of 150 N·m/rad."""
-
 SERVOS = {"document": (150.0, 0.0), "smooth": (150.0, 15.0), "tight": (2000.0, 200.0)}
 """Gains Kp and Kd of the servos [N·m/rad, N·m·s/rad]."""
+
+DOCUMENT = Bench(Proportional(SERVOS["document"][0] * AMPERES), MOTOR, SENSORS, RATES)
+"""Bench of document 2: P control with the corrected sign and an assumed gain."""
 
 SETTLE, DURATION = 2.0, 62.0
 """Initial part of every motion that is left out, and its end [s]; the document's validation lasts one minute."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
 from exoid.experiments.ground import Stance, bleex_machine, single_support, squats_and_shifts, swing, walking
 from exoid.rig.ground import GroundPlant, GroundRun, GroundSensors
 from exoid.signals import BaseMotion, Recording
+from exoid.tools.numbers import checked
 
 SENSORS = GroundSensors()
 """Noise: angles 1e-4 rad; torques 0.5, 0.4 and 0.2 N·m; plates 3 N and 0.3 N·m; IMU 0.05 m/s² and 0.005 rad/s."""
@@ -51,14 +51,7 @@ class StanceExtent:
     def __post_init__(self) -> None:
         """Check the durations."""
         for name in ("stance", "swing", "unseen", "walking"):
-            if not getattr(self, name) >= SHORTEST:
-                raise BadArgumentError(
-                    f"a log of {getattr(self, name):g} s", remedy=f"take at least {SHORTEST:g} s ({name})"
-                )
-
-
-SHORTEST = 3.0
-"""Shortest log [s]."""
+            checked(getattr(self, name), f"the seconds of {name}", least=3.0)
 
 
 @dataclass(frozen=True, eq=False)

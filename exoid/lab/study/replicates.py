@@ -19,9 +19,6 @@ from exoid.signals import Recording
 
 from .design import Chunk, Study
 
-ENCODER = 2.0**16
-"""Encoder counts per turn of the rigs."""
-
 CONTROL, STEP = 500.0, 2e-3
 """Rate of the servo of the rigs [Hz], and step of the simulation [s]."""
 
@@ -82,7 +79,7 @@ def _by_rig(study: Study, chunk: Chunk) -> list[list[Recording]]:
     bench = Bench(
         stiff_servo(Plant.build(model.leg, named)),
         IdealTorque(),
-        Sensors(encoder_counts=ENCODER, angle_noise=np.pi / ENCODER, torque_offset=offset),
+        Sensors(angle_noise=np.pi / Sensors.encoder_counts, torque_offset=offset),
         Rates(control=CONTROL, log=study.rate, step=STEP),
     )
     rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first, 1])

@@ -28,7 +28,7 @@ BLOCK = 8192
 """Samples computed at once: the temporaries of one block stay in the processor's cache."""
 
 TOLERANCE = 1e-9
-"""Error that is rounding: of parallel axes, of gravity, of equal geometry [m], and of an angle at its limit [rad]."""
+"""Error that is rounding: of axes, of gravity, of equal geometry [m], of an angle at its limit [rad], and the like."""
 
 
 class Plane(NamedTuple):

@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 
-DIGITS = 6
-"""Significant digits of numbers in the page."""
-
 SEGMENTS = 32
 """Number of edges that approximate a circle."""
 
@@ -157,5 +154,5 @@ def _corners(size: Iterable[float]) -> FloatArray:
 
 
 def _rounded(values: FloatArray) -> list[float]:
-    """Round to :data:`DIGITS` significant digits."""
-    return [float(f"{value:.{DIGITS}g}") for value in values]
+    """Round to six significant digits."""
+    return [float(f"{value:g}") for value in values]

@@ -14,14 +14,12 @@ from exoid.control.model import ControlModel
 from exoid.errors import BadArgumentError
 from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import TOLERANCE
 from exoid.rig import Wearer
 from exoid.torques import TorqueModel
 
 from .linear_law import LinearLaw, linear_law, loop_matrices
 from .worn_leg import HeldLeg, LinearLeg, LinearWearer, hold, linear_leg, linear_legs, linear_wearer
-
-NEUTRAL = 1e-9
-"""Spectral radius above 1 that is rounding."""
 
 LawOf = Callable[[float], AnyLaw]
 """Function that makes a controller from an amplification."""
@@ -137,7 +135,7 @@ class WornLoop:
                 break
             law = self._law(self.laws[pose], share[open_])
             eigenvalues = np.linalg.eigvals(loop_matrices(legs[pose].take(open_), law, self.delay))
-            found[open_[np.abs(eigenvalues).max(axis=-1) > 1.0 + NEUTRAL]] = pose
+            found[open_[np.abs(eigenvalues).max(axis=-1) > 1.0 + TOLERANCE]] = pose
         return found
 
     def _law(self, table: LinearLaw, share: FloatArray) -> LinearLaw:
