@@ -31,10 +31,10 @@ PERIOD = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
 """Samples of one period of the multisine [s]."""
 
 
-def stiffness_poses(difference: float = np.deg2rad(-10.0)) -> FloatArray:
-    """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh."""
+def stiffness_poses() -> FloatArray:
+    """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh of −10°."""
     knee = np.deg2rad(np.arange(10.0, 71.0, 5.0))
-    return np.column_stack([knee - difference, knee])
+    return np.column_stack([knee + np.deg2rad(10.0), knee])
 
 
 def random_poses(rng: np.random.Generator, count: int = 40) -> FloatArray:

@@ -32,10 +32,10 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
         )
 
 
-def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float, rate: float = 100.0) -> None:
+def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float) -> None:
     """Refuse a motion that exceeds the limits of angle or speed."""
     checked(duration, "the duration of the motion [s]", above=0.0)
-    time = np.arange(0.0, duration + 0.5 / rate, 1.0 / rate)
+    time = np.arange(0.0, duration + 0.005, 0.01)
     targets = [reference.at(float(t)) for t in time]
     q, v = np.array([target.q for target in targets]), np.array([target.v for target in targets])
     if q.ndim != 3 or q.shape[1] != len(leg.joint_names):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +50,6 @@ def run_static(
     bench: Bench,
     rng: np.random.Generator,
     protocol: StaticProtocol | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> list[Approaches]:
     """Measure poses on B virtual rigs, approached from below and from above.
 
@@ -61,7 +59,6 @@ def run_static(
         bench: Controller, actuator, sensors and rates.
         rng: Generator of the sensor noise.
         protocol: Approach and readings; None for the default.
-        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
         K poses from below and from above, for each rig.
@@ -89,7 +86,6 @@ def run_static(
         sensors=bench.sensors,
         rates=bench.rates,
         seed=rng,
-        progress=progress,
     )
     moved = np.ptp(run.q[-protocol.readings :], axis=0).max(axis=0)
     unsettled = np.flatnonzero(moved > 1e-4)  # rad

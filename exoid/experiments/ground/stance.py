@@ -9,9 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
-from exoid.rig.ground.simulate import RATES
 
 from .planned_motion import Bearing, follow, knots, planned_motion, wave
 from .posture import PlanarLeg, centre_of_mass, planar_legs
@@ -63,7 +61,7 @@ ON_ONE_FOOT = Stance(shift=0.01, bow=0.05)
 
 
 def squats_and_shifts(
-    plant: GroundPlant, duration: float = 30.0, *, stance: Stance | None = None, seed: int = 0, rates: Rates = RATES
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance | None = None, seed: int = 0
 ) -> GroundRun:
     """Let a free machine squat on both feet, shift its weight fore and aft, and bow.
 
@@ -72,7 +70,6 @@ def squats_and_shifts(
         duration: Duration of the log [s].
         stance: Size and frequency of the motions; None for the default ones.
         seed: Seed of the phases.
-        rates: Rates and step of the simulation.
 
     Returns:
         The run.
@@ -81,7 +78,7 @@ def squats_and_shifts(
         ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
             followed.
     """
-    return _on_feet(plant, duration, stance or Stance(), planar_legs(plant), seed, rates)
+    return _on_feet(plant, duration, stance or Stance(), planar_legs(plant), seed)
 
 
 def single_support(
@@ -90,9 +87,7 @@ def single_support(
     *,
     stance: Stance = ON_ONE_FOOT,
     standing: int = 0,
-    hand_rail: Spring = HAND_RAIL,
     seed: int = 0,
-    rates: Rates = RATES,
 ) -> GroundRun:
     """Let a machine stand on one foot and swing the other leg, with a hand on a rail.
 
@@ -101,9 +96,7 @@ def single_support(
         duration: Duration of the log [s].
         stance: Size and frequency of the motions.
         standing: Number of the leg that stands, in the order of the joints.
-        hand_rail: Spring between torso and rail.
         seed: Seed of the phases.
-        rates: Rates and step of the simulation.
 
     Returns:
         The run, with the wrench of the hand rail on the torso.
@@ -115,7 +108,7 @@ def single_support(
     legs = planar_legs(plant)
     if not 0 <= standing < len(legs):
         raise BadArgumentError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
-    return _on_feet(plant, duration, stance, legs[standing : standing + 1], seed, rates, hand_rail)
+    return _on_feet(plant, duration, stance, legs[standing : standing + 1], seed, HAND_RAIL)
 
 
 def _on_feet(
@@ -124,7 +117,6 @@ def _on_feet(
     stance: Stance,
     stands: tuple[PlanarLeg, ...],
     seed: int,
-    rates: Rates,
     hand_rail: Spring | None = None,
 ) -> GroundRun:
     """Squat, shift and bow on some legs, and swing the others."""
@@ -145,7 +137,7 @@ def _on_feet(
                 remedy="raise the torso, or swing less",
             )
     motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
-    return follow(plant, motion, GAINS, rates, spring=hand_rail)
+    return follow(plant, motion, GAINS, spring=hand_rail)
 
 
 def swing(
@@ -153,9 +145,7 @@ def swing(
     duration: float = 30.0,
     *,
     scale: float = 1.0,
-    frequency: float = 0.6,
     seed: int = 0,
-    rates: Rates = RATES,
 ) -> GroundRun:
     """Let the legs of a machine swing while a stand holds its torso in the air.
 
@@ -163,9 +153,7 @@ def swing(
         plant: Torso and legs.
         duration: Duration of the log [s].
         scale: Factor of the amplitudes.
-        frequency: Main frequency of the hip [Hz]; those of knee and ankle are higher.
         seed: Seed of the phases.
-        rates: Rates and step of the simulation.
 
     Returns:
         The run, with the wrench of the stand on the torso.
@@ -178,9 +166,9 @@ def swing(
     for leg in legs:
         centre = leg.flexion(0.3, 0.8, 0.0)  # the ankle's is upward
         for k, amplitude in enumerate((0.35, 0.45, 0.3)):
-            q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * frequency, rng)
+            q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * 0.6, rng)
     base = np.tile([0.0, 1.4, 0.0], (len(time), 1))
-    return follow(plant, planned_motion(plant, time, q, base, {}), SWING_GAINS, rates, spring=CLAMP)
+    return follow(plant, planned_motion(plant, time, q, base, {}), SWING_GAINS, spring=CLAMP)
 
 
 def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:

@@ -98,12 +98,10 @@ def reproduce_bleex(
     return replays
 
 
-def identify_bleex(
-    seed: int = 0, progress: Callable[[float], None] | None = None, extent: Extent | None = None
-) -> Estimate:
+def identify_bleex(seed: int = 0, progress: Callable[[float], None] | None = None) -> Estimate:
     """Identify the left leg from all its rows at once, without the other methods and the other leg."""
     report, rng = progress or (lambda _: None), np.random.default_rng(seed)
-    data = measure_bleex("left", rng, 1, extent or Extent(), report)[0]
+    data = measure_bleex("left", rng, 1, Extent(), report)[0]
     return _joint_estimate(load_leg("bleex", side="left"), data)
 
 

@@ -141,14 +141,12 @@ def reproduce_cuhk(
     return replays
 
 
-def identify_cuhk(
-    seed: int = 0, progress: Callable[[float], None] | None = None, duration: float = DURATION
-) -> Estimate:
+def identify_cuhk(seed: int = 0, progress: Callable[[float], None] | None = None) -> Estimate:
     """Identify the leg from a multisine, without the experiments of Table II."""
     rng, leg = np.random.default_rng(seed), load_leg("cuhk")
     motions = {"rich": ("smooth", cuhk.multisine(leg, rng))}
     plant = Plant.build(leg, truth_values())
-    log = _record(plant, motions, duration, rng, progress or (lambda _: None))["rich"][0]
+    log = _record(plant, motions, DURATION, rng, progress or (lambda _: None))["rich"][0]
     return identify(leg, log, TERMS, preparation=PREPARATION)
 
 

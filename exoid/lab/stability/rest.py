@@ -46,9 +46,9 @@ class Equilibrium:
         """Compute the torque that friction must balance at rest."""
         return _imbalance(ControlModel.of(self.plant), self.law, self.target, np.asarray(q, dtype=np.float64))
 
-    def holds(self, q: ArrayLike, tolerance: float = 1e-6) -> bool:
+    def holds(self, q: ArrayLike) -> bool:
         """Tell whether stiction can hold the leg at a pose; exact, not to first order."""
-        return bool((np.abs(self.imbalance(q)) <= (1.0 + tolerance) * self.plant.static[:, 0] + tolerance).all())
+        return bool((np.abs(self.imbalance(q)) <= (1.0 + 1e-6) * self.plant.static[:, 0] + 1e-6).all())
 
 
 def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:

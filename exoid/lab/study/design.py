@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, NamedTuple
@@ -203,15 +202,12 @@ def _model(leg: LegText, terms: tuple[Term, ...]) -> TorqueModel:
     )
 
 
-def plausible_truth(
-    model: TorqueModel, typical: FloatArray, values: Mapping[str, float] | None = None
-) -> tuple[float, ...]:
+def plausible_truth(model: TorqueModel, typical: FloatArray) -> tuple[float, ...]:
     """Choose parameters of virtual legs: the URDF's, and resistances of some percent of each joint's typical torque.
 
     Args:
         model: Leg and terms.
         typical: Typical torque of each joint [N·m], (n,).
-        values: Other values, by name.
 
     Returns:
         Parameters in SI units, in the order of ``model.names``, P of them.
@@ -222,4 +218,4 @@ def plausible_truth(
     for name in model.names[len(known) :]:
         symbol, _, joint = name.partition("_")
         known[name] = share.get(symbol, 0.0) * joints.get(joint, 0.0)  # a coupling has no joint of its own
-    return tuple(float((values or {}).get(name, known[name])) for name in model.names)
+    return tuple(float(known[name]) for name in model.names)

@@ -16,9 +16,6 @@ from .visual import Visual, to_threejs
 Command = dict[str, Any]
 """One command: "type", "path", and the arguments of that type."""
 
-Tracks = dict[str, dict[str, FloatArray]]
-"""Keyframes of each path: "quaternion" (F, 4), "position" (F, 3) or "scale" (F, 3)."""
-
 FRAMES_PER_SECOND = 30.0
 
 ROOT = "/exoid"

@@ -6,15 +6,13 @@ import numpy as np
 
 from exoid.experiments.ground.planned_motion import Bearing, follow, knots, planned_motion
 from exoid.experiments.ground.stance import GAINS, HAND_RAIL
-from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, Spring
-from exoid.rig.ground.simulate import RATES
 
 from .plan import StancePlan
 
 
 def run_stance(
-    plan: StancePlan, plant: GroundPlant | None = None, *, hand_rail: Spring | None = HAND_RAIL, rates: Rates = RATES
+    plan: StancePlan, plant: GroundPlant | None = None, *, hand_rail: Spring | None = HAND_RAIL
 ) -> tuple[GroundRun, ...]:
     """Let a machine follow a plan.
 
@@ -22,7 +20,6 @@ def run_stance(
         plan: The plan.
         plant: Machine with its true parameters; None for that of the plan, without friction.
         hand_rail: What holds the torso while not all feet stand; None for nothing. Its force is logged.
-        rates: Rates and step of the simulation.
 
     Returns:
         A run for each motion.
@@ -36,5 +33,5 @@ def run_stance(
         joints = support.joints(motion.at(np.maximum(time, 0.0)))  # at rest until the log begins
         feet = {foot: Bearing(np.ones_like(time), body.soles[foot].centre) for foot in support.feet}
         reference = planned_motion(body, time, joints.q, support.torso(joints).pose, feet)
-        runs.append(follow(body, reference, GAINS, rates, spring=hand_rail if support.swings else None))
+        runs.append(follow(body, reference, GAINS, spring=hand_rail if support.swings else None))
     return tuple(runs)

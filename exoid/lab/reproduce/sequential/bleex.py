@@ -13,7 +13,7 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
-from exoid.signals import FiniteDifference, Poses, Preparation, Recording
+from exoid.signals import FiniteDifference, Poses, Recording
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 from .estimate import SequentialEstimate, planar_model, rows_at_rest, rows_in_motion
@@ -75,14 +75,13 @@ def inertia(
     known: SequentialEstimate,
     recordings: Sequence[Recording],
     segment: int,
-    preparation: Preparation | None = None,
 ) -> SequentialEstimate:
     """Identify J of a segment from sinusoids (doc. 1, eqs. (28)-(31))."""
     # J3 of the foot follows from the torque of the held ankle while the knee swings. J2 of the shank follows
     # from that of the held knee and J1 of the thigh from that of the hip, while the hip swings. Friction is
     # neglected as in the document: kinetic friction is zero at a held joint, but static friction is not. Held
     # joints enter with their measured angles; at constant angles this is the printed equation.
-    rows = rows_in_motion(model, recordings, segment - 1, preparation or FiniteDifference())
+    rows = rows_in_motion(model, recordings, segment - 1, FiniteDifference())
     return known.fit(rows.neglecting("c0_"), [f"J{segment}"])
 
 
@@ -91,11 +90,10 @@ def kinetic_friction(
     known: SequentialEstimate,
     recordings: Sequence[Recording],
     joint: int,
-    preparation: Preparation | None = None,
 ) -> SequentialEstimate:
     """Identify c0 of a joint from its sinusoids without samples near the reversals (doc. 1, eqs. (32)-(35))."""
     label = model.leg.joint_labels[joint]
-    rows = rows_in_motion(model, recordings, joint, preparation or FiniteDifference())
+    rows = rows_in_motion(model, recordings, joint, FiniteDifference())
     return known.fit(rows.where(np.abs(rows.v) > MIN_SPEED), [f"c0_{label}"])
 
 
