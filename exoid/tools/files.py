@@ -73,7 +73,7 @@ def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
 
 def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
     """Write bytes atomically, see :func:`write_whole`."""
-    with _written(path):
+    with writing(path):
         target = _target(path)
         part = _beside(target, "part")
         try:
@@ -89,7 +89,7 @@ def write_together(contents: Mapping[Path, str]) -> None:
     # renaming fails, the earlier files are restored.
     targets: dict[Path, Path] = {}
     for path in contents:
-        with _written(path):
+        with writing(path):
             targets[path] = _target(path)
     parts = {path: _beside(target, "part") for path, target in targets.items()}
     saved = {path: _beside(target, "before") for path, target in targets.items()}
@@ -97,15 +97,15 @@ def write_together(contents: Mapping[Path, str]) -> None:
     placed: list[Path] = []
     try:
         for path, text in contents.items():
-            with _written(path):
+            with writing(path):
                 _write_part(parts[path], targets[path], [text.encode()])
         for path, target in targets.items():
-            with _written(path):
+            with writing(path):
                 if target.is_file():
                     shutil.copy2(target, saved[path])  # a copy, so that at no moment there is no file of this name
                     replaced.append(path)
         for path, target in targets.items():
-            with _written(path):
+            with writing(path):
                 parts[path].replace(target)
                 placed.append(path)
     except BaseException:
@@ -122,7 +122,7 @@ def write_together(contents: Mapping[Path, str]) -> None:
 
 def refuse_unwritable(path: str | os.PathLike[str]) -> None:
     """Check that a file can be written, before the work for its content begins."""
-    with _written(path):
+    with writing(path):
         part = _beside(_target(path), "part")
         try:
             part.touch(exist_ok=False)
@@ -150,7 +150,7 @@ def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
 
 def refuse_content(path: str | os.PathLike[str], sha256: Collection[str]) -> None:
     """Refuse to write a file whose present content is an input of the result."""
-    with _written(path):
+    with writing(path):
         target = Path(path)
         if not sha256 or not target.is_file():
             return
@@ -241,7 +241,7 @@ def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
 
 
 @contextmanager
-def _written(path: str | os.PathLike[str]) -> Iterator[None]:
+def writing(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn an error of the operating system into one line about a path."""
     try:
         yield

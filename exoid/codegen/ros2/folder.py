@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from exoid.errors import BadArgumentError
+from exoid.tools.files import writing
 
 MANIFEST = "exoid.json"
 """File with the hash of every other file, by which a folder is known as an earlier export."""
@@ -24,24 +25,19 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
     # beside the target, so that renaming stays within one file system
     part, before = (target.with_name(f".{target.name[:40]}.{mark}.{ending}") for ending in ("part", "before"))
     try:
-        manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
-        for name, text in {**files, MANIFEST: f"{manifest}\n"}.items():
-            (part / name).parent.mkdir(parents=True, exist_ok=True)
-            (part / name).write_text(text, encoding="utf-8", newline="\n")
-        if target.exists():
-            target.rename(before)
-        try:
-            part.rename(target)
-        except BaseException:  # also when interrupted: the earlier export comes back
-            if before.exists():
-                before.rename(target)
-            raise
-    except OSError as problem:
-        raise BadArgumentError(
-            f"cannot be written: {problem.strerror or problem}",
-            where=str(folder),
-            remedy="name a new folder beside which you may write",
-        ) from None
+        with writing(folder):
+            manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
+            for name, text in {**files, MANIFEST: f"{manifest}\n"}.items():
+                (part / name).parent.mkdir(parents=True, exist_ok=True)
+                (part / name).write_text(text, encoding="utf-8", newline="\n")
+            if target.exists():
+                target.rename(before)
+            try:
+                part.rename(target)
+            except BaseException:  # also when interrupted: the earlier export comes back
+                if before.exists():
+                    before.rename(target)
+                raise
     finally:
         for each in (part, before):
             shutil.rmtree(each, ignore_errors=True)
