@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawings import places
+from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
+from drawings import meshes, objects, places
 from public_robots import urdf_of
 from scipy.spatial.transform import Rotation
 from standing import mirrored, standing
@@ -209,3 +210,17 @@ def test_forces_that_cannot_be_predicted_are_noted(estimate, log):
     pose = BaseMotion.from_pose(place, np.tile([0.0, 0.0, 0.0, 1.0], (len(log), 1)), log.time)
     drawn = scene(estimate, recording=replace(log, base=pose, contacts={}, wrenches={}))
     assert any("not predicted" in note for note in drawn.notes)
+
+
+@pytest.mark.parametrize("make", [four_bar_knee, two_rod_ankle, cylinder_knee])
+def test_the_ends_of_a_loop_are_drawn_in_one_place(make, tmp_path):
+    leg = make(0).leg(tmp_path)
+    pose = dict.fromkeys(leg.joint_names, 0.02 if make is cylinder_knee else 0.3)
+    drawn = scene(leg, pose=pose)
+    at, ends = places(drawn), []
+    for path, shape in objects(drawn).items():
+        if path.endswith("/loops"):
+            ends += [(at[path] @ place)[:3, 3] for _, _, place in meshes(shape)]
+    assert len(ends) == 2 * len(leg.closure.loops.loops)
+    apart = np.sort(np.linalg.norm(np.array(ends)[:, None] - ends, axis=2), axis=1)
+    assert (apart[:, 1] < 1e-5).all()  # of each end the nearest other one; a loop closes to 10 µm

@@ -19,7 +19,7 @@ from exoid.leg.reduction.planar_machine import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
-from .placeholders import body_placeholder, torso_placeholder
+from .placeholders import FRAME, body_placeholder, torso_placeholder
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
 from .urdf_visuals import read_visuals
@@ -102,6 +102,14 @@ class LegGeometry:
         for path, axis, colour in zip(self.joint_paths(self.root), self.skeleton.axes, self.joint_colours, strict=True):
             rod = cylinder(0.004 * reach, 0.3 * reach, Material(colour, finish="flat"))
             yield set_object(f"{path}/axis", [rod.placed(homogeneous(np.zeros(3), align_z(axis)))], shadows=False)
+
+    def draw_loops(self) -> Iterator[Command]:
+        """Commands that draw the ends of closed loops as balls, one for each of the two bodies."""
+        ball = ellipsoid(0.02 * self.skeleton.reach, FRAME)
+        bodies = [self.root, *(f"{path}/body" for path in self.joint_paths(self.root))]
+        for body, path in enumerate(bodies):
+            if points := self.skeleton.loop_points(body):
+                yield set_object(f"{path}/loops", [ball.placed(homogeneous(point)) for point in points], shadows=False)
 
     def draw_masses(self) -> Iterator[Command]:
         """Commands that draw the centres of mass from all sources as balls."""

@@ -17,6 +17,7 @@ from .arrows import draw_torques, draw_wearer, draw_weights
 from .commands import Drawing, Layer, child_path, moving, set_transform
 from .ground_arrows import draw_ground_forces, foot_readings, ground_loads
 from .leg_geometry import LegGeometry
+from .placeholders import FRAME
 from .readings import Readings
 from .replay import LegTrajectory, Replay
 from .scene import PosableLeg
@@ -99,6 +100,8 @@ def _bodies(geometry: LegGeometry) -> Iterator[Drawing]:
         ("joint axes", tuple(dict.fromkeys(geometry.joint_colours)), geometry.draw_axes()),
         ("centres of mass", tuple(inertias.colour for inertias in geometry.inertias), geometry.draw_masses()),
     ]
+    if geometry.leg.closure is not None:
+        layers.append(("closed loops", (FRAME.colour,), geometry.draw_loops()))
     for inertias in geometry.inertias:
         layers.append((f"{inertias.label} inertia", (inertias.colour,), geometry.draw_inertias(inertias)))
     for label, colours, drawn in layers:

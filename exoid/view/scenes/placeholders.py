@@ -38,10 +38,10 @@ def next_joints(skeleton: Skeleton, body: int) -> list[FloatArray]:
 
 
 def segment_ends(skeleton: Skeleton, body: int) -> list[FloatArray]:
-    """Ends of a body in its frame [m]: the next joints, or a point beyond the centre of mass."""
+    """Ends of a body in its frame [m]: the next joints, or a point beyond the centre of mass; and ends of loops."""
     lever, size = np.asarray(skeleton.leg.model.inertias[body].lever), _segment_length(skeleton)
-    far = np.linalg.norm(lever) > 0.02 * size
-    return next_joints(skeleton, body) or [2.0 * lever if far else 0.25 * size * _down(skeleton, body)]
+    beyond = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * _down(skeleton, body)
+    return [*(next_joints(skeleton, body) or [beyond]), *skeleton.loop_points(body)]
 
 
 def torso_placeholder(skeleton: Skeleton) -> list[Visual]:

@@ -65,6 +65,13 @@ class Skeleton:
         """Placement of each joint on its parent body, n of (4, 4)."""
         return tuple(np.asarray(p.homogeneous) for p in list(self.leg.model.jointPlacements)[1:])
 
+    def loop_points(self, body: int) -> list[FloatArray]:
+        """Points of a body at which loops hold it, in its frame [m], (3,) each."""
+        pairs = () if self.leg.closure is None else self.leg.closure.pairs
+        origins = {pair.loop: pair for pair in reversed(pairs)}  # further points of a loop hold its directions
+        ends = (end for pair in origins.values() for end in zip(pair.bodies, pair.places, strict=True))
+        return [place for held, place in ends if held + 1 == body]
+
     @cached_property
     def reach(self) -> float:
         """Distance from the first joint to the end of the leg [m]."""
