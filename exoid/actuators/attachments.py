@@ -14,8 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
-
-from .drive import is_number
+from exoid.tools.numbers import is_number
 
 SHORTEST = 1e-3
 """Shortest length of an actuator, and smallest of its largest moment arms [m]."""

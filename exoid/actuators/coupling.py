@@ -11,9 +11,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
+from exoid.tools.numbers import is_number
 from exoid.torques import DEFAULT_TERMS, Coulomb, CouplingFriction, CouplingInertia, Term
 
-from .drive import is_number
 from .motor import Motor
 
 

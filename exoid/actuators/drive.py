@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.leg.leg import Leg
+from exoid.tools.numbers import is_number
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -159,8 +159,3 @@ def refuse_beyond(drive: Drive, name: str, reading: FloatArray, remedy: str) -> 
             f"a {drive.channel} of {largest:.4g} {drive.unit}, and {name} of the drive is {limit:g} {drive.unit}",
             remedy=remedy,
         )
-
-
-def is_number(value: object) -> bool:
-    """Tell whether a constant is a finite real number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -10,12 +10,13 @@ import numpy as np
 
 from exoid.errors import NotSupportedError, UnreadableInputError, nearest, within
 from exoid.leg.leg import Leg
+from exoid.tools.numbers import is_number
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
 from .attachments import Attachment, Attachments
 from .coupling import Coupling
-from .drive import Drive, is_number
+from .drive import Drive
 from .linear import LinearActuator
 from .motor import Motor
 from .series_elastic import SeriesElastic

@@ -12,6 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.tools.files import read_json
+from exoid.tools.numbers import is_number
 
 from .description import Description, read_description
 from .leg import Leg
@@ -135,12 +136,8 @@ def _is_complete(data: Mapping[str, Any]) -> bool:
         and isinstance(data["urdf"].get("sha256"), str)
         and isinstance(data.get("cumulative"), bool)
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
-        and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
+        and all(isinstance(x, dict) and all(is_number(value) for value in x.values()) for x in numbers)
         and data.get("base", "fixed") in get_args(Base)
         and all(isinstance(x, dict) for x in (terms, data.get("contacts", {}), data.get("loops", {})))
         and all(isinstance(term, str) for term in terms.values())
     )
-
-
-def _is_finite(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and -1e300 < value < 1e300

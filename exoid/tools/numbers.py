@@ -30,3 +30,8 @@ def checked(
         raise BadArgumentError(f"{what} is {array.tolist()}", remedy=remedy)
     array.flags.writeable = False
     return array
+
+
+def is_number(value: object) -> bool:
+    """Tell whether a value is a finite real number; integers may have any number of digits."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and -1e300 < value < 1e300

@@ -64,15 +64,13 @@ def _rest_of(own: str, parts: list[LinkInertia], body: FloatArray, mass_factor: 
     mine = [part for part in parts if part.link == own and part.parameters[0] > 0.0]
     fixed = [part.parameters for part in parts if part.link != own]
     rest = body - np.sum(fixed, axis=0) if fixed else body
-    # Smallest margin of the rest of a body that counts as consistent
-    if mine and (not fixed or (margins(rest)[0] > 1e-6 and _within(rest, mine[0], mass_factor))):
-        return [mine[0]._replace(parameters=rest)]
-    return []
-
-
-def _within(rest: FloatArray, link: LinkInertia, mass_factor: float) -> bool:
-    """Whether the mass of the rest is that of the link up to a factor."""
-    return bool(1.0 / mass_factor <= rest[0] / link.parameters[0] <= mass_factor)
+    if not mine:
+        return []
+    share = rest[0] / mine[0].parameters[0]
+    # 1e-6: smallest margin of the rest of a body that counts as consistent
+    if fixed and not (margins(rest)[0] > 1e-6 and 1.0 / mass_factor <= share <= mass_factor):
+        return []
+    return [mine[0]._replace(parameters=rest)]
 
 
 def _mapped(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
