@@ -14,9 +14,6 @@ from .poses import Poses
 from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
 from .recording import Recording
 
-GAIN = 70.0
-"""Variance of the fourth differences of white noise of variance one, 1² + 4² + 6² + 4² + 1²."""
-
 
 def robust_std(x: FloatArray) -> FloatArray:
     """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|."""
@@ -25,7 +22,8 @@ def robust_std(x: FloatArray) -> FloatArray:
 
 def white_noise(signals: FloatArray) -> FloatArray:
     """Standard deviation of white noise in smooth signals, by their fourth differences."""
-    return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(GAIN))
+    # the variance of these differences is 1² + 4² + 6² + 4² + 1² times that of the noise
+    return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(70.0))
 
 
 CUTOFFS = np.linspace(1.0, 8.0, 71)

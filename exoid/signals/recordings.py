@@ -147,23 +147,20 @@ def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     """List the logs in a folder; numbers in their names are sorted by value."""
     path = Path(folder)
 
-    def is_log(file: Path) -> bool:
-        """Tell whether a file has an ending that a reader is registered for."""
-        return file.suffix.lower().removeprefix(".") in READERS and not file.name.startswith(".") and file.is_file()
-
     def by_number(file: Path) -> list[tuple[int, str]]:
         """Sort key by which numbers in names are ordered by value."""
         parts = re.split(r"(\d+)", file.name)
         return [(int(part), "") if k % 2 else (0, part) for k, part in enumerate(parts)]
 
     try:
-        files = sorted(filter(is_log, path.iterdir()), key=by_number)
+        found = [file for file in path.iterdir() if file.is_file() and not file.name.startswith(".")]
     except (FileNotFoundError, NotADirectoryError):
         raise UnreadableInputError("no such folder", where=str(path), remedy="check the path") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         remedy = "check the path and its rights"
         raise UnreadableInputError(f"the folder cannot be read ({reason})", where=str(path), remedy=remedy) from None
+    files = sorted((file for file in found if file.suffix.lower().removeprefix(".") in READERS), key=by_number)
     if not files:
         known = ", ".join(f".{ending}" for ending in READERS)
         raise UnreadableInputError(
