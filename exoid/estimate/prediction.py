@@ -14,13 +14,13 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.regression.rows import for_leg, source_of
-from exoid.rig.simulate import DIVERGED_SPEED
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 
 from .data import EstimateData
 
 STEP = 2e-3  # longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds
+FASTEST = 1e3  # a joint faster than this [rad/s] has diverged
 
 
 def predict_motion(estimate: EstimateData, recording: Recording, horizon: float = 0.5) -> Recording:
@@ -93,7 +93,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
             )
             base = [Surroundings(each, recording.payloads, heat) for each in around]
             q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), base)
-        if not (np.abs(v) < DIVERGED_SPEED).all():
+        if not (np.abs(v) < FASTEST).all():
             raise ExoidError(
                 f"the model's motion diverges within {(sample + 1) / recording.sample_rate:.3g} s",
                 remedy="check that the estimate is physical (exoid.lift.check_physical), or shorten the horizon",
