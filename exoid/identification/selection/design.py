@@ -35,6 +35,11 @@ class Design(NamedTuple):
         """Indices of friction columns of a joint."""
         return np.array([self.places[joint][column] for column in columns], dtype=np.intp)
 
+    @property
+    def passive(self) -> NDArray[np.bool_]:
+        """Whether no torque was measured at a joint, (n,)."""
+        return np.asarray(~self.tau.any(axis=1))
+
     def some(self, rows: NDArray[np.bool_]) -> Design:
         """Take some rows."""
         return self._replace(

@@ -13,7 +13,10 @@ from exoid._typing import FloatArray
 from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 from exoid.torques.terms import DryFriction
 
-DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
+LOAD = ("mu", "mu_drive", "mu_back")
+"""Symbols of load friction."""
+
+DRY = ("c0", *LOAD, "cs")
 """Symbols of dry friction, which may have presliding."""
 
 ALWAYS = ("c0", "d")
