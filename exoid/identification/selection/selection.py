@@ -148,7 +148,7 @@ def select_terms(
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
         folds: Number of folds, at least 3.
-        cutoff: Cut-off frequency of the filter [Hz]; None for 8 Hz, and a fifth of the rate of logs below 20 Hz.
+        cutoff: Cut-off frequency of the filter [Hz]; None for at most 8 Hz, by the noise of the angles.
         beside: Terms that every model has besides the friction and rotors that are chosen, such as a spring over two
             joints.
         progress: Called with the share done.
