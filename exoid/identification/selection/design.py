@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
-from exoid.leg.leg import Leg
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
-from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel
+from exoid.torques import InternalState, JointMotion, Motion, TorqueModel
 
 from .patterns import Column, Columns
 
@@ -35,11 +34,6 @@ class Design(NamedTuple):
         """Indices of friction columns of a joint."""
         return np.array([self.places[joint][column] for column in columns], dtype=np.intp)
 
-    @property
-    def passive(self) -> NDArray[np.bool_]:
-        """Whether no torque was measured at a joint, (n,)."""
-        return np.asarray(~self.tau.any(axis=1))
-
     def some(self, rows: NDArray[np.bool_]) -> Design:
         """Take some rows."""
         return self._replace(
@@ -59,11 +53,6 @@ class Design(NamedTuple):
             base=self.base / self.gain[:, None],
             friction=tuple(F / self.gain[:, None] for F in self.friction),
         )
-
-
-def base_model(leg: Leg, beside: Sequence[Term] = ()) -> TorqueModel:
-    """Torque model of rigid bodies, armatures and other given terms, which all candidates share."""
-    return TorqueModel(leg, (Armature(), *beside))
 
 
 def form_design(

@@ -14,10 +14,8 @@ from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 from exoid.torques.terms import DryFriction
 
 LOAD = ("mu", "mu_drive", "mu_back")
-"""Symbols of load friction."""
-
 DRY = ("c0", *LOAD, "cs")
-"""Symbols of dry friction, which may have presliding."""
+"""Symbols of load friction, and of all dry friction, which may have presliding."""
 
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""

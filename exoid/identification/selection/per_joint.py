@@ -13,9 +13,9 @@ from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
-from exoid.torques import Term
+from exoid.torques import Armature, Term, TorqueModel
 
-from .design import Design, base_model, form_design
+from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
 from .patterns import ALWAYS, LOAD, PLAIN, Columns, Grid, Pattern, patterns
@@ -38,7 +38,7 @@ class Search:
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
-        model = base_model(self.leg, self.beside)
+        model = TorqueModel(self.leg, (Armature(), *self.beside))  # what all candidates share
         return form_design(model, self.recordings, self.cutoff, library, rigid, self.keep)
 
 
@@ -150,7 +150,7 @@ def choose(
     candidates: list[tuple[Pattern, Columns, FloatArray]] = []
     gains: dict[Pattern, float] = {}
     # The torque of a passive joint is 0 = load + friction: mu = 1, with no other parameter, explains all of it.
-    banned |= frozenset(LOAD if design.passive[joint] else ())
+    banned |= frozenset(() if design.tau[joint].any() else LOAD)
     for pattern in patterns():
         if banned & set(pattern.symbols) or (with_offset and "offset" not in pattern.symbols):
             continue
@@ -191,7 +191,7 @@ def same_at_all_joints(found: Found, most: int) -> list[Choice]:
         errors: list[tuple[float, tuple[Columns, ...]]] = []
         for columns in Grid().settings(pattern):
             unloaded = tuple(column for column in columns if column.symbol not in LOAD)
-            of_joints = tuple(unloaded if passive else columns for passive in tables.design.passive)
+            of_joints = tuple(columns if tau.any() else unloaded for tau in tables.design.tau)
             active = _active(tables.design, of_joints)
             of_folds = zip(weights, tables.equations, tested, strict=True)
             errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), of_joints))
