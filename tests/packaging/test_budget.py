@@ -15,7 +15,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (6296, 5000),
     "estimate": (3900, 2900),
     "experiments": (4177, 3200),
-    "identification": (8503, 7200),
+    "identification": (8502, 7200),
     "lab": (4785, 5000),
     "leg": (5323, 4200),
     "online": (1703, 1500),
