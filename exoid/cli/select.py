@@ -35,7 +35,7 @@ def select(
     output: EstimateOutput = None,
     test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
-    cutoff: Annotated[Number, Option(metavar="HZ", help="Low-pass of both torques; 8, or less below 20 Hz.")] = None,
+    cutoff: Annotated[Number, Option(metavar="HZ", help="Low-pass of both torques; 8, or less by noise.")] = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
     as_json: AsJson = False,

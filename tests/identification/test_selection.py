@@ -11,7 +11,7 @@ import exoid
 from exoid import Armature, Coulomb, ExoidError, Recording, Viscous
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.identification import select_terms
-from exoid.identification.selection.design import base_model, form_design
+from exoid.identification.selection.design import form_design
 from exoid.identification.selection.held_out import blocked_folds, fast_blocks, fast_fold, fold_of
 from exoid.identification.selection.normal_equations import NormalEquations, residuals
 from exoid.identification.selection.patterns import Column, patterns, terms_of
@@ -182,7 +182,7 @@ def test_every_pattern_dissipates_at_every_speed_and_load():
 
 def test_every_row_is_tested_once_and_never_by_a_fit_that_saw_it(leg):
     recording = recorded(leg, plain)
-    design = form_design(base_model(leg), [recording], 8.0, ((), ()))
+    design = form_design(TorqueModel(leg, (Armature(),)), [recording], 8.0, ((), ()))
     folds = [fold_of(blocks, design) for blocks in blocked_folds([recording], 5)]
     np.testing.assert_array_equal(np.sum([fold.tested for fold in folds], axis=0), 1)
     for fold in folds:
@@ -216,7 +216,7 @@ def test_what_is_selected_is_saved_and_written_to_a_urdf_joint_by_joint(selectio
 @pytest.fixture(scope="module")
 def design(leg):
     library = [(Column("c0"), Column("d"), Column("mu", 4e-3)), (Column("c0"), Column("offset"))]
-    return form_design(base_model(leg), [recorded(leg, different)], 8.0, library, leg.parameters)
+    return form_design(TorqueModel(leg, (Armature(),)), [recorded(leg, different)], 8.0, library, leg.parameters)
 
 
 def test_columns_are_those_of_the_torque_model(leg, design):

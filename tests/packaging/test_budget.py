@@ -15,7 +15,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (6274, 5000),
     "estimate": (3899, 2900),
     "experiments": (4150, 3200),
-    "identification": (8503, 7200),
+    "identification": (8502, 7200),
     "lab": (4761, 5000),
     "leg": (5296, 4200),
     "online": (1693, 1500),

@@ -55,7 +55,7 @@ class Candidate:
     def fit(self, leg: Leg, recordings: Recording | Sequence[Recording], cutoff: float) -> Estimate:
         """Identify; coefficients that are left out are held at zero."""
         known = dict.fromkeys(self.zero, 0.0) or None
-        return identify(leg, recordings, self.terms, preparation=ZeroPhase(cutoff), known=known)
+        return identify(leg, recordings, self.terms, "huber", preparation=ZeroPhase(cutoff), known=known)
 
     def to_json(self) -> dict[str, Any]:
         """Turn the figures into what JSON can hold."""
@@ -97,7 +97,8 @@ def select_by_joint(
     found = ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
     choices = [plain, found.choice, *same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)]
-    names = ["coulomb", "by joint", *(f"all: {JointFriction.of('', each.columns[0]).text}" for each in choices[2:])]
+    names = ["coulomb", "by joint"]
+    names += [f"all: {JointFriction.of('', max(each.columns, key=len)).text}" for each in choices[2:]]
     candidates = [_scored(search, *pair) for pair in zip(names, choices, strict=True)]
     # As at each joint, stretches of time and faster motion count alike.
     chosen = min(range(1, len(candidates)), key=lambda k: candidates[k].mean + np.nan_to_num(candidates[k].fast))

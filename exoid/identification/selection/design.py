@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
-from exoid.leg.leg import Leg
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
-from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel
+from exoid.torques import InternalState, JointMotion, Motion, TorqueModel
 
 from .patterns import Column, Columns
 
@@ -54,11 +53,6 @@ class Design(NamedTuple):
             base=self.base / self.gain[:, None],
             friction=tuple(F / self.gain[:, None] for F in self.friction),
         )
-
-
-def base_model(leg: Leg, beside: Sequence[Term] = ()) -> TorqueModel:
-    """Torque model of rigid bodies, armatures and other given terms, which all candidates share."""
-    return TorqueModel(leg, (Armature(), *beside))
 
 
 def form_design(

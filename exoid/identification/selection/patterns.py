@@ -13,8 +13,9 @@ from exoid._typing import FloatArray
 from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 from exoid.torques.terms import DryFriction
 
-DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
-"""Symbols of dry friction, which may have presliding."""
+LOAD = ("mu", "mu_drive", "mu_back")
+DRY = ("c0", *LOAD, "cs")
+"""Symbols of load friction, and of all dry friction, which may have presliding."""
 
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""

@@ -13,12 +13,12 @@ from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
-from exoid.torques import Term
+from exoid.torques import Armature, Term, TorqueModel
 
-from .design import Design, base_model, form_design
+from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_fold, fold_of
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import ALWAYS, PLAIN, Columns, Grid, Pattern, patterns
+from .patterns import ALWAYS, LOAD, PLAIN, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Search:
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
-        model = base_model(self.leg, self.beside)
+        model = TorqueModel(self.leg, (Armature(), *self.beside))  # what all candidates share
         return form_design(model, self.recordings, self.cutoff, library, rigid, self.keep)
 
 
@@ -149,6 +149,8 @@ def choose(
     held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
     candidates: list[tuple[Pattern, Columns, FloatArray]] = []
     gains: dict[Pattern, float] = {}
+    # The torque of a passive joint is 0 = load + friction: mu = 1, with no other parameter, explains all of it.
+    banned |= frozenset(() if design.tau[joint].any() else LOAD)
     for pattern in patterns():
         if banned & set(pattern.symbols) or (with_offset and "offset" not in pattern.symbols):
             continue
@@ -184,17 +186,19 @@ def same_at_all_joints(found: Found, most: int) -> list[Choice]:
     tested = [_normal(tables.design, fold.tested, found.choice.sigma) for fold in tables.folds]
     rows = [float(fold.tested.sum()) for fold in tables.folds]
     weights = [*np.full(len(rows) - n, 1.0 / sum(rows[:-n])), *(1.0 / (n * count) for count in rows[-n:])]
-    best: list[tuple[float, Columns]] = []
+    best: list[tuple[float, tuple[Columns, ...]]] = []
     for pattern in (each for each in patterns() if {*ALWAYS, "offset"} <= {*each.symbols}):
-        errors: list[tuple[float, Columns]] = []
+        errors: list[tuple[float, tuple[Columns, ...]]] = []
         for columns in Grid().settings(pattern):
-            active = _active(tables.design, (columns,) * n)
+            unloaded = tuple(column for column in columns if column.symbol not in LOAD)
+            of_joints = tuple(columns if tau.any() else unloaded for tau in tables.design.tau)
+            active = _active(tables.design, of_joints)
             of_folds = zip(weights, tables.equations, tested, strict=True)
-            errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), columns))
+            errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), of_joints))
         least = min(errors, key=lambda one: one[0])
-        best += [] if any(column.describes_reversals for column in least[1]) else [least]
+        best += [] if any(column.describes_reversals for columns in least[1] for column in columns) else [least]
     ranked = sorted(best, key=lambda one: one[0])[:most]
-    return [Choice.of(tables.design, (columns,) * n, found.choice.sigma) for _, columns in ranked]
+    return [Choice.of(tables.design, columns, found.choice.sigma) for _, columns in ranked]
 
 
 def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Columns:

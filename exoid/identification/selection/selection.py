@@ -18,7 +18,7 @@ from exoid.identification.recording_summary import (
 )
 from exoid.leg.leg import Leg
 from exoid.signals import Recording
-from exoid.signals.cutoff import highest_cutoff
+from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import term_to_json
@@ -148,7 +148,7 @@ def select_terms(
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
         folds: Number of folds, at least 3.
-        cutoff: Cut-off frequency of the filter [Hz]; None for 8 Hz, and a fifth of the rate of logs below 20 Hz.
+        cutoff: Cut-off frequency of the filter [Hz]; None for at most 8 Hz, by the noise of the angles.
         beside: Terms that every model has besides the friction and rotors that are chosen, such as a spring over two
             joints.
         progress: Called with the share done.
@@ -170,8 +170,7 @@ def select_terms(
         )
     if not all(isinstance(recording, Recording) for recording in several):
         raise BadArgumentError("poses cannot be cut into stretches of time", remedy="pass recordings only")
-    if cutoff is None:
-        cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
+    cutoff = choose_cutoff(several) if cutoff is None else cutoff
     if leg.base_rows:
         raise NotSupportedError(
             "friction is not selected beside rows of the base",
