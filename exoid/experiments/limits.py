@@ -7,9 +7,8 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
-from exoid.leg.reduction.planar import TOLERANCE
 from exoid.rig import Reference
-from exoid.tools.numbers import checked
+from exoid.tools.numbers import ROUNDED, checked
 
 
 def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
@@ -22,7 +21,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
             remedy=f"pass one row a pose and one column for each of {', '.join(leg.joint_names)}",
         )
     lower, upper, *_ = leg.limits
-    beyond = np.argwhere(~((angles >= lower - TOLERANCE) & (angles <= upper + TOLERANCE)))  # NaN counts as beyond
+    beyond = np.argwhere(~((angles >= lower - ROUNDED) & (angles <= upper + ROUNDED)))  # NaN counts as beyond
     if len(beyond):
         pose, joint = beyond[0]
         raise BadArgumentError(
@@ -52,7 +51,7 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float)
 def _refuse(
     leg: Leg, time: FloatArray, quantity: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
 ) -> None:
-    beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN counts as beyond
+    beyond = np.argwhere(~((values >= lowest - ROUNDED) & (values <= highest + ROUNDED)))  # NaN counts as beyond
     if len(beyond):
         k, joint, rig = beyond[0]
         raise BadArgumentError(

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.reduction.planar import TOLERANCE
+from exoid.tools.numbers import ROUNDED
 
 from .actuators import Actuator, StepTorque
 from .controllers import Controller, Reference, Target
@@ -186,7 +186,7 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
     v = _broadcast(first.v if start is None else 0.0, plant, "velocity of the reference")
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
         raise BadArgumentError("the start is not finite", remedy="give angles in rad")
-    beyond = (q < plant.lower - TOLERANCE) | (q > plant.upper + TOLERANCE)
+    beyond = (q < plant.lower - ROUNDED) | (q > plant.upper + ROUNDED)
     if beyond.any():
         joint, which = np.argwhere(beyond)[0]
         raise BadArgumentError(

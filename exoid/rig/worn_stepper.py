@@ -24,8 +24,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.dynamics import inverse_dynamics
-from exoid.leg.reduction.planar import TOLERANCE
 from exoid.leg.torso import TorsoMotion
+from exoid.tools.numbers import ROUNDED
 
 from .controllers import Reference, Target
 from .pinocchio_stepper import PinocchioBodies, PinocchioStepper
@@ -155,7 +155,7 @@ def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
     leg, limb = plant.leg, wearer.limb
     kinds = [[joint.shortname() for joint in body.model.joints] for body in (leg, limb)]
     places = zip(leg.model.jointPlacements, limb.model.jointPlacements, strict=False)
-    alike = kinds[0] == kinds[1] and all(at.isApprox(there, TOLERANCE) for at, there in places)
+    alike = kinds[0] == kinds[1] and all(at.isApprox(there, ROUNDED) for at, there in places)
     if limb.joint_names != leg.joint_names or not alike:
         raise BadArgumentError(
             f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}",
@@ -177,7 +177,7 @@ def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
     times = np.linspace(0.0, duration, max(2, round(100.0 * duration) + 1)).tolist()
     q = intended(wearer.intention, times, (plant.n, plant.count), wearer.feedforward)[0]
     lower, upper = (np.clip(x, -2.0 * np.pi, 2.0 * np.pi) for x in (plant.lower, plant.upper))  # larger: degrees
-    beyond = np.argwhere((q < lower - TOLERANCE) | (q > upper + TOLERANCE))
+    beyond = np.argwhere((q < lower - ROUNDED) | (q > upper + ROUNDED))
     if len(beyond):
         k, joint, rig = beyond[0]
         raise BadArgumentError(

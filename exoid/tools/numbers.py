@@ -7,6 +7,9 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 
+ROUNDED = 1e-9
+"""Error that is rounding: of unit vectors, of equal places [m], of an angle at its limit [rad], and the like."""
+
 
 def checked(
     value: ArrayLike,

@@ -23,8 +23,8 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.leg.closure import Closure, TreeMotion
 from exoid.leg.dynamics import joint_torque_regressor
+from exoid.tools.numbers import ROUNDED
 
-from .planar import TOLERANCE
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 from .tree import Tree, is_floating
 from .tree_regressor import BaseSamples, fill_tree_regressor
@@ -72,7 +72,7 @@ def numeric(
     rng = np.random.default_rng(seed)
     changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(DRAWS)]
     scale = _column_scale(W, changes)
-    nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > TOLERANCE * scale.max())
+    nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > ROUNDED * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
     changed = [change[:, nonzero] / scale[nonzero] for change in changes]
     rank = _decide_rank(unit, changed, W.shape[1], closed=closure is not None)
@@ -83,7 +83,7 @@ def numeric(
     if len(grouped):
         length = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
         ratio = scipy.linalg.solve_triangular(R[:r, :r], R[:r, r:]) * length[grouped] / length[kept][:, None]
-        weights[:, grouped] = np.where(np.abs(ratio) > TOLERANCE, ratio, 0.0)
+        weights[:, grouped] = np.where(np.abs(ratio) > ROUNDED, ratio, 0.0)
     weights[np.arange(r), kept] = 1.0
     ascending = np.argsort(kept)
     kept, weights = kept[ascending], weights[ascending]
@@ -143,12 +143,12 @@ def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
     """Length of each column; where that is hardly more than rounding, a length that keeps the column short."""
     length = np.linalg.norm(W, axis=0)
     rounded = SHORTEST * np.sqrt(np.mean([np.sum(change**2, axis=0) for change in changes], axis=0))
-    return np.asarray(np.maximum(np.maximum(length, rounded), TOLERANCE * length.max()))
+    return np.asarray(np.maximum(np.maximum(length, rounded), ROUNDED * length.max()))
 
 
 def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int, *, closed: bool) -> RankDecision:
     """Count the directions with effects beyond those of rounding: generalised singular values of Y and ΔY."""
-    floor = TOLERANCE * np.eye(unit.shape[1])  # directions that no rounding changes
+    floor = ROUNDED * np.eye(unit.shape[1])  # directions that no rounding changes
     R = np.asarray(np.linalg.qr(unit, mode="r"))
     stacked = np.vstack([*(change / np.sqrt(len(changes)) for change in changes), floor])
     rounded = np.asarray(np.linalg.qr(stacked, mode="r"))

@@ -20,15 +20,13 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ComplexArray, FloatArray
+from exoid.tools.numbers import ROUNDED
 
 GRAVITY = 9.81
 """Gravity of the documents and of Pinocchio [m/s²]."""
 
 BLOCK = 8192
 """Samples computed at once: the temporaries of one block stay in the processor's cache."""
-
-TOLERANCE = 1e-9
-"""Error that is rounding: of axes, of gravity, of equal geometry [m], of an angle at its limit [rad], and the like."""
 
 
 class Plane(NamedTuple):
@@ -75,7 +73,7 @@ class PlanarChain:
         parents, freedoms = ([list(x)[j] for j in joints] for x in (model.parents, model.nvs))
         serial = parents == [0, *joints[:-1]] and set(freedoms) == {1} if joints else False
         gravity = model.gravity.linear
-        if not serial or set(model.nvs[1:]) != {1} or abs(np.linalg.norm(gravity) - GRAVITY) > TOLERANCE:
+        if not serial or set(model.nvs[1:]) != {1} or abs(np.linalg.norm(gravity) - GRAVITY) > ROUNDED:
             return None
         data = model.createData()
         pin.computeJointJacobians(model, data, pin.neutral(model))
@@ -85,8 +83,8 @@ class PlanarChain:
             return None
         plane = _plane(axes[0, 3:], -gravity / GRAVITY)
         signs = -np.round(axes[:, 3:] @ plane.lateral)
-        parallel = np.allclose(axes[:, 3:], -signs[:, None] * plane.lateral, atol=TOLERANCE) and signs.all()
-        if not parallel or abs(plane.lateral @ plane.up) > TOLERANCE:
+        parallel = np.allclose(axes[:, 3:], -signs[:, None] * plane.lateral, atol=ROUNDED) and signs.all()
+        if not parallel or abs(plane.lateral @ plane.up) > ROUNDED:
             return None
         origins = np.array([data.oMi[j].translation for j in joints])
         offsets = np.diff(origins, axis=0) @ np.column_stack([plane.forward, plane.up])

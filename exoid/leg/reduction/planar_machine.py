@@ -23,8 +23,9 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
+from exoid.tools.numbers import ROUNDED
 
-from .planar import GRAVITY, TOLERANCE, PlanarChain, Plane, TorsoSamples, fill_regressor
+from .planar import GRAVITY, PlanarChain, Plane, TorsoSamples, fill_regressor
 
 SIDES = ("left_", "right_")
 """Beginnings of joint names that say on which side a limb is."""
@@ -82,7 +83,7 @@ class PlanarMachine:
         planes = [chain.plane for chain in chains if chain is not None]
         if not chains or len(planes) < len(chains):
             return None
-        if any(np.abs(plane.lateral - planes[0].lateral).max() > TOLERANCE for plane in planes):
+        if any(np.abs(plane.lateral - planes[0].lateral).max() > ROUNDED for plane in planes):
             return None
         labels = _labels([[model.names[j] for j in joints] for joints in parts])
         in_plane = np.column_stack([planes[0].forward, planes[0].up])

@@ -21,8 +21,9 @@ from exoid.lab.stability.gain_margin import held_leg, spectral_radius
 from exoid.lab.stability.worn.draws import draw_truths, variance_shares
 from exoid.lab.stability.worn.linear_law import linear_law, loop_matrices
 from exoid.lab.stability.worn.worn_leg import hold, linear_leg, linear_legs, linear_wearer
-from exoid.lab.stability.worn.worn_loop import TOLERANCE, WornLoop, poses_of
+from exoid.lab.stability.worn.worn_loop import WornLoop, poses_of
 from exoid.rig import Plant, Wearer
+from exoid.tools.numbers import ROUNDED
 from exoid.torques import Coulomb, TorqueModel, Viscous
 
 POSE = np.deg2rad([12.0, 35.0])
@@ -166,7 +167,7 @@ def test_values_and_probability_agree(wearer):
     drawn = draw_truths(est.model, est.values, est.covariance, 100, 0).parameters
     for amplification in (found.largest, 2.0 * found.largest):  # the loops of this amplification alone
         loop = WornLoop.of([AMPLIFIED(est, amplification)], np.zeros(1), wearer, POSE[None], 0)
-        stable = np.mean(loop.radius(loop.legs(est.model, drawn), np.zeros(100)) <= 1.0 + TOLERANCE)
+        stable = np.mean(loop.radius(loop.legs(est.model, drawn), np.zeros(100)) <= 1.0 + ROUNDED)
         assert stable == pytest.approx(found.probability(amplification), abs=0.011)
     low, high = found.interval
     assert low <= found.largest <= high

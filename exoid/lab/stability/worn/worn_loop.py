@@ -14,8 +14,8 @@ from exoid.control.model import ControlModel
 from exoid.errors import BadArgumentError
 from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.leg.leg import Leg
-from exoid.leg.reduction.planar import TOLERANCE
 from exoid.rig import Wearer
+from exoid.tools.numbers import ROUNDED
 from exoid.torques import TorqueModel
 
 from .linear_law import LinearLaw, linear_law, loop_matrices
@@ -135,7 +135,7 @@ class WornLoop:
                 break
             law = self._law(self.laws[pose], share[open_])
             eigenvalues = np.linalg.eigvals(loop_matrices(legs[pose].take(open_), law, self.delay))
-            found[open_[np.abs(eigenvalues).max(axis=-1) > 1.0 + TOLERANCE]] = pose
+            found[open_[np.abs(eigenvalues).max(axis=-1) > 1.0 + ROUNDED]] = pose
         return found
 
     def _law(self, table: LinearLaw, share: FloatArray) -> LinearLaw:
