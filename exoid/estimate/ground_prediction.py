@@ -20,7 +20,7 @@ from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
-from exoid.torques.contacts import level_rotation, split
+from exoid.torques.contacts import split
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 from exoid.torques.contacts.stretches import Stretch, contact_of
 
@@ -108,13 +108,20 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     return {link: in_time_order(parts) for link, parts in found.items()}
 
 
-def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:
-    """Turn a measured wrench into level axes, to compare it with a predicted one."""
-    level = level_rotation(leg, link)
+def level_wrench(
+    leg: Leg, q: FloatArray, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)
+) -> GroundForce:
+    """Turn a wrench in the axes of a link into those of ground forces, to compare it with a predicted one."""
     force = wrench.force[rows]
     moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)
+    force, moment = (np.einsum("nij,nj->ni", _level_axes(leg, q[rows], link), x) for x in (force, moment))
     nothing, count = np.zeros_like(force), np.arange(len(wrench.force), dtype=np.float64)[rows]
-    return GroundForce(count, force @ level.T, moment @ level.T, nothing, nothing)
+    return GroundForce(count, force, moment, nothing, nothing)
+
+
+def _level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+    """Axes of ground forces from those of a link, (N, 3, 3): the laboratory's where the base does not turn."""
+    return link_placements(leg, q * (leg.base_rows == 0), link).rotation
 
 
 def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
@@ -225,9 +232,7 @@ def _solve(
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
-    # the angles say how a link stands in the laboratory where the base does not turn
-    level = level_rotation(leg, link) if leg.base_rows else link_placements(leg, q, link).rotation[:, np.newaxis]
-    turned = level @ jacobian.reshape(len(q), 2, 3, -1)
+    turned = _level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 
 

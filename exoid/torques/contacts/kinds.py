@@ -41,13 +41,13 @@ def whole_feet(leg: Leg, flags: Mapping[str, BoolArray]) -> dict[str, BoolArray]
     return out
 
 
-def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int) -> BoolArray:
-    """First samples of each foot on the ground, by whatever part of it."""
+def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int, settling: int) -> BoolArray:
+    """First samples of each foot on the ground, by whatever part of it, and those in which it settles."""
     found = np.zeros(samples, dtype=np.bool_)
     for foot, edges in _by_foot(leg, list(rest)).items():
         down = np.logical_or.reduce([rest[link] for link in (foot, *edges)])
         found |= down & np.diff(down, prepend=down[:1])
-    return found
+    return np.convolve(found, np.ones(1 + settling))[:samples] > 0.5
 
 
 def refuse_overdetermined(leg: Leg, recording: Recording) -> None:

@@ -34,6 +34,9 @@ Shorter gaps of a contact are filled.
 LATE = 0.05
 """A foot may be down so long before its switch closes, or after it opened [s]."""
 
+SETTLING = 0.03
+"""A foot slips and rings for so long after a touch-down [s]; 0.02 is too short, see scripts/study_heel_toe.py."""
+
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
 
@@ -107,7 +110,9 @@ def split(
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    steady, near = ~_widened(touch_downs(leg, rest, len(recording)), smeared), smeared / recording.sample_rate
+    settling = round(SETTLING * recording.sample_rate)
+    steady = ~_widened(touch_downs(leg, rest, len(recording), settling), smeared)
+    near = (smeared + settling) / recording.sample_rate
     beside = smeared + round(LATE * recording.sample_rate)
     down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
     if leg.base_rows and recording.base is None:
