@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +29,7 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Footing, by_recording, find_footing, residual, rms_residuals, tilted
+from .row_changes import Footing, by_recording, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
@@ -51,16 +52,22 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted)
     if found is None:
-        return _suspended(fitted, estimator)
+        return _suspended(_with_findings(fitted, contact_offsets(fitted)), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), found) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
-    first, *others = fitted.problem.groups
-    findings = (*first.findings, *_footing_findings(footing, fitted))
-    problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
     slopes = footing.found.slopes
-    return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
+    doubt = slopes @ footing.found.covariance @ slopes.T
+    findings = (*_footing_findings(footing, fitted), *contact_offsets(fitted))
+    return _with_findings(fitted, findings)._replace(doubt=doubt)
+
+
+def _with_findings(fitted: Fitted, findings: Iterable[Finding]) -> Fitted:
+    """Add findings to those of the first group."""
+    first, *others = fitted.problem.groups
+    first = replace(first, findings=(*first.findings, *findings))
+    return fitted._replace(problem=replace(fitted.problem, groups=(first, *others)))
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -100,9 +107,7 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
         "weigh the machine (known=), or let a foot push on the ground",
         parameters=(problem.names[most],),
     )
-    first, *others = problem.groups
-    problem = replace(problem, groups=(replace(first, findings=(*first.findings, finding)), *others))
-    return fitted._replace(problem=problem, doubt=np.outer(moved, moved))
+    return _with_findings(fitted, [finding])._replace(doubt=np.outer(moved, moved))
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -215,7 +220,17 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
             "record an IMU on the torso",
         ),
     )
-    return [
+    late = [
+        Finding(
+            *("contact-kind", "", seconds, "s", "warning"),
+            f"the switches of {foot} close {1e3 * seconds:.0f} ms after the jolt of the touch-down that the base feels; "
+            "its contacts begin earlier by this",
+            "lower the threshold of the switches, or correct their time stamps",
+            recording=name,
+        )
+        for foot, seconds in parts.late.items()
+    ]
+    return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
             *(f"{share:.1%} of the samples {message}", remedy),

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
@@ -21,6 +24,7 @@ from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
+from exoid.torques.contacts.support_model import SupportModel
 
 from .findings.kinds import KINDS
 from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
@@ -29,6 +33,9 @@ from .problem import Fitted, Problem
 
 SOFT, DELAY = 5e-5, 2e-3
 """Compliance of a sole [rad/(N·m)] and delay [s] at which effects are computed."""
+
+BESIDE = 2e-3
+"""Distance from an edge or a point at which effects are computed [m]."""
 
 GYRO, FORCE = 0.02, 0.2
 """Standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]."""
@@ -124,6 +131,35 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
 def _late(joint: int, model: TorqueModel, one: Recording) -> Recording:
     """Shift the torque of one joint by a step."""
     return without_torque_delay(for_leg(model, one), {joint: DELAY})
+
+
+def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
+    """Find points and edges whose force passes beside them: a foot that rolls, or that rests on another part."""
+    problem, leg = fitted.problem, fitted.models[0].leg
+    supports = [group.model.links if isinstance(group.model, SupportModel) else () for group in problem.groups]
+    links = [link for link in dict.fromkeys(itertools.chain(*supports)) if leg.contact_kind(link) != "flat"]
+    links = [link for link in links if link_frame(leg.model, leg.description, link).body >= 0]
+    others, every = [], np.ones(len(links))
+    for link in links:
+        model = leg.model.copy()
+        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+        forward = held_directions(leg.model, leg.description, link, leg.plane)[0, :3]
+        frame.placement = frame.placement * pin.SE3(np.eye(3), BESIDE * forward)
+        moved = [replace(group, model=replace(group.model, leg=replace(leg, model=model))) for group in problem.groups]
+        groups = [new if link in rest else old for old, new, rest in zip(problem.groups, moved, supports, strict=True)]
+        others.append(replace(problem, groups=tuple(groups)))
+    if not links:
+        return
+    found = row_changes(fitted, others, BESIDE * every, prior_std=0.05 * every, prior_mean=0.0 * every)
+    half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))  # as of delays
+    for link, x, band in zip(links, found.values.tolist(), half.tolist(), strict=True):
+        # a contact that bears hardly any load is known worse than to 5 mm, and moves no parameter
+        if abs(x) > max(band, 5e-4) and band < 5e-3:
+            text = f"the force on {link} passes {1e3 * x:.2g} ± {1e3 * band:.2g} mm before its {leg.contact_kind(link)}"
+            remedy = (
+                "measure its place; of a foot that rolls, or with late switches, give the contact of the whole foot"
+            )
+            yield Finding("contact-kind", "", x, "m", "warning", text, remedy, (x - band, x + band))
 
 
 def row_changes(

@@ -13,6 +13,9 @@ from exoid.leg.link_frames import link_frame
 from exoid.regression.rows import source_of
 from exoid.signals import Recording
 
+FEWEST, LATEST = 4, 0.02
+"""Touch-downs by which a switch is judged, and time by which it is late [s]."""
+
 
 def foot_of(leg: Leg, link: str) -> str:
     """Foot whose heel or toe a link is; any other link is its own."""
@@ -48,6 +51,31 @@ def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int, settling:
         down = np.logical_or.reduce([rest[link] for link in (foot, *edges)])
         found |= down & np.diff(down, prepend=down[:1])
     return np.convolve(found, np.ones(1 + settling))[:samples] > 0.5
+
+
+def lateness(leg: Leg, recording: Recording) -> dict[str, float]:
+    """Time by which the switches of a foot close after the jolt that the base feels [s]; only where they are late."""
+    # Jolts are changes of the specific force, by their median over touch-downs after 0.1 s in the air. A late switch
+    # has none where it closes. On time, jolts come within 6 ms of it, see tests/torques/contacts/test_heel_and_toe.py.
+    found: dict[str, float] = {}
+    if recording.base is None:
+        return found
+    jolts = np.linalg.norm(np.diff(recording.base.specific_force, axis=0, prepend=np.nan), axis=1)
+    around = np.arange(-round(0.1 * recording.sample_rate), round(0.02 * recording.sample_rate) + 1)
+    for foot, edges in _by_foot(leg, list(recording.contacts)).items():
+        links = [link for link in (foot, *edges) if link in recording.contacts]
+        down = np.logical_or.reduce([recording.contacts[link] for link in links])
+        inner = np.flatnonzero(down[1:] & ~down[:-1]) + 1
+        inner = inner[(inner + around[0] > 0) & (inner + around[-1] < len(down))]
+        landings = inner[~down[inner[:, np.newaxis] + around[around < 0]].any(axis=1)]
+        if len(landings) < FEWEST:
+            continue
+        size = np.median(jolts[landings[:, np.newaxis] + around], axis=0)
+        late = -around[np.argmax(size)] / recording.sample_rate
+        others = max(1.5 * size[np.abs(around) <= 0.01 * recording.sample_rate].max(), 3.0 * float(np.median(size)))
+        if late >= LATEST and size.max() > others:
+            found[foot] = float(late)
+    return found
 
 
 def refuse_overdetermined(leg: Leg, recording: Recording) -> None:

@@ -21,7 +21,7 @@ from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
-from .kinds import foot_of, refuse_overdetermined, touch_downs, whole_feet
+from .kinds import foot_of, lateness, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base
 
@@ -73,6 +73,7 @@ class Split(NamedTuple):
         imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
+        late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
     """
 
     stretches: tuple[Stretch, ...]
@@ -80,6 +81,7 @@ class Split(NamedTuple):
     imu: ImuErrors | None
     visible: float
     near: float
+    late: Mapping[str, float]
 
 
 def split(
@@ -103,6 +105,14 @@ def split(
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
+    late = lateness(leg, recording) if leg.base_rows else {}
+    contacts = {
+        link: flags
+        if (foot := foot_of(leg, link)) not in late
+        else _begun(flags, round(late[foot] * recording.sample_rate))
+        for link, flags in recording.contacts.items()
+    }
+    recording = replace(recording, contacts=contacts) if late else recording
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
@@ -167,7 +177,7 @@ def split(
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(_share(part, counted) for part in parts))
-    return Split(tuple(found), left_out, imu, slip.visible, near)
+    return Split(tuple(found), left_out, imu, slip.visible, near, late)
 
 
 def _without_bias(
@@ -196,6 +206,11 @@ def _share(part: BoolArray, counted: BoolArray) -> float:
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
     """Samples within a distance of those that are flagged."""
     return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
+
+
+def _begun(flags: BoolArray, samples: int) -> BoolArray:
+    """Contacts that begin earlier."""
+    return np.convolve(flags[::-1], np.ones(1 + samples))[: len(flags)][::-1] > 0.5
 
 
 def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
