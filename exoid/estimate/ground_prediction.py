@@ -112,11 +112,9 @@ def level_wrench(
     leg: Leg, q: FloatArray, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)
 ) -> GroundForce:
     """Turn a wrench in the axes of a link into those of ground forces, to compare it with a predicted one."""
-    force = wrench.force[rows]
-    moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)
-    force, moment = (np.einsum("nij,nj->ni", _level_axes(leg, q[rows], link), x) for x in (force, moment))
-    nothing, count = np.zeros_like(force), np.arange(len(wrench.force), dtype=np.float64)[rows]
-    return GroundForce(count, force, moment, nothing, nothing)
+    level, at_origin = _level_axes(leg, q[rows], link), wrench.about(np.zeros(3))
+    force, moment = (np.einsum("nij,nj->ni", level, x[rows]) for x in (at_origin.force, at_origin.moment))
+    return GroundForce(np.arange(len(q), dtype=np.float64)[rows], force, moment, 0.0 * force, 0.0 * force)
 
 
 def _level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
@@ -147,15 +145,13 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
-    found = _solution(estimate, stretch, feet)
-    rng = np.random.default_rng(0)
+    found, rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
     again = [_solution(estimate, stretch._replace(recording=each), feet) for each in _noisier(leg, stretch, feet, rng)]
     of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
     half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
-        part = slice(6 * k, 6 * k + 6)
-        wrench, band = found.wrench[:, part], half[:, part]
+        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found.wrench, half))
         forces.append(GroundForce(time, wrench[:, :3], wrench[:, 3:], band[:, :3], band[:, 3:]))
     return forces
 
@@ -163,7 +159,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
 def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
-    size = white_noise(recording.q)
+    size, base = white_noise(recording.q), recording.base
     # Noise is added to a motion three times, to see what it does to forces. The ground leans in three directions by √2
     # of its standard deviation: the mean square of the effects is that of a lean about each axis.
     for direction in np.deg2rad([0.0, 120.0, 240.0]):
@@ -172,7 +168,6 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
             force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
             wrenches[link] = replace(wrench, force=force, moment=moment)
         shaken = replace(recording, q=q, wrenches=wrenches)
-        base = recording.base
         if base is None:
             yield shaken
         elif isinstance(base, StandingBase):

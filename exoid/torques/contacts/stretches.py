@@ -21,7 +21,7 @@ from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
-from .kinds import foot_of, lateness, refuse_overdetermined, touch_downs, whole_feet
+from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base
 
@@ -105,14 +105,7 @@ def split(
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
-    late = lateness(leg, recording) if leg.base_rows else {}
-    contacts = {
-        link: flags
-        if (foot := foot_of(leg, link)) not in late
-        else _begun(flags, round(late[foot] * recording.sample_rate))
-        for link, flags in recording.contacts.items()
-    }
-    recording = replace(recording, contacts=contacts) if late else recording
+    recording, late = on_time(leg, recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
@@ -120,9 +113,8 @@ def split(
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    settling = round(SETTLING * recording.sample_rate)
-    steady = ~_widened(touch_downs(leg, rest, len(recording), settling), smeared)
-    near = (smeared + settling) / recording.sample_rate
+    landing = touch_downs(leg, rest, len(recording), round(SETTLING * recording.sample_rate))
+    steady, near = ~_widened(landing, smeared), smeared / recording.sample_rate + SETTLING
     beside = smeared + round(LATE * recording.sample_rate)
     down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
     if leg.base_rows and recording.base is None:
@@ -206,11 +198,6 @@ def _share(part: BoolArray, counted: BoolArray) -> float:
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
     """Samples within a distance of those that are flagged."""
     return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
-
-
-def _begun(flags: BoolArray, samples: int) -> BoolArray:
-    """Contacts that begin earlier."""
-    return np.convolve(flags[::-1], np.ones(1 + samples))[: len(flags)][::-1] > 0.5
 
 
 def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
