@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -135,31 +134,38 @@ def _late(joint: int, model: TorqueModel, one: Recording) -> Recording:
 
 def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
     """Find points and edges whose force passes beside them: a foot that rolls, or that rests on another part."""
-    problem, leg = fitted.problem, fitted.models[0].leg
-    supports = [group.model.links if isinstance(group.model, SupportModel) else () for group in problem.groups]
-    links = [link for link in dict.fromkeys(itertools.chain(*supports)) if leg.contact_kind(link) != "flat"]
-    links = [link for link in links if link_frame(leg.model, leg.description, link).body >= 0]
-    others, every = [], np.ones(len(links))
-    for link in links:
-        model = leg.model.copy()
-        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
-        forward = held_directions(leg.model, leg.description, link, leg.plane)[0, :3]
-        frame.placement = frame.placement * pin.SE3(np.eye(3), BESIDE * forward)
-        moved = [replace(group, model=replace(group.model, leg=replace(leg, model=model))) for group in problem.groups]
-        groups = [new if link in rest else old for old, new, rest in zip(problem.groups, moved, supports, strict=True)]
-        others.append(replace(problem, groups=tuple(groups)))
-    if not links:
+    problem, found = fitted.problem, dict[str, Problem]()
+    for link in dict.fromkeys(link for group in problem.groups for link in _on_points(group)):
+        groups = [_beside(group, link) if link in _on_points(group) else group for group in problem.groups]
+        found[link] = replace(problem, groups=tuple(groups))
+    if not found:
         return
-    found = row_changes(fitted, others, BESIDE * every, prior_std=0.05 * every, prior_mean=0.0 * every)
-    half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))  # as of delays
-    for link, x, band in zip(links, found.values.tolist(), half.tolist(), strict=True):
-        # a contact that bears hardly any load is known worse than to 5 mm, and moves no parameter
-        if abs(x) > max(band, 5e-4) and band < 5e-3:
-            text = f"the force on {link} passes {1e3 * x:.2g} ± {1e3 * band:.2g} mm before its {leg.contact_kind(link)}"
-            remedy = (
-                "measure its place; of a foot that rolls, or with late switches, give the contact of the whole foot"
-            )
+    every = np.ones(len(found))
+    c = row_changes(fitted, [*found.values()], BESIDE * every, prior_std=0.05 * every, prior_mean=0.0 * every)
+    half = 2.0 * np.sqrt(3.0 * np.diag(c.covariance))  # as of delays
+    for link, x, band in zip(found, c.values.tolist(), half.tolist(), strict=True):
+        # Edges round by 5 mm stay below 0.7 mm, by 10 mm above (study_heel_toe.py, seeds 0 to 4). A contact that
+        # bears hardly any load is known worse than to 5 mm, and moves no parameter.
+        if abs(x) > max(band, 7e-4) and band < 5e-3:
+            text = f"the force on {link} passes {1e3 * x:.2g} ± {1e3 * band:.2g} mm before the place that it rests on"
+            remedy = "measure this place; of a foot that rolls on an edge, give the contact of the whole foot"
             yield Finding("contact-kind", "", x, "m", "warning", text, remedy, (x - band, x + band))
+
+
+def _on_points(group: Group) -> list[str]:
+    """Feet that rest on points and edges."""
+    leg, links = group.model.leg, group.model.links if isinstance(group.model, SupportModel) else ()
+    of_feet = (link for link in links if link_frame(leg.model, leg.description, link).body >= 0)
+    return [link for link in of_feet if leg.contact_kind(link) != "flat" and leg.model.existFrame(link)]
+
+
+def _beside(group: Group, link: str) -> Group:
+    """Let a foot rest a step before its place."""
+    leg, model = group.model.leg, group.model.leg.model.copy()
+    frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+    forward = held_directions(leg.model, leg.description, link, leg.plane)[0, :3]
+    frame.placement = frame.placement * pin.SE3(np.eye(3), BESIDE * forward)
+    return replace(group, model=replace(group.model, leg=replace(leg, model=model)))
 
 
 def row_changes(
