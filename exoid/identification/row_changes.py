@@ -30,11 +30,8 @@ from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
 from .group_rows import Group
 from .problem import Fitted, Problem
 
-SOFT, DELAY = 5e-5, 2e-3
-"""Compliance of a sole [rad/(N·m)] and delay [s] at which effects are computed."""
-
-BESIDE = 2e-3
-"""Distance from an edge or a point at which effects are computed [m]."""
+SOFT, DELAY, BESIDE = 5e-5, 2e-3, 2e-3
+"""Compliance of a sole [rad/(N·m)], delay [s] and distance from an edge [m] at which effects are computed."""
 
 GYRO, FORCE = 0.02, 0.2
 """Standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]."""
