@@ -20,7 +20,7 @@ from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
-from exoid.torques.contacts import level_rotation, split
+from exoid.torques.contacts import split
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
 from exoid.torques.contacts.stretches import Stretch, contact_of
 
@@ -103,13 +103,18 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     return {link: in_time_order(parts) for link, parts in found.items()}
 
 
-def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:
-    """Turn a measured wrench into level axes, to compare it with a predicted one."""
-    level = level_rotation(leg, link)
-    force = wrench.force[rows]
-    moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)
-    nothing, count = np.zeros_like(force), np.arange(len(wrench.force), dtype=np.float64)[rows]
-    return GroundForce(count, force @ level.T, moment @ level.T, nothing, nothing)
+def level_wrench(
+    leg: Leg, q: FloatArray, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)
+) -> GroundForce:
+    """Turn a wrench in the axes of a link into those of ground forces, to compare it with a predicted one."""
+    level, at_origin = _level_axes(leg, q[rows], link), wrench.about(np.zeros(3))
+    force, moment = (np.einsum("nij,nj->ni", level, x[rows]) for x in (at_origin.force, at_origin.moment))
+    return GroundForce(np.arange(len(q), dtype=np.float64)[rows], force, moment, 0.0 * force, 0.0 * force)
+
+
+def _level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+    """Axes of ground forces from those of a link, (N, 3, 3): the laboratory's where the base does not turn."""
+    return link_placements(leg, q * (leg.base_rows == 0), link).rotation
 
 
 def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
@@ -135,8 +140,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
-    found = _solution(estimate, stretch, feet)
-    rng = np.random.default_rng(0)
+    found, rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
     again = [_solution(estimate, stretch._replace(recording=each), feet) for each in _noisier(leg, stretch, feet, rng)]
     of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
     # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
@@ -146,8 +150,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion + smeared**2)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
-        part = slice(6 * k, 6 * k + 6)
-        wrench, band = found.wrench[:, part], half[:, part]
+        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found.wrench, half))
         forces.append(GroundForce(time, wrench[:, :3], wrench[:, 3:], band[:, :3], band[:, 3:]))
     return forces
 
@@ -155,7 +158,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
 def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
-    size = white_noise(recording.q)
+    size, base = white_noise(recording.q), recording.base
     # Noise is added to a motion three times, to see what it does to forces. The ground leans in three directions by √2
     # of its standard deviation: the mean square of the effects is that of a lean about each axis.
     for direction in np.deg2rad([0.0, 120.0, 240.0]):
@@ -164,7 +167,6 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
             force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
             wrenches[link] = replace(wrench, force=force, moment=moment)
         shaken = replace(recording, q=q, wrenches=wrenches)
-        base = recording.base
         if base is None:
             yield shaken
         elif isinstance(base, StandingBase):
@@ -224,9 +226,7 @@ def _solve(
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
-    # the angles say how a link stands in the laboratory where the base does not turn
-    level = level_rotation(leg, link) if leg.base_rows else link_placements(leg, q, link).rotation[:, np.newaxis]
-    turned = level @ jacobian.reshape(len(q), 2, 3, -1)
+    turned = _level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 
 

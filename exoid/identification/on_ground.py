@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
-from exoid.estimate.finding import Finding
+from exoid.estimate.finding import Finding, Severity
 from exoid.leg.link_frames import link_frame
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
@@ -28,7 +29,7 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Footing, by_recording, find_footing, residual, rms_residuals, tilted
+from .row_changes import Footing, by_recording, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
@@ -51,16 +52,22 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted)
     if found is None:
-        return _suspended(fitted, estimator)
+        return _suspended(_with_findings(fitted, contact_offsets(fitted)), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), found) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
-    first, *others = fitted.problem.groups
-    findings = (*first.findings, *_footing_findings(footing, fitted))
-    problem = replace(fitted.problem, groups=(replace(first, findings=findings), *others))
     slopes = footing.found.slopes
-    return fitted._replace(problem=problem, doubt=slopes @ footing.found.covariance @ slopes.T)
+    doubt = slopes @ footing.found.covariance @ slopes.T
+    findings = (*_footing_findings(footing, fitted), *contact_offsets(fitted))
+    return _with_findings(fitted, findings)._replace(doubt=doubt)
+
+
+def _with_findings(fitted: Fitted, findings: Iterable[Finding]) -> Fitted:
+    """Add findings to those of the first group."""
+    first, *others = fitted.problem.groups
+    first = replace(first, findings=(*first.findings, *findings))
+    return fitted._replace(problem=replace(fitted.problem, groups=(first, *others)))
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -89,20 +96,13 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     moved = fit_linear(replace(problem, groups=tuple(groups)), estimator).fit.solution.values - values
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))
     most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
-    finding = Finding(
-        "suspended",
-        "",
-        float(np.mean(found)),
-        "m/s²",
-        "info",
+    text = (
         "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves "
-        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals",
-        "weigh the machine (known=), or let a foot push on the ground",
-        parameters=(problem.names[most],),
+        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals"
     )
-    first, *others = problem.groups
-    problem = replace(problem, groups=(replace(first, findings=(*first.findings, finding)), *others))
-    return fitted._replace(problem=problem, doubt=np.outer(moved, moved))
+    remedy, names = "weigh the machine (known=), or let a foot push on the ground", (problem.names[most],)
+    finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
+    return _with_findings(fitted, [finding])._replace(doubt=np.outer(moved, moved))
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
@@ -215,7 +215,13 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
             "record an IMU on the torso",
         ),
     )
-    return [
+    text = "the switches of {} close {:.0f} ms after the jolt of its touch-downs; its contacts begin with the jolt"
+    advice = "lower the threshold of the switches, or correct their time stamps"
+    late = [
+        Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
+        for foot, x in parts.late.items()
+    ]
+    return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
             *(f"{share:.1%} of the samples {message}", remedy),
@@ -235,34 +241,19 @@ def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str,
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
     # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
     if errors.std[3:6].max() > 0.05:
-        return Finding(
-            "imu-unchecked",
-            "",
-            2.0 * std,
-            "m/s²",
-            "warning",
-            f"{when}, the bias of the base's sensor is known to ± {2.0 * std:.2g} m/s² only, which is part of all "
-            "intervals",
-            "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))",
-            parameters=parameters,
-            recording=name,
-        )
+        about = f"is known to ± {2.0 * std:.2g} m/s² only, which is part of all intervals"
+        text = f"{when}, the bias of the base's sensor {about}"
+        remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
+        return Finding("imu-unchecked", "", 2.0 * std, "m/s²", "warning", text, remedy, None, parameters, name)
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large = size > 0.5
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
-    return Finding(
-        "imu-bias",
-        "",
-        size,
-        "m/s²",
-        "warning" if large else "info",
-        f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was taken out"
-        + ("; no sensor is off by so much" if large else ""),
-        remedy if large else "calibrate the sensor",
-        interval=(size - 2.0 * std, size + 2.0 * std),
-        parameters=parameters if large else (),
-        recording=name,
-    )
+    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was taken out"
+    interval = (size - 2.0 * std, size + 2.0 * std)
+    if not large:
+        return Finding("imu-bias", "", size, "m/s²", "info", text, "calibrate the sensor", interval, (), name)
+    text = f"{text}; no sensor is off by so much"
+    return Finding("imu-bias", "", size, "m/s²", "warning", text, remedy, interval, parameters, name)
 
 
 def without_outliers(fitted: Fitted) -> Problem:
@@ -297,20 +288,14 @@ def without_outliers(fitted: Fitted) -> Problem:
 def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
     """Say how soft soles are, how the ground leans, what a lean would move, and how far a sensor was off."""
     halves = 2.0 * np.sqrt(np.diag(footing.found.covariance))
-    findings = [
-        Finding(
-            "sole-compliance",
-            "",
-            value,
-            "rad/(N·m)",
-            "info",
-            f"the motion of the base follows from {link}, which tilts by {value:.2g} ± {half:.2g} rad/(N·m) "
-            "under the torque of its joint; this was taken into account, and its error is part of all intervals",
-            "record an IMU on the torso, which needs no such assumption",
-            interval=(value - half, value + half),
+    findings, remedy = list[Finding](), "record an IMU on the torso, which needs no such assumption"
+    for (link, c), half in zip(footing.compliance.items(), halves.tolist(), strict=False):
+        text = (
+            f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
+            "under the torque of its joint; this was taken into account, and its error is part of all intervals"
         )
-        for (link, value), half in zip(footing.compliance.items(), halves.tolist(), strict=False)
-    ]
+        interval = (c - half, c + half)
+        findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
     model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, by all rows"
@@ -326,20 +311,13 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
     moved = ", ".join(f"{model.names[k]} by {moves[k]:.2g} {model.units[k]}" for k in most)
     # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
     leans = lean - half > np.rad2deg(2.0 * LEVEL)
-    findings.append(
-        Finding(
-            "base-from-feet",
-            "",
-            lean,
-            "°",
-            "warning" if leans else "info",
-            f"the motion of the base was not measured, and follows from feet that rest. The ground under them leans by "
-            f"{lean:.2f} ± {half:.2f}°, which was taken into account; one degree would move {moved}",
-            "level the ground, or check the zeros of the angles" if leans else "record an IMU on the torso",
-            interval=(lean - half, lean + half),
-        )
+    text = (
+        f"the motion of the base was not measured, and follows from feet that rest. The ground under them leans by "
+        f"{lean:.2f} ± {half:.2f}°, which was taken into account; one degree would move {moved}"
     )
-    return findings
+    remedy = "level the ground, or check the zeros of the angles" if leans else "record an IMU on the torso"
+    severity: Severity = "warning" if leans else "info"
+    return [*findings, Finding("base-from-feet", "", lean, "°", severity, text, remedy, (lean - half, lean + half))]
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
@@ -371,15 +349,12 @@ def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
 
 def _outlier(support: str, share: float, recording: Recording, *, kept: bool) -> Finding:
     """Say that samples do not fit."""
-    return Finding(
-        "wrong-contact",
-        "",
-        share,
-        "1",
-        # with a load cell alone no contact can be labelled wrongly: the model may be poor
-        "error" if kept and support != MEASURED else "warning" if kept or share > MUCH_LEFT_OUT else "info",
+    # with a load cell alone no contact can be labelled wrongly: the model may be poor
+    severity: Severity = "warning" if kept or share > MUCH_LEFT_OUT else "info"
+    severity = "error" if kept and support != MEASURED else severity
+    text = (
         f"{share:.1%} of the samples with {support} do not fit the others: a contact is labelled wrongly, slips, or "
-        "another force acts; " + ("they are too many to leave out" if kept else "they were left out"),
-        "check contacts and other forces on the leg",
-        recording=source_of(recording),
+        "another force acts; " + ("they are too many to leave out" if kept else "they were left out")
     )
+    remedy, where = "check contacts and other forces on the leg", source_of(recording)
+    return Finding("wrong-contact", "", share, "1", severity, text, remedy, recording=where)

@@ -13,6 +13,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
+from exoid.leg.model import joint_axis
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
@@ -444,8 +445,13 @@ class TorqueModel:
     def _units(self) -> dict[str, str]:
         """Unit of each parameter that is not regrouped."""
         units = dict(zip(self.leg.parameter_names, self.leg.parameter_units, strict=True))
+        turns = [joint_axis(joint)[3:].any() for joint in list(self.leg.model.joints)[1:]]
+        turns = turns if self.leg.closure is None else [turns[j] for j in self.leg.closure.independent]
         for block in self.blocks:
-            units.update(zip(block.names, block.term.units, strict=True))
+            of_term = block.term.units
+            if not any(turns[joint] for joint in block.joints):  # a joint that slides has N, m and kg
+                of_term = tuple(u.replace("N·m", "N").replace("rad", "m").replace("kg·m²", "kg") for u in of_term)
+            units.update(zip(block.names, of_term, strict=True))
         for regrouped in self.regrouped:
             del units[regrouped.name]
         return units

@@ -197,8 +197,8 @@ def _forces(estimate: Estimate, runs: StanceRuns) -> tuple[ForceError, ...]:
         for link, force in ground_forces(estimate, runs.log(motion)).items():
             rows = np.searchsorted(run.time, force.time)
             height = float(runs.plant.soles[link].points[:, 2].mean())
-            true = level_wrench(leg, link, run.wrench(link), rows)
-            measured = level_wrench(leg, link, plates.wrenches[link], rows)
+            true = level_wrench(leg, plates.q, link, run.wrench(link), rows)
+            measured = level_wrench(leg, plates.q, link, plates.wrenches[link], rows)
             error = force.force[:, 2] - true.force[:, 2]
             aside = (force.center_of_pressure(height) - true.center_of_pressure(height))[:, 0]
             found.append(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.regression.rows import source_of
 from exoid.signals import Recording
+
+FEWEST, LATEST = 4, 0.02
+"""Touch-downs by which a switch is judged, and time by which it is late [s]."""
 
 
 def foot_of(leg: Leg, link: str) -> str:
@@ -41,13 +45,41 @@ def whole_feet(leg: Leg, flags: Mapping[str, BoolArray]) -> dict[str, BoolArray]
     return out
 
 
-def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int) -> BoolArray:
-    """First samples of each foot on the ground, by whatever part of it."""
+def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int, settling: int) -> BoolArray:
+    """First samples of each foot on the ground, by whatever part of it, and those in which it settles."""
     found = np.zeros(samples, dtype=np.bool_)
     for foot, edges in _by_foot(leg, list(rest)).items():
         down = np.logical_or.reduce([rest[link] for link in (foot, *edges)])
         found |= down & np.diff(down, prepend=down[:1])
-    return found
+    return np.convolve(found, np.ones(1 + settling))[:samples] > 0.5
+
+
+def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]]:
+    """Let contacts begin with the jolt that the base feels where switches close after it; and how late they are [s]."""
+    # Jolts are changes of the specific force, by their median over touch-downs after 0.1 s in the air. A late switch
+    # has none where it closes. On time, jolts come within 6 ms of it, see tests/torques/contacts/test_heel_and_toe.py.
+    contacts, late, rate = dict(recording.contacts), dict[str, float](), recording.sample_rate
+    if recording.base is None or not leg.base_rows:
+        return recording, late
+    jolts = np.linalg.norm(np.diff(recording.base.specific_force, axis=0, prepend=np.nan), axis=1)
+    around = np.arange(-round(0.1 * rate), round(0.02 * rate) + 1)
+    for foot, edges in _by_foot(leg, list(contacts)).items():
+        links = [link for link in (foot, *edges) if link in contacts]
+        down = np.logical_or.reduce([contacts[link] for link in links])
+        starts = np.flatnonzero(down[1:] & ~down[:-1]) + 1
+        starts = starts[(starts + around[0] > 0) & (starts + around[-1] < len(down))]
+        starts = starts[~down[starts[:, np.newaxis] + around[around < 0]].any(axis=1)]
+        if len(starts) < FEWEST:
+            continue
+        size = np.median(jolts[starts[:, np.newaxis] + around], axis=0)
+        first, others = (
+            -int(around[np.argmax(size)]),
+            max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size)),
+        )
+        if first >= LATEST * rate and size.max() > others:
+            late[foot] = first / rate
+            contacts |= {link: np.convolve(contacts[link], np.ones(1 + first))[first:] > 0.5 for link in links}
+    return replace(recording, contacts=contacts), late
 
 
 def refuse_overdetermined(leg: Leg, recording: Recording) -> None:

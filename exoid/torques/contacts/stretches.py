@@ -21,7 +21,7 @@ from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
-from .kinds import foot_of, refuse_overdetermined, touch_downs, whole_feet
+from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base
 
@@ -33,6 +33,9 @@ Shorter gaps of a contact are filled.
 
 LATE = 0.05
 """A foot may be down so long before its switch closes, or after it opened [s]."""
+
+SETTLING = 0.03
+"""A foot slips and rings for so long after a touch-down [s]; 0.02 is too short, see scripts/study_heel_toe.py."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -70,6 +73,7 @@ class Split(NamedTuple):
         imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
+        late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
     """
 
     stretches: tuple[Stretch, ...]
@@ -77,6 +81,7 @@ class Split(NamedTuple):
     imu: ImuErrors | None
     visible: float
     near: float
+    late: Mapping[str, float]
 
 
 def split(
@@ -100,6 +105,7 @@ def split(
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
+    recording, late = on_time(leg, recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
@@ -107,7 +113,8 @@ def split(
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    steady, near = ~_widened(touch_downs(leg, rest, len(recording)), smeared), smeared / recording.sample_rate
+    landing = touch_downs(leg, rest, len(recording), round(SETTLING * recording.sample_rate))
+    steady, near = ~_widened(landing, smeared), smeared / recording.sample_rate + SETTLING
     beside = smeared + round(LATE * recording.sample_rate)
     down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
     if leg.base_rows and recording.base is None:
@@ -162,7 +169,7 @@ def split(
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(_share(part, counted) for part in parts))
-    return Split(tuple(found), left_out, imu, slip.visible, near)
+    return Split(tuple(found), left_out, imu, slip.visible, near, late)
 
 
 def _without_bias(

@@ -46,7 +46,7 @@ Loads = dict[str, dict[str, Load]]
 def ground_loads(source: Leg | Estimate, leg: Leg, replay: Replay, standing: Standing) -> tuple[Loads, tuple[str, ...]]:
     """Find measured and, for an estimate, predicted loads of resting feet; and why they cannot be predicted."""
     recording = replay.recording
-    found = {link: level_wrench(leg, link, wrench) for link, wrench in wrenches_on_links(leg, recording).items()}
+    found = {k: level_wrench(leg, recording.q, k, each) for k, each in wrenches_on_links(leg, recording).items()}
     measured, predicted = ((link, recording.time, each, np.inf) for link, each in found.items()), []
     notes: tuple[str, ...] = ()
     if isinstance(source, Estimate) and recording.tau is not None:

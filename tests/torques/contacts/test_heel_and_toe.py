@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import runpy
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +16,9 @@ from exoid.estimate import Estimate
 from exoid.experiments.ground import bleex_machine, walking
 from exoid.lab.reproduce.stance import TERMS, WALKING
 from exoid.leg.description import describe
-from exoid.rig.ground import GroundSensors
+from exoid.rig.ground import GroundSensors, Sole
 from exoid.torques.contacts import split
-from exoid.torques.contacts.kinds import touch_downs, whole_feet
+from exoid.torques.contacts.kinds import on_time, touch_downs, whole_feet
 
 HEEL, TOE = (-0.075, -0.1, -0.11), (0.13, -0.1, -0.11)
 FOOT = "left_foot"
@@ -49,7 +51,7 @@ def test_heel_and_toe_together_are_flat():
     np.testing.assert_array_equal(found[FOOT], bits("0011000"))
     np.testing.assert_array_equal(found[f"{FOOT}_heel"], bits("0100000"))
     np.testing.assert_array_equal(found[f"{FOOT}_toe"], bits("0000100"))
-    np.testing.assert_array_equal(touch_downs(exo(), found, 7), bits("0100000"))
+    np.testing.assert_array_equal(touch_downs(exo(), found, 7, settling=2), bits("0111000"))
 
 
 def a_log(contacts):
@@ -134,3 +136,39 @@ def test_heels_and_toes_are_saved_with_an_estimate(walk, tmp_path):
     estimate.save(tmp_path / "est.json")
     again = Estimate.load(tmp_path / "est.json").model.leg
     assert dict(again.contacts) == dict(leg.contacts) == {f"{FOOT}_heel": "edge", f"{FOOT}_toe": "edge"}
+
+
+@pytest.mark.parametrize("late", [0.0, 0.01, 0.03, 0.06])
+def test_switches_that_close_after_the_jolt_of_a_touch_down_are_late(late):
+    rate, rng = 500.0, np.random.default_rng(0)
+    time = np.arange(0.0, 10.0, 1.0 / rate)
+    down = time % 1.0 > 0.4
+    force = np.tile([0.0, 0.0, 9.81], (len(time), 1)) + 0.05 * rng.standard_normal((len(time), 3))
+    jolts = np.flatnonzero(np.diff(down.astype(int)) > 0) + 1
+    for k in range(5):
+        force[jolts + k] += 3.0 * (-0.7) ** k
+    shift = round(late * rate)
+    closed = np.concatenate([np.zeros(shift, dtype=bool), down[: len(down) - shift]])
+    base = exoid.BaseMotion.from_imu(np.zeros_like(force), force)
+    q = np.zeros((len(time), 6))
+    log = exoid.Recording(time, q, tau=q, joint_names=exo().joint_names, base=base, contacts={f"{FOOT}_heel": closed})
+    mended, found = on_time(exo(), log)
+    assert found == (pytest.approx({FOOT: late}, abs=0.003) if late >= 0.03 else {})
+    begun = np.flatnonzero(np.diff(mended.contacts[f"{FOOT}_heel"].astype(int)) > 0) + 1
+    np.testing.assert_allclose(begun, jolts + (shift if late < 0.03 else 0), atol=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("radius", "delay"), [(5e-4, 0.0), (5e-4, 0.06), (0.02, 0.0)])
+def test_round_edges_and_late_switches_are_named(radius, delay):
+    """A walk of the study, without noise of other seeds: sharp edges in time are no finding."""
+    study = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "study_heel_toe.py"))
+    plant = bleex_machine()
+    plant = replace(plant, soles={name: Sole(sole.points, radius) for name, sole in plant.soles.items()})
+    run, late = walking(plant, 40.0), round(500.0 * delay)
+    log = run.recording(GroundSensors(), 0, wrenches=("torso",))
+    contacts = {k: np.roll(x, late) for k, x in study["switches"](run).items()}
+    log = replace(log, base=replace(log.base, calibrated=True), contacts=contacts)
+    found = exoid.identify(study["machine"](plant), log, TERMS, preparation=WALKING, check=False).findings
+    units = {each.unit for each in found if each.kind == "contact-kind"}
+    assert units == ({"s"} if delay else {"m"} if radius > 0.01 else set())

@@ -104,7 +104,7 @@ def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, es
 def test_ground_force_and_centre_of_pressure_follow_from_torques(exo, estimate, feet):
     log = standing(exo, feet, seconds=12.0, seed=99, noise=NOISE, encoder=ENCODER, friction=friction)
     for link, found in exoid.ground_forces(estimate, log.recording).items():
-        true = level_wrench(exo, link, log.wrenches[link])
+        true = level_wrench(exo, log.recording.q, link, log.wrenches[link])
         rows = np.searchsorted(log.recording.time, found.time)[50:-50]
         error = (found.force - true.force[np.searchsorted(log.recording.time, found.time)])[50:-50]
         assert np.sqrt(np.mean(error[:, 2] ** 2)) < 0.005 * GRAVITY * exo.parameters[0]

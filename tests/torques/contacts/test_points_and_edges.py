@@ -149,6 +149,24 @@ def test_a_quadruped_is_identified_from_point_feet_without_their_forces(walked):
         np.testing.assert_allclose(one.moment, 0.0, atol=1e-9)
 
 
+def beside(estimate):
+    """Distances by which forces pass before feet [m]."""
+    return [each.value for each in estimate.findings if each.kind == "contact-kind"]
+
+
+@pytest.mark.slow
+def test_feet_that_rest_behind_their_points_are_named(walked):
+    model = quadruped().model.copy()
+    for foot in FEET:
+        frame = model.frames[model.getFrameId(foot)]
+        frame.placement = frame.placement * pin.SE3(np.eye(3), np.array([0.005, 0.0, 0.0]))
+    log, _ = walk(quadruped(), 10.0, np.random.default_rng(0), noise=0.01)
+    found = beside(exoid.identify(replace(quadruped(), model=model), log, terms=(), check=False))
+    assert len(found) == 4
+    assert max(found) < -0.002  # other parameters take a part
+    assert not beside(walked)
+
+
 @pytest.mark.slow
 def test_what_a_log_on_point_feet_determines_is_predicted():
     """Without noise but that of the torques, as the prediction assumes; four feet at rest leave parameters open."""

@@ -14,8 +14,10 @@ import pytest
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate, ground_forces
+from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.description import describe
+from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
@@ -154,3 +156,19 @@ def test_mistakes_beside_a_rail_are_named(kind, make, says):
     with pytest.raises(kind) as refused:
         exoid.identify(hopper()[1], make(), study.TERMS)
     assert says in str(refused.value)
+
+
+def test_a_measured_force_has_the_axes_of_the_laboratory_as_a_predicted_one():
+    leg, pressed = hopper()[1], log("press", plate=True)
+    true = run("press").force[np.searchsorted(run("press").time, pressed.time)]
+    on_link = wrenches_on_links(leg, pressed)["foot"]
+    level = level_wrench(leg, pressed.q, "foot", on_link)
+    np.testing.assert_allclose(level.force.mean(axis=0), true.mean(axis=0), atol=0.002 * true[:, 2].mean())
+    assert np.abs(on_link.force.mean(axis=0) - true.mean(axis=0)).max() > 0.05 * true[:, 2].mean()
+
+
+def test_units_of_a_joint_that_slides_are_those_of_forces():
+    model = TorqueModel(hopper()[1], (exoid.Coulomb(), exoid.Viscous(), exoid.Armature(), exoid.Stiffness()))
+    units = dict(zip(model.names, model.units, strict=True))
+    assert [units[f"{symbol}_base_z"] for symbol in ("c0", "d", "Ia", "b1")] == ["N", "N·s/m", "kg", "N/m"]
+    assert [units[f"{symbol}_hip"] for symbol in ("c0", "d", "b1")] == ["N·m", "N·m·s/rad", "N·m/rad"]
