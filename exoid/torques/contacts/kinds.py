@@ -72,10 +72,8 @@ def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]
         if len(starts) < FEWEST:
             continue
         size = np.median(jolts[starts[:, np.newaxis] + around], axis=0)
-        first, others = (
-            -int(around[np.argmax(size)]),
-            max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size)),
-        )
+        first = -int(around[np.argmax(size)])
+        others = max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size))
         if first >= LATEST * rate and size.max() > others:
             late[foot] = first / rate
             contacts |= {link: np.convolve(contacts[link], np.ones(1 + first))[first:] > 0.5 for link in links}
