@@ -124,6 +124,8 @@ def test_every_script_that_a_page_names_exists_and_has_the_options(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     for name, options in re.findall(r"python (scripts/\w+\.py)((?: +[^\s`|,;:)#&]+)*)", text):
         source = (ROOT / name).read_text(encoding="utf-8")
+        shared = [ROOT / "scripts" / f"{module}.py" for module in re.findall(r"^from (\w+) import", source, re.M)]
+        source += "".join(path.read_text(encoding="utf-8") for path in shared if path.is_file())
         for option in re.findall(r" (--[a-z][\w-]*)", options):
             assert f'"{option}"' in source or option == "--help", f"{name} {option}"
 
