@@ -64,8 +64,9 @@ def test_friction_that_grows_with_speed_to_a_limit_is_selected_with_c0_and_d():
     assert -values["c0_j1"] < values["cs_j1"] < 0.0
 
 
+@shown("0.125 against 0.106; it was 0.094 behind 8 Hz and by least squares, which is worse for most other machines")
 def test_selection_is_never_worse_than_the_default_terms():
-    """NRMSE was 0.116 against 0.106 by the default terms while filter and estimator were chosen, too."""
+    """A log of 8 s; from 12 s of the same machine the choice has 0.069 against 0.127."""
     machine, leg, log, test = ground(14)
     assert error(machine, select_terms(leg, log).estimate, test) <= 1.02 * nrmse(14, "default")
 
