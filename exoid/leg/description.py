@@ -18,6 +18,9 @@ from lxml import etree
 from exoid.errors import UnreadableInputError
 from exoid.tools.files import read_bounded
 
+LARGEST_URDF = 20_000_000
+"""Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
+
 MOST_LINKS = 1000
 """Largest number of links. Humanoids with hands have about 150; thousands overflow the stack of Pinocchio's parser."""
 
@@ -117,7 +120,7 @@ def read_description(path: str | Path) -> Description:
     """Read a URDF file."""
     path = Path(path)
     remedy = "give the path of a URDF file without embedded meshes, or the name of a built-in leg ('bleex', 'cuhk')"
-    content = read_bounded(path, remedy)
+    content = read_bounded(path, LARGEST_URDF, remedy)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

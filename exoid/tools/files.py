@@ -33,11 +33,11 @@ STANDARD_OUTPUT = 1
 REPLACES = "is an input, which the output would replace"
 
 
-LARGEST_TEXT = 2**26
-"""Length of a file beyond which it is no URDF, TOML or JSON that exoid can use; devices have no end [bytes]."""
+LARGEST_JSON = 2**26
+"""Length of a file beyond which exoid did not write it [bytes]."""
 
 
-def read_bounded(path: str | os.PathLike[str], remedy: str) -> bytes:
+def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> bytes:
     """Read a regular file of at most so many bytes: devices and pipes have no end."""
     try:
         mode = os.stat(path).st_mode  # noqa: PTH116 - a path with a null byte is a ValueError
@@ -45,18 +45,18 @@ def read_bounded(path: str | os.PathLike[str], remedy: str) -> bytes:
             what = "is a directory" if stat.S_ISDIR(mode) else "is a device or a pipe"
             raise UnreadableInputError(what, file=str(path), remedy=remedy)
         with Path(path).open("rb") as opened:
-            content = opened.read(LARGEST_TEXT + 1)
+            content = opened.read(largest + 1)
     except (OSError, ValueError) as error:
         what = f"cannot be read ({getattr(error, 'strerror', None) or error})"
         raise UnreadableInputError(what, file=str(path), remedy=remedy) from error
-    if len(content) > LARGEST_TEXT:
-        raise UnreadableInputError(f"larger than {LARGEST_TEXT / 1e6:.3g} MB", file=str(path), remedy=remedy)
+    if len(content) > largest:
+        raise UnreadableInputError(f"larger than {largest / 1e6:.3g} MB", file=str(path), remedy=remedy)
     return content
 
 
 def read_json(path: str | os.PathLike[str], what: str, schemas: Collection[str], remedy: str) -> dict[str, Any]:
     """Read a file that exoid wrote, of one of some schemas."""
-    content = read_bounded(path, remedy)
+    content = read_bounded(path, LARGEST_JSON, remedy)
     try:
         data = json.loads(content.decode("utf-8"))
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits

@@ -15,8 +15,7 @@ from small_urdfs import BODY, KNEE, URDF, replaced
 from exoid import ExoidError, Leg
 from exoid.errors import UnreadableInputError
 from exoid.leg.catalog import urdf_folder
-from exoid.leg.description import MOST_LINKS, describe, read_description
-from exoid.tools.files import LARGEST_TEXT
+from exoid.leg.description import LARGEST_URDF, MOST_LINKS, describe, read_description
 
 
 def test_the_urdf_that_the_others_spoil_is_good():
@@ -40,12 +39,12 @@ def test_a_description_keeps_text_name_and_hash(tmp_path):
 def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path):
     path = tmp_path / "huge.urdf"
     with path.open("wb") as file:
-        file.truncate(50 * LARGEST_TEXT)
+        file.truncate(50 * LARGEST_URDF)
     tracemalloc.start()
     try:
-        with pytest.raises(UnreadableInputError, match=r"67\.1 MB"):
+        with pytest.raises(UnreadableInputError, match="20 MB"):
             read_description(path)
-        assert tracemalloc.get_traced_memory()[1] < 3 * LARGEST_TEXT
+        assert tracemalloc.get_traced_memory()[1] < 3 * LARGEST_URDF
     finally:
         tracemalloc.stop()
 
