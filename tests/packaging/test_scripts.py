@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-NEEDS = {"fuzz_readers": "atheris"}
+NEEDS = {"fuzz_readers": "atheris", "import_graph": "grimp", "site_pages": "mkdocs"}
 
 
 @pytest.mark.parametrize("path", sorted(SCRIPTS.glob("*.py")), ids=lambda path: path.stem)
