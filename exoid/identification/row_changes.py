@@ -141,7 +141,7 @@ def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
     c = row_changes(fitted, [*found.values()], BESIDE * every, prior_std=0.05 * every, prior_mean=0.0 * every)
     half = 2.0 * np.sqrt(3.0 * np.diag(c.covariance))  # as of delays
     for link, x, band in zip(found, c.values.tolist(), half.tolist(), strict=True):
-        # Edges round by 5 mm stay below 0.7 mm, by 10 mm above (study_heel_toe.py, seeds 0 to 4). A contact that
+        # Edges round by 5 mm stay below 0.7 mm; of 10 mm, four of five seeds are above (0 to 4). A contact that
         # bears hardly any load is known worse than to 5 mm, and moves no parameter.
         if abs(x) > max(band, 7e-4) and band < 5e-3:
             text = f"the force on {link} passes {1e3 * x:.2g} ± {1e3 * band:.2g} mm before the place that it rests on"

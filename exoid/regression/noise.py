@@ -11,10 +11,11 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .least_squares import TINY
-
 LARGEST_ORDER = 30
 """Autoregressive orders up to this are compared."""
+
+TINY = 1e-30
+"""Smallest variance of weighted rows to divide by: silence, whose whitened rows stay far from an overflow."""
 
 
 @dataclass(frozen=True, eq=False)
