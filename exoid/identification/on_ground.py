@@ -52,14 +52,14 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted)
     if found is None:
-        return _suspended(_with_findings(fitted, contact_offsets(fitted)), estimator)
+        return _suspended(_with_findings(fitted, contact_offsets(fitted) if check else ()), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), found) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
     slopes = footing.found.slopes
     doubt = slopes @ footing.found.covariance @ slopes.T
-    findings = (*_footing_findings(footing, fitted), *contact_offsets(fitted))
+    findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
     return _with_findings(fitted, findings)._replace(doubt=doubt)
 
 

@@ -169,6 +169,6 @@ def test_round_edges_and_late_switches_are_named(radius, delay):
     log = run.recording(GroundSensors(), 0, wrenches=("torso",))
     contacts = {k: np.roll(x, late) for k, x in study["switches"](run).items()}
     log = replace(log, base=replace(log.base, calibrated=True), contacts=contacts)
-    found = exoid.identify(study["machine"](plant), log, TERMS, preparation=WALKING, check=False).findings
+    found = exoid.identify(study["machine"](plant), log, TERMS, preparation=WALKING).findings
     units = {each.unit for each in found if each.kind == "contact-kind"}
     assert units == ({"s"} if delay else {"m"} if radius > 0.01 else set())
