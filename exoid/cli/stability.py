@@ -1,8 +1,8 @@
-"""``exoid stability``: where a leg comes to rest under PD control with friction compensation, and its gain margins."""
+"""``exoid stability``: how far the gains of PD control may be raised, by rate and delay."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
@@ -13,15 +13,10 @@ from .messages import note
 from .numbers import joint_values
 from .options import AsJson, Number, Text
 from .outputs import check_outputs, print_result, save_figure
-from .progress import progress_bar
 from .refusals import is_readable, refuse
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from exoid.control import Law
-    from exoid.lab.stability.gain_margin import GainMargins
-    from exoid.lab.stability.regulation import Regulations
     from exoid.rig import Plant
 
 
@@ -30,41 +25,38 @@ def stability(
     kp: Annotated[str, Option(metavar="A,B", help="Kp of each joint [N·m/rad].")] = "22.1,55.6",
     kd: Annotated[Text, Option(metavar="A,B", help="Kd [N·m·s/rad]; 0.1 Kp by default.")] = None,
     target: Annotated[str, Option(metavar="A,B", help="Target angle of each joint [deg].")] = "10,40",
-    away: Annotated[str, Option(metavar="A,B", help="Start minus target of each joint [deg].")] = "25,-30",
     rotor: Annotated[Number, Option(metavar="KGM2", help="Rotor inertia at cuhk's joints; default 0.8.")] = None,
-    rate: Annotated[float, Option(metavar="HZ", help="Sampling rate of the controller.")] = 100.0,
-    duration: Annotated[float, Option(metavar="S", help="Duration of each run.")] = 20.0,
-    figure: Annotated[Text, Option(metavar="PNG", help="Draw errors and gain margins.")] = None,
+    figure: Annotated[Text, Option(metavar="PNG", help="Draw the gain margins.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Regulate with partial and excessive friction compensation, and find the gain margins.
+    """Find how far the gains of PD control with gravity compensation may be raised, by rate and delay.
 
-    Example: exoid stability cuhk --duration 5
+    Example: exoid stability cuhk
     """
     # The default gains of CUHK-EXO reproduce document 2's tracking errors under PD control.
     import numpy as np  # noqa: PLC0415 - help needs no arrays
 
-    from exoid.lab import stability as checks  # noqa: PLC0415
+    from exoid.lab.stability import gain_margins, plot_gain_margins  # noqa: PLC0415
 
     check_outputs({"--figure": figure}, [leg])
     plant = _plant(leg, rotor)
     joints = plant.leg.joint_names
     stiffness = joint_values(kp, "--kp", joints)
     damping = 0.1 * stiffness if kd is None else joint_values(kd, "--kd", joints)
-    aim, start = (np.deg2rad(joint_values(*each, joints)) for each in ((target, "--target"), (away, "--away")))
-    with progress_bar("regulating") as progress:
-        runs = checks.regulate(plant, stiffness, damping, aim, start, rate=rate, duration=duration, progress=progress)
 
     def law(scale: float, rate: float) -> Law:
         """Make the controller with scaled gains, at a rate [Hz]."""
         return exoid.control.gravity_friction_pd(plant, scale * stiffness, scale * damping, friction=None, rate=rate)
 
-    margins = checks.gain_margins(plant, law, aim)
+    margins = gain_margins(plant, law, np.deg2rad(joint_values(target, "--target", joints)))
     if figure is not None:
-        save_figure(figure, _draw(runs, margins))
-    results: dict[str, Any] = {"regulation": runs, "gain_margins": margins}
-    data = {name: each.to_json() for name, each in results.items()}
-    print_result("\n\n".join(map(str, results.values())), as_json=as_json, data=data)
+        from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
+
+        with exoid.view.paper():
+            drawing = Figure(figsize=(3.5, 2.5))
+            plot_gain_margins(drawing.subplots(), margins)
+        save_figure(figure, drawing)
+    print_result(margins, as_json=as_json, data={"gain_margins": margins.to_json()})
 
 
 def _plant(name: str, rotor: float | None) -> Plant:
@@ -89,16 +81,3 @@ def _plant(name: str, rotor: float | None) -> Plant:
             )
         note(f"{parameter} = {value:.2g} ± {std:.1g} is taken as zero")
     return exoid.control.ControlModel.of(estimate).plant(end_stops=False)
-
-
-def _draw(runs: Regulations, margins: GainMargins) -> Figure:
-    from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
-
-    from exoid.lab import stability as checks  # noqa: PLC0415
-
-    with exoid.view.paper():
-        drawing = Figure(figsize=(7.0, 2.5))
-        axes = drawing.subplot_mosaic([["error", "margins"]])
-        checks.plot_regulation_errors(axes["error"], runs.runs, 0, runs.runs[0].run.joint_names[0])
-        checks.plot_gain_margins(axes["margins"], margins)
-    return drawing

@@ -19,7 +19,7 @@ COMMANDS = {
     "export": "export est.json -o leg.urdf",
     "plan": "plan cuhk -o plan.csv --duration 3 --starts 1",
     "plan-assess": "plan bleex --assess test.csv",
-    "stability": "stability cuhk --duration 1 --rate 200",
+    "stability": "stability cuhk",
     "study": "study cuhk --replicates 2 --protocols document --duration 5 --parameters",
     "track": "track est.json --period 1",
     "track-dry": "track est.json --dry-run test.csv",

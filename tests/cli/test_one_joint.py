@@ -24,7 +24,7 @@ COMMANDS = {
     "plan --assess": "plan one.urdf --assess log.csv --figure plan.png",
     "view": "view one.urdf --html leg.html",
     "view --log": "view est.json --log log.csv --html leg.html",
-    "stability": "stability est.json --kp 50 --target 10 --away 20 --duration 1 --figure runs.png",
+    "stability": "stability est.json --kp 50 --target 10 --figure runs.png",
     "study": "study one.urdf --replicates 2 --duration 10",
     "track": "track est.json --period 1",
     "track --reference": "track est.json --reference short.csv",

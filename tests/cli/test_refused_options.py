@@ -70,7 +70,6 @@ REFUSED = {
         ("cuhk --kp 3,4,5", "--kp 3,4,5", "left_hip, left_knee"),
         ("cuhk --target 3,x", "--target 3,x"),
         ("cuhk --kd 3,-1", "kd", "≥ 0"),
-        ("cuhk --rate 0", "rate of a controller"),
         ("cuhk --figure nowhere/a.png", "nowhere/a.png", "no such folder"),
         ("driven.json --rotor 0.1", "--rotor has no effect"),
         ("cuhk --rotor -0.1", "rotor inertia is negative"),

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.control import LawReplay, Tracking
-from exoid.lab.stability import plot_gain_margins, plot_regulation_errors, regulate
-from exoid.lab.stability.figure import CYCLING_COLOURS
+from exoid.lab.stability import plot_gain_margins
 from exoid.lab.stability.gain_margin import GainMargins
-from exoid.rig import Energy, Plant
+from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
@@ -101,16 +100,6 @@ def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
     np.testing.assert_array_equal(ax.lines[1].get_ydata(), [0.9, 3.5])
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["no delay", "delay of 1 period"]
     assert inside(figure, ax)
-
-
-def test_runs_that_end_in_a_limit_cycle_have_other_colours():
-    plant = Plant.build(
-        exoid.load_leg("cuhk"), {"c0_hip": 1.4, "c0_knee": 0.6, "Ia_hip": 0.8, "Ia_knee": 0.8}, end_stops=False
-    )
-    runs = regulate(plant, (22.1, 55.6), (2.2, 5.6), (0.2, 0.7), (0.2, 0.2), shares=(1.0, 1.5), duration=8.0).runs[1:]
-    _, ax = drawn(lambda ax: plot_regulation_errors(ax, runs, 0, "hip"))
-    assert ax.lines[0].get_color() == MEASURED
-    assert ax.lines[1].get_color() == CYCLING_COLOURS[0]
 
 
 def test_torques_of_each_joint_have_separate_axes():

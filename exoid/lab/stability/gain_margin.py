@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.law import AnyLaw, refuse_rate
@@ -15,6 +16,8 @@ from exoid.control.model import ControlModel
 from exoid.rig import Plant
 from exoid.tools.json_values import attributes
 from exoid.tools.tables import make_table, to_text
+from exoid.view.colours import GUIDE, SHADES
+from exoid.view.style import decorate
 
 from .worn.linear_law import linear_law, loop_matrices
 from .worn.worn_leg import HeldLeg
@@ -88,6 +91,23 @@ def gain_margins(
     pose = np.array(q, dtype=np.float64).reshape(-1)
     margins = [[_margin(plant, law, pose, rate, delay) for delay in delays] for rate in rates]
     return GainMargins(tuple(map(float, rates)), tuple(delays), np.array(margins))
+
+
+def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
+    """Plot the largest stable scale of the gains over the control rate, one line for each delay.
+
+    Args:
+        ax: Axes to draw on.
+        margins: Gain margins by rate and delay.
+
+    Returns:
+        The axes.
+    """
+    for delay, column, colour in zip(margins.delays, margins.margins.T, reversed(SHADES), strict=False):
+        label = f"delay of {delay} period{'' if delay == 1 else 's'}" if delay else "no delay"
+        ax.loglog(margins.rates, column, marker="o", ms=3, color=colour, label=label)
+    ax.axhline(1.0, color=GUIDE, lw=1.2, zorder=0)
+    return decorate(ax, "rate of the law [Hz]", "largest stable scale of gains")
 
 
 def held_leg(plant: Plant, q: FloatArray, rate: float) -> HeldLeg:
