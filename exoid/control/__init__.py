@@ -1,11 +1,13 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
+from . import ground as ground
 from . import wearer as wearer
 from .adaptive import adaptive
 from .admittance import admittance
 from .closed_loop import simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
+from .ground import stance
 from .law import Law, State, StatefulLaw, stateful
 from .laws import (
     computed_torque,
@@ -67,6 +69,7 @@ __all__ = [
     "sensitivity_amplification",
     "simulate_law",
     "simulate_many",
+    "stance",
     "standard_laws",
     "stateful",
     "track",

@@ -1,0 +1,433 @@
+"""Whole-body law on the ground: joint and torso motion by inverse dynamics, with forces that the ground can give."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.control.friction import PASSIVE, PassiveFriction
+from exoid.control.law import State, refuse_rate
+from exoid.errors import BadArgumentError
+from exoid.estimate import Estimate
+from exoid.leg.leg import Leg
+from exoid.leg.torso import TorsoMotion
+from exoid.rig import Target
+from exoid.rig.ground import GroundPlant, Sole
+from exoid.tools.numbers import checked
+
+from .model import BASE, ContactRows, Dynamics, GroundModel
+from .qp import Rows, minimise, require_daqp
+
+ContactKind = Literal["flat", "heel", "toe"]
+"""Part of a sole that touches."""
+
+EFFORT, SHARE, DRIFT = 1e-4, 1e-3, 1e-3
+"""Square roots of weights beside 1 s²/rad of a joint: of torque [1/(N·m)], force beside its share [1/N], hip [s²/m]."""
+# An error of 100 N in the shares costs as much as 0.1 rad/s²: shares yield to motion, and torque yields to shares.
+
+ARM = 0.1
+"""Arm by which forces and moments on a sole are compared [m]."""
+
+MARGIN = 0.01
+"""Distance of the centre of pressure from the ends of a sole beside two standard deviations of its place [m]."""
+
+LARGEST_SHARE = 3.0
+"""Largest force of a contact that bears all the load, over the weight."""
+
+
+class GroundState(NamedTuple):
+    """Input of a law on the ground at a sample.
+
+    Attributes:
+        q: Joint angles [rad], (n,).
+        v: Joint velocities [rad/s], (n,).
+        pitch: Pitch of the torso against the vertical [rad], positive about −lateral: the shoulders move backwards.
+        pitch_rate: Its rate [rad/s].
+        contacts: Soles that touch, and the part of each that does, by the name of their link.
+        shares: Relative share of the load of each contact, ≥ 0; one that is not named has the share 1.
+        time: Time since the reference began [s].
+        interaction: Torque of the wearer on the joints [N·m], (n,); None if unknown.
+        push: Known force on the torso, such as that of a crutch, in the rows of the base [N, N, N·m], (3,); None for
+            none.
+        lean: Angle by which the ground rises forward [rad], for contacts that are not flat.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    pitch: float
+    pitch_rate: float
+    contacts: Mapping[str, ContactKind]
+    shares: Mapping[str, float] = MappingProxyType({})
+    time: float = 0.0
+    interaction: FloatArray | None = None
+    push: FloatArray | None = None
+    lean: float = 0.0
+
+
+class GroundTarget(NamedTuple):
+    """Reference of joints and torso at a sample.
+
+    Attributes:
+        q: Joint angles [rad], (n,).
+        v: Joint velocities [rad/s], (n,).
+        a: Joint accelerations [rad/s²], (n,); None for zero.
+        pitch: Pitch of the torso [rad].
+        pitch_rate: Its rate [rad/s].
+        pitch_acceleration: Its second derivative [rad/s²].
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray | None = None
+    pitch: float = 0.0
+    pitch_rate: float = 0.0
+    pitch_acceleration: float = 0.0
+
+
+class StanceCommand(NamedTuple):
+    """What the law wants at a sample.
+
+    Attributes:
+        torque: Torque of the actuators [N·m], (n,).
+        acceleration: Acceleration of hip (forward and up, in the torso's axes), pitch and joints, (3 + n,).
+        forces: Force on each sole: along its axes forward and up and the moment about its middle if it is flat, (3,);
+            along and across the ground if it is a point, (2,).
+        feasible: Whether friction cones, soles and limits allow such forces. Otherwise limits of torque hold, and the
+            forces are beyond cone or sole by as little as possible: the machine will slip or tip.
+    """
+
+    torque: FloatArray
+    acceleration: FloatArray
+    forces: Mapping[str, FloatArray]
+    feasible: bool
+
+
+def share_course(s: ArrayLike) -> FloatArray:
+    """Move a share from 0 to 1 with continuous second derivative, 10 s³ − 15 s⁴ + 6 s⁵.
+
+    Args:
+        s: Course of the transfer, from 0 to 1; beyond it the share stays.
+
+    Returns:
+        Share of the contact that takes over; that of the other is one less this.
+
+    Example:
+        >>> share_course([0.0, 0.5, 1.0, 2.0])
+        array([0. , 0.5, 1. , 1. ])
+    """
+    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
+
+
+@dataclass(frozen=True, eq=False)
+class StanceLaw:
+    """Whole-body law on the ground; made by :func:`stance`. It has no memory, but Pinocchio's work memory."""
+
+    model: GroundModel  # rigid bodies, springs and friction
+    kp: FloatArray  # gain of angles, of the pitch last [1/s²], (n + 1,)
+    kd: FloatArray  # gain of rates [1/s], (n + 1,)
+    weights: FloatArray  # weights of the accelerations of joints and pitch, (n + 1,)
+    friction: PassiveFriction | None  # compensation of friction, which never drives; None for none
+    ground_friction: float  # coefficient of friction that the law may use
+    limit: FloatArray  # largest torque [N·m], (n,)
+    power: FloatArray  # largest power of a joint [W], (n,)
+    rate: float  # sampling rate [Hz]
+    margin: float  # distance of the centre of pressure from the ends of a sole [m]
+    estimate: Estimate | None = None  # estimate, for bands; None if the model is exact
+    name: str = "Stance"  # name in tables
+
+    def torque(self, state: GroundState, target: GroundTarget) -> FloatArray:
+        """Compute the torque to hold until the next sample.
+
+        Args:
+            state: Measured state, with the contacts that hold.
+            target: Reference at this moment.
+
+        Returns:
+            Torque [N·m], (n,).
+
+        Raises:
+            ExoidError: Nothing touches the ground, or a number is missing.
+        """
+        return self.command(state, target).torque
+
+    def command(self, state: GroundState, target: GroundTarget) -> StanceCommand:
+        """Compute torque, accelerations and forces.
+
+        They minimise |A (dν − dν_d)|² + ε |τ|² + |W (f − f_share)|² under M dν + h = Sᵀτ + Jᵀf, J dν = −dJ ν, the
+        friction cone, the edges of the soles, and the limits. f_share is the force that bears the same load with the
+        given shares, f_share = G J_bᵀ f with G = S J_b (J_bᵀ S J_b)⁻¹, so that shares never change the motion.
+
+        Args:
+            state: Measured state, with the contacts that hold.
+            target: Reference at this moment.
+
+        Returns:
+            Torque, accelerations and forces.
+
+        Raises:
+            ExoidError: Nothing touches the ground, or a number is missing.
+        """
+        dynamics, rows, shares = self._setting(state)
+        n, joints = self.model.n, slice(BASE, None)
+        J, drift = np.concatenate([each.J for each in rows]), np.concatenate([each.drift for each in rows])
+        M, h, count = dynamics.M, dynamics.h, len(J)
+        bias = h - self._known(state)
+        # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
+        weight = self._weight
+        E = np.block([[J, np.zeros((count, count))], [M[:BASE], -weight * J[:, :BASE].T]])
+        x, N = _solutions(E, -np.concatenate([drift, bias[:BASE]]))
+        T = np.hstack([M[joints], -weight * J[:, joints].T])  # τ = T x + bias of the joints
+        apart = weight * SHARE * _sizes(rows)[:, None] * (np.eye(count) - share_map(J[:, :BASE].T, shares, rows))
+        A = np.zeros((n + 1 + 2 + n + count, BASE + n + count))
+        A[:n, BASE : BASE + n], A[n, 2] = np.diag(self.weights[:n]), self.weights[n]
+        A[n + 1, 0] = A[n + 2, 1] = DRIFT
+        A[n + 3 : 2 * n + 3] = EFFORT * T
+        A[2 * n + 3 :, BASE + n :] = apart
+        b = np.zeros(len(A))
+        b[: n + 1] = self.weights * self._wanted(state, target)
+        b[n + 3 : 2 * n + 3] = -EFFORT * bias[joints]
+        # what springs and friction take is part of the limit
+        added = self._added(state)
+        limit = np.minimum(self.limit, self.power / np.maximum(np.abs(state.v), 1e-9))
+        least, most = -limit - added - bias[joints] - T @ x, limit - added - bias[joints] - T @ x
+        F = self._cones(rows)
+        top = np.concatenate([np.zeros(len(F) - len(rows)), LARGEST_SHARE * shares / max(shares.sum(), 1e-9)])
+        limits, cones = Rows(T @ N, least, most), Rows(F @ N, np.full(len(F), -np.inf), top - F @ x)
+        y, feasible = minimise(self._daqp, A @ N, b - A @ x, limits, cones)
+        x = x + N @ y
+        torque = np.clip(T @ x + bias[joints] + added, -limit, limit)
+        forces, start = {}, BASE + n
+        for link, each in zip(state.contacts, rows, strict=True):
+            forces[link] = weight * x[start : start + len(each.J)]
+            start += len(each.J)
+        return StanceCommand(torque, x[: BASE + n], MappingProxyType(forces), feasible)
+
+    def band(self, state: GroundState, target: GroundTarget) -> FloatArray:
+        """Compute the standard deviation of the torque by the estimate's covariance.
+
+        Accelerations and shares are those of :meth:`command`; what the base needs is borne by the soles.
+
+        Args:
+            state: Measured state, with the contacts that hold.
+            target: Reference at this moment.
+
+        Returns:
+            Standard deviation [N·m], (n,); zero of an exact model.
+
+        Raises:
+            ExoidError: Nothing touches the ground, or a number is missing.
+        """
+        if self.estimate is None:
+            return np.zeros(self.model.n)
+        acceleration = self.command(state, target).acceleration
+        _, rows, shares = self._setting(state)
+        J = np.concatenate([each.J for each in rows])
+        columns = _columns(self.estimate, state, acceleration)
+        T = columns[BASE:] - J[:, BASE:].T @ share_map(J[:, :BASE].T, shares, rows, bearing=True) @ columns[:BASE]
+        return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", T, self.estimate.covariance, T).clip(0.0)))
+
+    def _setting(self, state: GroundState) -> tuple[Dynamics, list[ContactRows], FloatArray]:
+        """Dynamics, rows and shares of a state; refuses one that the law cannot support."""
+        _refuse(self.model, state)
+        pose = state.q, state.v, float(state.pitch), float(state.pitch_rate)
+        dynamics = self.model.dynamics(*pose)
+        rows = [
+            self.model.contact(link, kind, *pose, self.ground_friction, self.margin, state.lean)
+            for link, kind in state.contacts.items()
+        ]
+        return dynamics, rows, np.array([float(state.shares.get(link, 1.0)) for link in state.contacts])
+
+    def _wanted(self, state: GroundState, target: GroundTarget) -> FloatArray:
+        """Accelerations of joints and pitch that the reference and its feedback ask for, (n + 1,)."""
+        a = np.zeros_like(state.q) if target.a is None else target.a
+        e = np.append(target.q - state.q, target.pitch - state.pitch)
+        rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
+        return np.asarray(np.append(a, target.pitch_acceleration) + self.kp * e + self.kd * rate)
+
+    def _known(self, state: GroundState) -> FloatArray:
+        """Known forces on the base and torques on the joints that no actuator gives, (3 + n,)."""
+        out = np.zeros(BASE + self.model.n)
+        out[:BASE] = 0.0 if state.push is None else state.push
+        out[BASE:] = 0.0 if state.interaction is None else state.interaction
+        return out
+
+    def _added(self, state: GroundState) -> FloatArray:
+        """Torque of springs, and compensation of friction, (n,)."""
+        springs = self.model.springs(state.q)
+        if self.friction is None:
+            return springs
+        return springs + self.friction.torque(self.model, State(state.q, state.v), Target(state.q, state.v))
+
+    def _cones(self, rows: list[ContactRows]) -> FloatArray:
+        """Rows F with F x ≤ top: cones of all contacts, then the normal force of each, over the weight."""
+        cones = scipy.linalg.block_diag(*(each.cone for each in rows))
+        normal = scipy.linalg.block_diag(*(np.eye(len(each.J))[1:2] for each in rows))
+        F = np.concatenate([cones, normal])
+        return np.hstack([np.zeros((len(F), BASE + self.model.n)), F])
+
+    @cached_property
+    def _weight(self) -> float:
+        """Weight of the machine [N], by which forces are scaled."""
+        q = np.zeros(self.model.n)
+        return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0).h[1])))
+
+    @cached_property
+    def _daqp(self) -> Any:  # noqa: ANN401 - a module
+        """Solver of quadratic programs."""
+        return require_daqp()
+
+
+def stance(
+    source: Estimate | Leg | GroundPlant,
+    soles: Mapping[str, Sole] | None = None,
+    *,
+    kp: ArrayLike = 100.0,
+    kd: ArrayLike = 20.0,
+    friction: PassiveFriction | None = PASSIVE,
+    ground_friction: float = 0.6,
+    limit: ArrayLike | None = None,
+    power: ArrayLike = np.inf,
+    pitch_weight: float = 1.0,
+    rate: float = 1000.0,
+) -> StanceLaw:
+    """Make a whole-body law for a machine that stands, sits or steps: joint and torso motion by inverse dynamics.
+
+    The forces of the ground are unknown, and stay within the friction cone and the soles. With ``kp = kd = 0`` and a
+    reference without acceleration the law carries the weight and does not track; low gains are an impedance about the
+    reference of stiffness kp M.
+
+    Args:
+        source: Estimate of a machine on a floating base; a machine, which has no friction; or a plant for an exact
+            model.
+        soles: Places that can touch the ground or a chair by the name of their link; None for the built-in machines.
+        kp: Gain of angles [1/s²]: a number, one for each joint, or one for each joint and the pitch.
+        kd: Gain of rates [1/s], likewise.
+        friction: Compensation of joint friction, which never drives; None for none.
+        ground_friction: Coefficient of friction that the law may use, less than that of the ground.
+        limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF. Zero for a passive joint.
+        power: Largest power of a joint [W], a number or (n,).
+        pitch_weight: Weight of the pitch against that of a joint.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The law.
+
+    Raises:
+        ExoidError: The base does not float, the estimate does not know the total mass, the machine is not planar, DAQP
+            is not installed, or a number is out of range.
+
+    Example:
+        >>> machine = exoid.load_exo("bleex", base="floating")
+        >>> law = exoid.control.stance(machine)
+        >>> q = np.array([0.3, -0.6, 0.3] * 2)
+        >>> both = {"left_foot": "flat", "right_foot": "flat"}
+        >>> state = GroundState(q, np.zeros(6), 0.0, 0.0, both)
+        >>> command = law.command(state, GroundTarget(q, np.zeros(6)))
+        >>> round(sum(float(force[1]) for force in command.forces.values()) / 9.81, 1)  # kg
+        49.1
+    """
+    require_daqp()
+    model = GroundModel.on(source, soles)
+    n = model.n
+    refuse_rate(rate)
+    checked(ground_friction, "the friction that the law may use", above=0.0)
+    checked(pitch_weight, "the weight of the pitch", least=0.0)
+    limit = model.leg.limits.effort if limit is None else limit
+    estimate = source if isinstance(source, Estimate) else None
+    return StanceLaw(
+        model,
+        _per_task(kp, "kp", n),
+        _per_task(kd, "kd", n),
+        np.append(np.ones(n), pitch_weight),
+        friction,
+        float(ground_friction),
+        np.broadcast_to(checked(limit, "limit", least=0.0, infinite=True), n),
+        np.broadcast_to(checked(power, "power", above=0.0, infinite=True), n),
+        rate,
+        MARGIN + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),
+        estimate,
+    )
+
+
+def share_map(A: FloatArray, shares: FloatArray, rows: list[ContactRows], *, bearing: bool = False) -> FloatArray:
+    """Map forces f to f_share = G A f, which bears the same load by the shares; ``bearing``: load to forces, G."""
+    sizes = np.concatenate([np.full(len(each.J), s) for each, s in zip(rows, shares, strict=True)])
+    sizes = sizes / _sizes(rows) ** 2
+    ASA = (A * sizes) @ A.T
+    # two points cannot bear any load of three rows when all of it is on one of them: then the least squares
+    ASA[np.diag_indices(BASE)] += 1e-9 * max(float(np.trace(ASA)), 1e-9)
+    G = sizes[:, None] * np.linalg.solve(ASA, A).T
+    return G if bearing else G @ A
+
+
+def _sizes(rows: list[ContactRows]) -> FloatArray:
+    """Sizes by which forces and moments are compared, 1 for a force and 1 / ARM for a moment."""
+    return np.concatenate([(1.0, 1.0, 1.0 / ARM)[: len(each.J)] for each in rows])
+
+
+def _solutions(E: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """All x with E x = b: the smallest one, and a basis of what may be added; contacts may hold a direction twice."""
+    U, s, Vt = np.linalg.svd(E)
+    rank = int(np.count_nonzero(s > 1e-9 * s[0]))
+    return Vt[:rank].T @ ((U[:, :rank].T @ b) / s[:rank]), Vt[rank:].T
+
+
+def _columns(estimate: Estimate, state: GroundState, acceleration: FloatArray) -> FloatArray:
+    """Columns of all parameters in a state, (3 + n, P)."""
+    model, a = estimate.model, acceleration
+    pitch, rate = float(state.pitch), float(state.pitch_rate)
+    turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
+    torso = TorsoMotion(np.array([pitch]), np.array([rate]), a[2:3], (turn @ a[:2])[None])
+    return np.asarray(model.regressor(state.q[None], state.v[None], a[None, BASE:], torso)[0])
+
+
+def _pressure_std(estimate: Estimate) -> float:
+    """Standard deviation of the place of the weight's line, forward of the hip, upright with bent knees [m]."""
+    bent = np.zeros(len(estimate.joint_names))
+    for limb in estimate.leg.limbs:
+        knee = limb.joints.start + 1
+        lower, upper = estimate.leg.limits.lower[knee], estimate.leg.limits.upper[knee]
+        bent[knee] = 0.5 * np.sign(lower + upper) if np.isfinite(lower + upper) else 0.0
+    rows = estimate.leg.regressor(bent[None], 0.0 * bent[None], 0.0 * bent[None])[0]
+    p = len(estimate.leg.parameter_names)
+    _, up, moment = rows @ estimate.values[:p] @ np.eye(BASE, len(rows)).T
+    slope = (rows[2] - moment / up * rows[1]) / up
+    return float(np.sqrt(max(slope @ estimate.covariance[:p, :p] @ slope, 0.0)))
+
+
+def _per_task(gain: ArrayLike, name: str, n: int) -> FloatArray:
+    """Gains of joints and pitch, (n + 1,); that of the pitch is the mean of the joints' if it is not given."""
+    values = np.atleast_1d(checked(gain, name, least=0.0))
+    if values.shape == (n,):
+        return np.append(values, values.mean())
+    if values.shape not in ((1,), (n + 1,)):
+        raise BadArgumentError(f"{name} has the shape {values.shape} for {n} joints", remedy="give 1, n or n + 1 gains")
+    return np.broadcast_to(values, n + 1)
+
+
+def _refuse(model: GroundModel, state: GroundState) -> None:
+    """Refuse a state that no law on the ground can support."""
+    if not state.contacts:
+        raise BadArgumentError(
+            "no support in the air: nothing touches the ground",
+            where=model.leg.description.name,
+            remedy="brake the joints until a foot touches, or hold the torso and use exoid.control.impedance",
+        )
+    unknown = [link for link in state.contacts if link not in model.soles]
+    kinds = [kind for kind in state.contacts.values() if kind not in ("flat", "heel", "toe")]
+    if unknown or kinds:
+        raise BadArgumentError(
+            f"contacts {dict(state.contacts)}", remedy=f"name {', '.join(model.soles)} with flat, heel or toe"
+        )
+    numbers = np.concatenate([state.q, state.v, [state.pitch, state.pitch_rate]])
+    if state.q.shape != (model.n,) or state.v.shape != (model.n,) or not np.isfinite(numbers).all():
+        raise BadArgumentError(f"the state is {numbers}", remedy=f"give {model.n} finite angles and rates")
+    checked([float(s) for s in state.shares.values()] or 0.0, "shares of the load", least=0.0)

@@ -1,0 +1,259 @@
+"""Model of a machine on the ground, fast at a single sample: inertia, bias forces, and the rows of its contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.control.model import ControlModel, completed
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.estimate import Estimate
+from exoid.leg.floating_base import free_flyer_model, planar_coordinates
+from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
+from exoid.leg.model import configuration
+from exoid.rig.ground import GroundPlant, Sole
+from exoid.rig.ground.plant import BLEEX_SOLES
+
+CUHK_SOLES: Mapping[str, Sole] = MappingProxyType(
+    {f"{side}_shank": Sole([(0.0, -0.03, -0.4182), (0.0, 0.03, -0.4182)]) for side in ("left", "right")}  # type: ignore[arg-type]
+)
+"""Passive ankles of CUHK-EXO at the end of its shanks (L_s by Winter's table): they hold no moment."""
+
+SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES})
+"""Soles of the built-in machines."""
+
+KNOWN_WEIGHT = 0.1
+"""Largest relative standard deviation of the total mass with which weight is carried; a guess, not a measurement."""
+
+BASE = 3
+"""Coordinates of a planar base: hip forward, hip up, pitch."""
+
+
+class Dynamics(NamedTuple):
+    """M dnu + h = (0, tau) + sum Jᵀ f in a state, without springs and friction of the joints."""
+
+    M: FloatArray  # inertia, (3 + n, 3 + n)
+    h: FloatArray  # gravity, centrifugal and Coriolis forces, (3 + n,)
+
+
+class ContactRows(NamedTuple):
+    """Directions that a contact holds, J dnu + drift = 0, and the cone of its force, cone @ f ≤ 0."""
+
+    J: FloatArray  # (c, 3 + n), c = 3 for a flat sole, 2 for a point
+    drift: FloatArray  # acceleration at dnu = 0, (c,)
+    cone: FloatArray  # friction cone and edges of the sole, (k, c)
+
+
+class Place(NamedTuple):
+    """Middle of a sole: its frame in Pinocchio's model, and half its length."""
+
+    frame: int  # its x axis is forward and its z axis up at the zero pose
+    half: float  # half the length of the sole [m], 0 for a point
+
+
+@dataclass(frozen=True, eq=False)
+class GroundModel(ControlModel):
+    """Model of a machine on the ground, as :class:`exoid.control.ControlModel` is that of a leg; made by :meth:`on`.
+
+    The state of the base is its pitch and its rate alone: position and linear velocity have no effect.
+
+    Attributes:
+        soles: Places that can touch the ground, or a chair, by the name of their link.
+
+    Raises:
+        ExoidError: The base does not float, or the machine is not planar.
+    """
+
+    soles: Mapping[str, Sole] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the base, in place of the check of a leg's model."""
+        where = self.leg.description.name
+        if self.leg.base != "floating":
+            raise NotSupportedError(
+                "a law on the ground needs a base that floats",
+                where=where,
+                remedy='identify exoid.load_exo("bleex", base="floating"), or use exoid.control.impedance',
+            )
+        if not self.leg.limbs:
+            raise NotSupportedError(
+                "a law on the ground needs a planar machine", where=where, remedy="use legs in parallel planes"
+            )
+
+    @classmethod
+    def on(cls, source: Estimate | Leg | GroundPlant, soles: Mapping[str, Sole] | None = None) -> GroundModel:
+        """Make the model of an estimate, a machine, or a plant of the rig with ground.
+
+        Args:
+            source: An estimate of a floating base, bodies only, or a plant for an exact model.
+            soles: Places that can touch; None for those of the built-in machines, or of the plant.
+
+        Returns:
+            The model.
+
+        Raises:
+            ExoidError: The base does not float, the estimate does not know the weight, or a sole is missing.
+        """
+        if isinstance(source, GroundPlant):
+            springs = np.array([source.stiffness, source.constant])
+            model = cls(source.leg, springs, source.coulomb, source.viscous, source.armature)
+            soles = source.soles if soles is None else soles
+        elif isinstance(source, Estimate):
+            _refuse_unknown_weight(source)
+            model = cls.of_parameters(source.model, completed(source).values)  # type: ignore[assignment]
+        else:
+            model = cls.of(source)  # type: ignore[assignment]
+        return replace(model, soles=_soles(model.leg, soles))
+
+    def gravity(self, q: FloatArray) -> FloatArray:
+        """Compute the gravity torque of the joints, feet in the air and torso upright.
+
+        Args:
+            q: Angles [rad], (n,).
+
+        Returns:
+            Torque [N·m], (n,).
+        """
+        return self.leg.gravity(q)[0, BASE:]
+
+    @cached_property
+    def pinocchio(self) -> pin.Model:
+        """Bodies and rotors behind a free base, without gravity, with a frame at the middle of each sole."""
+        leg, plane = self.leg, np.column_stack(self.leg.plane)
+        free = free_flyer_model(leg.model)
+        free.armature[6:] += self.armature
+        at_zero = leg.forward_kinematics(np.zeros((1, self.n))).rotation[0]
+        for link, sole in self.soles.items():
+            body, placement = link_frame(leg.model, leg.description, link)
+            turn = (np.eye(3) if body < 0 else at_zero[body]) @ placement.rotation
+            place = placement * pin.SE3(turn.T @ plane, 0.5 * (sole.points.min(axis=0) + sole.points.max(axis=0)))
+            frame = pin.Frame(f"exoid sole {link}", body + 2, 0, place, pin.FrameType.OP_FRAME)
+            free.addFrame(frame)
+        free.gravity.setZero()
+        return free
+
+    @cached_property
+    def places(self) -> dict[str, Place]:
+        """Middle of each sole."""
+        free, out = self.pinocchio, {}
+        for link, sole in self.soles.items():
+            frame = free.getFrameId(f"exoid sole {link}")
+            _, placement = link_frame(self.leg.model, self.leg.description, link)
+            forward = sole.points @ (placement.inverse() * free.frames[frame].placement).rotation[:, 0]
+            out[link] = Place(frame, 0.5 * float(np.ptp(forward)))
+        return out
+
+    @cached_property
+    def _base(self) -> FloatArray:
+        """Twist of the root link and joints per unit of each coordinate, (6 + n, 3 + n)."""
+        out = np.zeros((6 + self.n, BASE + self.n))
+        out[:6, :BASE] = planar_coordinates(self.leg.plane, self.leg.model.jointPlacements[1].translation)
+        out[6:, BASE:] = np.eye(self.n)
+        return out
+
+    def dynamics(self, q: FloatArray, v: FloatArray, pitch: float, pitch_rate: float) -> Dynamics:
+        """Compute inertia and bias forces, and keep the kinematics for :meth:`contact`.
+
+        Args:
+            q: Joint angles [rad], (n,).
+            v: Joint velocities [rad/s], (n,).
+            pitch: Pitch of the torso against the vertical [rad], positive about −lateral.
+            pitch_rate: Its rate [rad/s].
+
+        Returns:
+            Inertia and bias forces.
+        """
+        model, data, spin = self.pinocchio, self._data, -self.leg.plane.lateral
+        joints = np.concatenate([np.zeros(6), q])[None]
+        position = configuration(model, joints)[0]
+        velocity = np.concatenate([np.zeros(3), pitch_rate * spin, v])
+        falling = np.zeros(6 + self.n)
+        falling[:3] = -pin.exp3(-pitch * spin) @ self.leg.model.gravity.linear  # specific force in the torso's axes
+        M = np.triu(pin.crba(model, data, position))
+        M = M + np.triu(M, 1).T
+        h = pin.rnea(model, data, position, velocity, falling)
+        pin.forwardKinematics(model, data, position, velocity, np.zeros(6 + self.n))
+        pin.computeJointJacobians(model, data, position)
+        B = self._base
+        return Dynamics(B.T @ M @ B, B.T @ h)
+
+    def contact(
+        self,
+        link: str,
+        kind: str,
+        q: FloatArray,
+        v: FloatArray,
+        pitch: float,
+        pitch_rate: float,
+        friction: float,
+        margin: float,
+        lean: float,
+    ) -> ContactRows:
+        """Form the rows of a contact in the state of the last :meth:`dynamics`.
+
+        Args:
+            link: Link of the sole.
+            kind: "flat", "heel" or "toe"; all the same for a point.
+            q: Joint angles [rad], (n,).
+            v: Joint velocities [rad/s], (n,).
+            pitch: Pitch of the torso [rad].
+            pitch_rate: Its rate [rad/s].
+            friction: Coefficient of friction that the law may use.
+            margin: Distance of the centre of pressure from the ends of a flat sole [m].
+            lean: Angle by which the ground rises forward [rad], for points; a flat sole has the ground's axes.
+
+        Returns:
+            Jacobian, drift and cone: forces along and across the ground, and the moment about the middle of a sole.
+        """
+        frame, half = self.places[link]
+        local = pin.ReferenceFrame.LOCAL
+        J = pin.getFrameJacobian(self.pinocchio, self._data, frame, local)[[0, 2, 4]] @ self._base
+        drift = pin.getFrameClassicalAcceleration(self.pinocchio, self._data, frame, local).vector[[0, 2, 4]]
+        J[2], drift[2] = -J[2], -drift[2]  # pitch is positive about −lateral
+        if kind == "flat" and half > 0.0:
+            reach = max(half - margin, 0.0)
+            edges = [(1.0, -friction, 0.0), (-1.0, -friction, 0.0), (0.0, -reach, 1.0), (0.0, -reach, -1.0)]
+            return ContactRows(J, drift, np.array(edges))
+        arm = {"heel": -half, "toe": half, "flat": 0.0}[kind]
+        turns = J[2, BASE:]  # signs of the joints between torso and sole
+        turning, tilt = pitch_rate + turns @ v, pitch + turns @ q - lean
+        J, drift = np.array([J[0], J[1] + arm * J[2]]), drift[:2] - np.array([arm * turning**2, 0.0])
+        turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+        return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]))
+
+
+def _refuse_unknown_weight(source: Estimate) -> None:
+    """Refuse an estimate whose recordings did not say how heavy the machine is."""
+    if "M" not in source.names:
+        return  # the base does not float, or the machine is not planar: refused as such
+    mass = source["M"]
+    if not mass.std <= KNOWN_WEIGHT * abs(mass.value):
+        raise NotIdentifiableError(
+            f"the estimate does not know the total mass: M = {mass.value:.3g} ± {mass.std:.3g} kg",
+            where=source.leg.description.name,
+            remedy="identify with a log of stance as well: swing alone says nothing about the mass",
+            parameters=("M",),
+        )
+
+
+def _soles(leg: Leg, soles: Mapping[str, Sole] | None) -> Mapping[str, Sole]:
+    """Soles that are given, or those of the built-in machine whose links the leg has."""
+    links = set(leg.description.child_links.values())
+    known = [each for each in SOLES.values() if links.issuperset(each)] if soles is None else [soles]
+    if not known or not known[0]:
+        raise BadArgumentError(
+            "the soles of this machine are not known",
+            where=leg.description.name,
+            remedy='give soles={"left_foot": exoid.rig.ground.Sole.flat(heel, toe, height), ...}',
+        )
+    for link in known[0]:
+        link_frame(leg.model, leg.description, link)
+    return MappingProxyType(dict(known[0]))

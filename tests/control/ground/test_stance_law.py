@@ -1,0 +1,196 @@
+"""The whole-body law on the ground: its equations, its optimum, its limits, and what it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.control.ground import GroundState, GroundTarget, share_course, stance
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.floating_base import free_flyer_model
+from exoid.leg.link_frames import link_frame
+from exoid.leg.torso import TorsoMotion
+
+BOTH = {"left_foot": "flat", "right_foot": "flat"}
+BENT = np.array([0.2, -0.75, 0.55])
+"""Angles of a leg that stands, with the centre of mass over its foot [rad]."""
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return exoid.load_exo("bleex", base="floating")
+
+
+def state_of(seed: int, contacts=BOTH, **other) -> GroundState:
+    rng = np.random.default_rng(seed)
+    q = np.concatenate([BENT, BENT]) + 0.05 * rng.standard_normal(6)
+    return GroundState(q, 0.5 * rng.standard_normal(6), 0.1, 0.2, contacts, **other)
+
+
+def target_of(state: GroundState, seed: int = 0) -> GroundTarget:
+    rng = np.random.default_rng(seed)
+    return GroundTarget(state.q + 0.01 * rng.standard_normal(6), state.v, 0.3 * rng.standard_normal(6), 0.1, 0.2)
+
+
+@pytest.mark.parametrize("contacts", [BOTH, {"left_foot": "flat"}, {"left_foot": "flat", "right_foot": "toe"}])
+def test_the_command_fulfils_the_equation_of_motion(machine, contacts):
+    """M dν + h = (0, τ) + Σ Jᵀ f by the leg's own inverse dynamics and Jacobians, and a flat sole does not move."""
+    law = stance(machine, friction=None)
+    state = state_of(1, contacts)
+    command = law.command(state, target_of(state))
+    dnu = command.acceleration
+    turn = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
+    torso = TorsoMotion(np.array([0.1]), np.array([0.2]), dnu[2:3], (turn @ dnu[:2])[None])
+    rows = machine.inverse_dynamics(state.q[None], state.v[None], dnu[None, 3:], torso)[0]
+    rows[3:] -= command.torque
+    for link, kind in contacts.items():
+        sole = law.model.soles[link]
+        if kind == "flat":
+            J = machine.frame_jacobian(state.q[None], link, sole.centre)[0]
+            rows -= J[[0, 2]].T @ command.forces[link][:2] - J[4] * command.forces[link][2]
+        else:
+            J = machine.frame_jacobian(state.q[None], link, sole.points[1])[0][[0, 2]]
+            tilt = 0.1 + state.q[3:].sum()
+            back = np.array([[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]])
+            rows -= J.T @ back @ command.forces[link]
+    assert np.abs(rows).max() < 1e-8
+
+
+def test_the_motion_is_that_of_pinocchios_constrained_dynamics(machine):
+    """Under the torque of the law both feet welded to the ground give the accelerations that the law expects."""
+    law = stance(machine, friction=None)
+    state = state_of(2)
+    J = np.concatenate([machine.contact_jacobian(state.q[None], link)[0] for link in BOTH])
+    nu = np.linalg.svd(J)[2][6:].T @ np.array([0.3, -0.2, 0.4])  # a motion in which the feet rest
+    state = state._replace(v=nu[3:], pitch_rate=nu[2])
+    command = law.command(state, target_of(state))
+    assert command.feasible
+    free, spin = free_flyer_model(machine.model), -machine.plane.lateral
+    q = np.concatenate([np.zeros(3), pin.Quaternion(pin.exp3(0.1 * spin)).coeffs(), state.q])
+    v = np.concatenate([[nu[0], 0.0, nu[1]], nu[2] * spin, state.v])
+    contacts, kept, data = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData(), free.createData()
+    pin.forwardKinematics(free, data, q)
+    for link in BOTH:
+        body, place = link_frame(machine.model, machine.description, link)
+        kind, ground = pin.ContactType.CONTACT_6D, data.oMi[body + 2] * place
+        contacts.append(pin.RigidConstraintModel(kind, free, body + 2, place, 0, ground, pin.ReferenceFrame.LOCAL))
+        kept.append(contacts[-1].createData())
+    pin.initConstraintDynamics(free, data, contacts, kept)
+    tau = np.concatenate([np.zeros(6), command.torque])
+    a = pin.constraintDynamics(free, data, q, v, tau, contacts, kept, pin.ProximalSettings(1e-14, 1e-10, 100))
+    assert np.allclose(a[6:], command.acceleration[3:], atol=1e-6)
+    assert np.isclose(a[3:6] @ spin, command.acceleration[2], atol=1e-6)
+
+
+def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
+    """With one foot flat and wide limits all tasks have a least-squares solution by the null space of the contact."""
+    law = stance(machine, friction=None, ground_friction=1e3, limit=1e6)
+    state = state_of(3, {"left_foot": "flat"})
+    law = type(law)(**{**law.__dict__, "margin": -10.0})
+    target = target_of(state)
+    command = law.command(state, target)
+    dynamics = law.model.dynamics(state.q, state.v, 0.1, 0.2)
+    rows = law.model.contact("left_foot", "flat", state.q, state.v, 0.1, 0.2, 1.0, 0.0, 0.0)
+    wanted = np.concatenate([np.zeros(2), law._wanted(state, target)[[6]], law._wanted(state, target)[:6]])
+    size = np.array([1e-3, 1e-3, 1.0, *np.ones(6)])
+    KKT = np.block([[np.diag(size**2), rows.J.T], [rows.J, np.zeros((3, 3))]])
+    best = np.linalg.solve(KKT, np.concatenate([size**2 * wanted, -rows.drift]))[:9]
+    assert np.allclose(best, command.acceleration, atol=1e-3)  # apart from the weight of the effort
+    assert dynamics.M.shape == (9, 9)
+
+
+def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
+    """Whatever is asked for; where nothing is feasible the limits of torque hold and the law says so."""
+    law = stance(machine, limit=60.0, power=100.0, ground_friction=0.3)
+    seen = []
+    for seed in range(40):
+        state = state_of(seed, BOTH if seed % 2 else {"left_foot": "flat"})
+        target = target_of(state, seed)._replace(a=8.0 * np.random.default_rng(seed).standard_normal(6))
+        command = law.command(state, target)
+        seen.append(command.feasible)
+        assert (np.abs(command.torque) <= 60.0 + 1e-9).all()
+        assert (np.abs(command.torque * state.v) <= 100.0 + 1e-9).all()
+        if command.feasible:
+            for force in command.forces.values():
+                reach = 0.1025 - law.margin
+                assert abs(force[0]) <= 0.3 * force[1] + 1e-2
+                assert abs(force[2]) <= reach * force[1] + 1e-2
+    assert sum(seen) > 10
+
+
+def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine):
+    """Forces follow the shares, and a foot whose share has gone to zero leaves without a step of torque."""
+    law = stance(machine, friction=None)
+    q = np.concatenate([BENT, BENT])
+    torques, loads = [], []
+    for s in np.linspace(0.0, 1.0, 101):
+        shares = {"left_foot": 1.0, "right_foot": 1.0 - float(share_course(s))}
+        state = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH, shares)
+        command = law.command(state, GroundTarget(q, np.zeros(6)))
+        torques.append(command.torque)
+        loads.append(command.forces["right_foot"][1])
+    alone = law.command(
+        GroundState(q, np.zeros(6), 0.0, 0.0, {"left_foot": "flat"}), GroundTarget(q, np.zeros(6))
+    ).torque
+    steps = np.abs(np.diff([*torques, alone], axis=0)).max()
+    assert loads[0] == pytest.approx(49.1 * 9.81 / 2, rel=0.01)
+    assert abs(loads[-1]) < 1e-3
+    assert steps < 0.02 * np.ptp(torques, axis=0).max() + 1.0
+
+
+def test_without_gains_the_law_carries_the_weight_alone(machine):
+    """Gravity support at rest: power of the torque in any motion is that of the weight, and nothing accelerates."""
+    law = stance(machine, kp=0.0, kd=0.0, friction=None)
+    q = np.concatenate([BENT, BENT])
+    state = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH)
+    far = GroundTarget(q + 1.0, np.ones(6))
+    command = law.command(state, far)
+    assert np.abs(command.acceleration).max() < 0.2
+    assert np.isclose(sum(force[1] for force in command.forces.values()), 49.1 * 9.81, rtol=0.01)
+
+
+def test_known_forces_are_taken_into_account(machine):
+    """A crutch that carries 100 N takes them from the feet; the wearer's torque takes its part from the actuators."""
+    law = stance(machine, kp=0.0, kd=0.0, friction=None)
+    q = np.concatenate([BENT, BENT])
+    state, target = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH), GroundTarget(q, np.zeros(6))
+    alone = law.command(state, target)
+    helped = law.command(state._replace(push=np.array([0.0, 100.0, 0.0])), target)
+    assert sum(f[1] for f in alone.forces.values()) - sum(f[1] for f in helped.forces.values()) == pytest.approx(
+        100.0, abs=2.0
+    )
+    wearer = np.array([3.0, 2.0, 1.0, 3.0, 2.0, 1.0])
+    assert np.allclose(law.torque(state._replace(interaction=wearer), target), alone.torque - wearer, atol=1e-6)
+
+
+def test_a_machine_without_ankles_stands_on_points(machine):
+    """CUHK-EXO holds no moment at its passive ankles."""
+    law = stance(exoid.load_exo("cuhk", base="floating"))
+    q, contacts = np.array([0.35, 0.4, -0.1, 0.3]), {"left_shank": "flat", "right_shank": "flat"}
+    command = law.command(GroundState(q, np.zeros(4), 0.0, 0.0, contacts), GroundTarget(q, np.zeros(4)))
+    assert [len(force) for force in command.forces.values()] == [2, 2]
+    assert all(abs(force[0]) <= 0.6 * force[1] + 1e-2 for force in command.forces.values())
+
+
+def test_what_the_law_refuses(machine):
+    """A held base, no contact, unknown links, missing numbers."""
+    with pytest.raises(NotSupportedError, match="floats"):
+        stance(exoid.load_exo("bleex"))
+    law, state = stance(machine), state_of(0)
+    target = target_of(state)
+    for wrong in (
+        state._replace(contacts={}),
+        state._replace(contacts={"torso": "flat"}),
+        state._replace(contacts={"left_foot": "ball"}),
+        state._replace(pitch=np.nan),
+        state._replace(q=state.q[:3]),
+        state._replace(shares={"left_foot": -1.0}),
+    ):
+        with pytest.raises(BadArgumentError):
+            law.torque(wrong, target)
+    with pytest.raises(BadArgumentError):
+        stance(machine, kp=(1.0, 2.0))
+    with pytest.raises(BadArgumentError, match="soles"):
+        stance(machine, soles={})
