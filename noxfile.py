@@ -37,7 +37,8 @@ def slow(session: nox.Session) -> None:
     """What the README's command leaves out: slow tests and those that need real data."""
     wanted = "(slow or real_data) and not nightly"
     # A file stays in one process: what its tests share, such as a replay, is made once.
-    session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, "--dist", "loadfile", *session.posargs)
+    options = ("--dist", "loadfile", "--durations", "25")
+    session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, *options, *session.posargs)
 
 
 @nox.session

@@ -23,12 +23,12 @@ LEFT = {
 """What must not be seen in text."""
 
 pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree")
+markdown = pytest.importorskip("markdown", reason="needs the extra docs")
+pytest.importorskip("pymdownx", reason="needs the extra docs")
 
 
 def left_over(text):
     """Lines of a page that Markdown did not understand, with their kind."""
-    markdown = pytest.importorskip("markdown", reason="needs the extra docs")
-    pytest.importorskip("pymdownx", reason="needs the extra docs")
     seen = re.sub(r"<[^>]+>", "", CODE.sub("", markdown.markdown(text, extensions=EXTENSIONS)))
     return [(kind, found[0]) for kind, pattern in LEFT.items() for found in pattern.finditer(seen)]
 
