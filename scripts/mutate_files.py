@@ -48,7 +48,6 @@ KINDS = (
     "obj",
     "dae",
     "glb",
-    "c3d",
     "columns.toml",
     "drives.toml",
 )
@@ -116,10 +115,6 @@ def seeds(folder: Path) -> dict[str, bytes]:
     for kind in ("obj", "glb"):
         box.export(folder / kind, file_type=kind)
     (folder / "dae").write_bytes(trimesh.exchange.dae.export_collada(box))
-    corners, load = np.array([[4.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [4.0, 5.0, 0.0]]), np.zeros((6, 40))
-    load[2] = -700.0
-    log_writers.write_c3d(folder / "walk.c3d", [(100.0 * corners, (0.0, 0.0, 40.0), load)])
-    (folder / "walk.c3d").rename(folder / "c3d")
     columns = 'gaps = "split"\n[columns]\nq_hip = "q_hip:1.0:0.0:rad"\ntau_hip = "tau_hip:N·m"\n'
     (folder / "columns.toml").write_text(columns, encoding="utf-8")
     (folder / "drives.toml").write_text(
@@ -168,7 +163,6 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
         "estimate": lambda path: str(exoid.Estimate.load(path)),
         "sidecar": lambda path: read_exported(path.with_name("leg.urdf")),
         "forces.sto": exoid.signals.read_opensim_forces,
-        "c3d": lambda path: exoid.signals.read_opensim_forces(f"{path}:+x"),
         "columns.toml": _read_by_columns,
         "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
         **dict.fromkeys(MESHES, lambda path: load_mesh(path, np.ones(3))),

@@ -18,8 +18,6 @@ from hypothesis import settings
 import exoid
 from exoid.cli import main, progress
 from exoid.identification.estimators.by_name import ESTIMATORS
-from exoid.signals.preparation_names import PREPARATIONS
-from exoid.signals.readers.formats import READERS
 from exoid.torques.catalog import TERMS
 
 progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero
@@ -33,7 +31,7 @@ BUILT_IN = [
     for inertias in sets
     for side in ("left", "right")
 ]
-REGISTRIES = {"term": TERMS, "estimator": ESTIMATORS, "preparation": PREPARATIONS, "log format": READERS}
+REGISTRIES = {"term": TERMS, "estimator": ESTIMATORS}
 
 
 @functools.cache

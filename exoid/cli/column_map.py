@@ -37,7 +37,6 @@ KEYS = (
     "received",
     "mask",
     "names",
-    "format",
     "passive",
     "unmeasured",
     "base_position",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from exoid.signals import Recording, WrenchFrame
     from exoid.torques import Term
 
-OF_FILES = ("--names", "--format", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
+OF_FILES = ("--names", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
 """Options that have no effect on datasets."""
 
 
@@ -94,7 +94,6 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         mask=options.mask,
         gaps=options.gaps,
         names=split_names(options.names),
-        format=options.format,
         passive=split_names(options.passive) or (),
         unmeasured=split_names(options.unmeasured) or (),
         payloads=payloads_of(options.payload, name),

@@ -59,7 +59,6 @@ class LogOptions(NamedTuple):
     segments: Annotated[Text, Option(metavar="FILE.CSV", help="Use these: columns start, stop [s], and log.")] = None
     mask: Annotated[Text, Option(metavar="HEADER", help="Use only samples with 1 in this column of 0 and 1.")] = None
     names: Annotated[Text, Option(metavar="A,B", help="Columns, if there is no header; empty: not read.")] = None
-    format: Annotated[Text, Option(metavar="NAME:JOINT", help="dephy, moteus or openexo, and its joint.")] = None
     passive: Annotated[Text, Option(metavar="A,B", help="Joints without an actuator: their torque is zero.")] = None
     unmeasured: Annotated[Text, Option(metavar="A,B", help="Joints whose torque column is not read.")] = None
     payload: Annotated[

@@ -16,7 +16,7 @@ from exoid.leg.description import describe
 from exoid.leg.leg import Leg
 from exoid.leg.loops import Loops
 from exoid.regression.parameters import Prior, PriorKnowledge
-from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
+from exoid.signals.preparation import preparation_from_json, preparation_to_json
 from exoid.tools.files import read_json, refuse_content, write_whole
 from exoid.tools.json_values import json_value, named, record, records
 from exoid.torques import TorqueModel

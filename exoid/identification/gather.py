@@ -17,7 +17,7 @@ from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
-from exoid.signals.preparation_names import preparation_by_name
+from exoid.signals.preparation import preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from exoid.torques.regrouping import regroup
 

@@ -14,8 +14,7 @@ from .opensim import read_opensim
 from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
-from .preparation_names import register_preparation
-from .readers import ReadOptions, register_format
+from .readers import ReadOptions
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
@@ -50,8 +49,6 @@ __all__ = [
     "motion_edge",
     "read_opensim",
     "read_opensim_forces",
-    "register_format",
-    "register_preparation",
     "settled",
     "turn_upright",
     "without_torque_delay",

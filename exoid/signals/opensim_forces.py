@@ -1,4 +1,4 @@
-"""Ground reaction forces in files of OpenSim and C3D: wrenches on the feet in the laboratory, z up."""
+"""Ground reaction forces in files of OpenSim: wrenches on the feet in the laboratory, z up."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, UnreadableInputError, in_file
+from exoid.errors import UnreadableInputError, in_file
 
 from . import timebase
 from .base_pose import turn_upright
 from .joined import in_order, values_at
 from .readers import Table
-from .readers.c3d import read_c3d_plates
 from .readers.formats import open_table
 from .recording import Recording
 from .wrench import Wrench
@@ -86,7 +85,7 @@ class GroundForces:
 
 
 def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
-    """Read the ground reaction forces of a ``.mot`` or ``.sto`` file, or of the force plates of a ``.c3d`` trial.
+    """Read the ground reaction forces of a ``.mot`` or ``.sto`` file.
 
     Columns of a plate are ``ground_force_1_vx…z`` [N], the force on the foot, ``ground_force_1_px…z`` [m], the centre
     of pressure, and ``ground_torque_1_x…z`` [N·m], the free moment about it (``ground_moment_1_mx…z`` too; zero if
@@ -95,8 +94,7 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
     does, x stays forward, and y points to the left.
 
     Args:
-        path: The file. Behind a ``.c3d`` follows the axis of its laboratory that became OpenSim's x, forward, when
-            the markers were exported: ``"walk.c3d:+y"``. Its plates are "1", "2", …
+        path: The file.
 
     Returns:
         A wrench for each plate. Its point is the centre of pressure; one without a force may have none (NaN).
@@ -105,13 +103,6 @@ def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
         ExoidError: There are no such columns, some of a plate are missing, or numbers are.
     """
     with in_file(os.fsdecode(path)):
-        if trial := re.fullmatch(r"(?i)(.+\.c3d)(?::([+-][xyz]))?", os.fsdecode(path)):
-            if trial[2] is None:
-                raise BadArgumentError(
-                    "nobody says which axis of the laboratory became OpenSim's x (forward)",
-                    remedy=f"write {trial[1]}:+x, or :-x, :+y, :-y, as the markers were turned for OpenSim",
-                )
-            return GroundForces(*read_c3d_plates(trial[1], trial[2].lower()), trial[1])
         table = open_table(path)
         if "time" not in table.header:
             raise UnreadableInputError("no column 'time'", remedy="name the column of the time stamps 'time'")

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
+from exoid.tools.json_values import record
 
 from .differentiation import Kinematics, derive, motion_edge, smooth_motion
 from .filters.low_pass import TOLERANCE, design_frequency, zero_phase
@@ -31,9 +33,8 @@ LARGEST_RATIO = 0.4
 class Preparation(Protocol):
     """Interface of a preparation, which filters neither torques nor columns unless it says how.
 
-    A recording with uneven time stamps is resampled first: rows of results are those of ``recording.resampled()``. A
-    preparation of another package is a frozen dataclass, whose fields are its settings; see
-    :func:`exoid.signals.register_preparation`.
+    A recording with uneven time stamps is resampled first: rows of results are those of ``recording.resampled()``. Only
+    estimates that were prepared by a preparation of exoid can be saved.
 
     Attributes:
         name: Short name.
@@ -271,3 +272,38 @@ class MovingAverage(Preparation):
     def independent_fraction(self, rate: float) -> float:
         """Compute Σ h² of the average, α / (2 − α)."""
         return self.alpha / (2.0 - self.alpha)
+
+
+PREPARATIONS: dict[str, type[Preparation]] = {
+    kind.name: kind for kind in (FiniteDifference, MovingAverage, Smoothed, ZeroPhase)
+}
+"""Types of preparation by name, for files and the command line."""
+
+
+def preparation_by_name(name: str) -> Preparation:
+    """Make a preparation with its default settings."""
+    return preparation_from_json({"name": name})
+
+
+def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
+    """Describe a preparation by its name and settings."""
+    if PREPARATIONS.get(preparation.name) is not type(preparation):
+        raise BadArgumentError(
+            f"{type(preparation).__name__} has no name in files", remedy=f"use one of {', '.join(PREPARATIONS)}"
+        )
+    return {"name": preparation.name, **asdict(preparation)}  # type: ignore[call-overload]
+
+
+def preparation_from_json(data: Mapping[str, Any]) -> Preparation:
+    """Make a preparation from its description."""
+    name = data.get("name")
+    if name not in PREPARATIONS:
+        some = f"{nearest(str(name), PREPARATIONS)}use one of {', '.join(PREPARATIONS)}"
+        raise BadArgumentError(f"no preparation {name!r}", remedy=some)
+    settings = {key: value for key, value in data.items() if key != "name"}
+    try:
+        return record(PREPARATIONS[name], settings)
+    except (TypeError, ValueError, LookupError, OverflowError) as error:
+        raise BadArgumentError(
+            f"the preparation {name!r} does not take {settings} ({error})", remedy="identify again, and save"
+        ) from error

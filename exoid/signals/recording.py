@@ -24,7 +24,6 @@ from .log_parts import log_of_base, log_of_external
 from .quantities import PREFIXES, QUANTITIES, UNITS, USUAL
 from .readers import ReadOptions
 from .readers.formats import open_table
-from .readers.loggers import with_logger
 from .readers.options import refuse_unknown_options
 from .readers.text import PAYLOAD
 from .recording_data import RecordingData, absent_columns, change_samples
@@ -381,7 +380,7 @@ class Recording(RecordingData):
         columns: Mapping[str, str | Column] | None = None,
         **options: Unpack[ReadOptions],
     ) -> Recording:
-        """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
+        """Read a log of any format: its first bytes say which.
 
         * CSV, as :meth:`from_csv`.
         * Parquet, columns named as in CSV (needs ``exoid[io]``).
@@ -389,7 +388,6 @@ class Recording(RecordingData):
           ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array per column. If the
           file has no ``joint_names``, the argument names the columns of the matrices. Columns of other matrices are
           called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
-        * Logs of one actuator of Dephy, moteus or OpenExo, which ``format`` or the header tells, in their own units.
         * OpenSim ``.mot`` and ``.sto``; the header says whether q, v and a are in degrees. ``columns`` names the
           coordinates. :func:`exoid.signals.read_opensim` reads forces and pelvis too.
         * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a ROS 1 bag (needs ``exoid[io]``),
@@ -428,9 +426,8 @@ class Recording(RecordingData):
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
             table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
-            columns, options = with_logger(table, joint_names, columns or {}, options)
             if options.get("beside"):
-                stamps = column_in(table.header, columns.get("time", "time"), "time")
+                stamps = column_in(table.header, (columns or {}).get("time", "time"), "time")
                 table = join(table, options["beside"], stamps)
             recording = cls(**read_log(table, joint_names, columns, options))
             refuse_contradictions(recording.time, recording.wrenches, recording.contacts)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from log_writers import write_c3d, write_opensim
+from log_writers import write_opensim
 from swings import harmonics
 
 import exoid
@@ -77,13 +77,10 @@ def write_kinematics(path, time, seed=1):
 
 
 def write_plate(path, time):
-    """Write the force on the foot as C3D: z up, y forward; the plate's x axis is that of the laboratory, z down."""
-    forward, left, up = force_on_foot(time).T
-    force = np.column_stack([-left, -forward, -up])
-    corners = np.array([[100.0, -100.0, 0.0], [-400.0, -100.0, 0.0], [-400.0, 300.0, 0.0], [100.0, 300.0, 0.0]])
-    middle = corners.mean(axis=0)
-    arm = np.array([-1e3 * POINT[1] - middle[0], middle[1] - 1e3 * POINT[0], -40.0])  # from the transducer
-    write_c3d(path, [(corners, (0.0, 0.0, 40.0), np.vstack([force.T, np.cross(arm, force).T]))])
+    """Write the force on the foot, and its centre of pressure."""
+    plate = to_opensim([f"ground_force_1_v{axis}" for axis in "xyz"], force_on_foot(time))
+    plate |= to_opensim([f"ground_force_1_p{axis}" for axis in "xyz"], np.tile(POINT, (len(time), 1)))
+    write_opensim(path, time, plate)
 
 
 def write_lab(path):
@@ -99,9 +96,7 @@ def trial(tmp_path):
     time, other, fast = np.arange(1200) / 100.0, 0.5 + np.arange(1300) / 120.0, np.arange(12_500) / 1000.0 - 0.2
     write_kinematics(tmp_path / "ik.mot", time)
     write_opensim(tmp_path / "id.sto", other, dict(zip(MOMENTS, torques(other).T, strict=True)))
-    plate = to_opensim([f"ground_force_1_v{axis}" for axis in "xyz"], force_on_foot(fast))
-    plate |= to_opensim([f"ground_force_1_p{axis}" for axis in "xyz"], np.tile(POINT, (len(fast), 1)))
-    write_opensim(tmp_path / "grf.mot", fast, plate)
+    write_plate(tmp_path / "grf.mot", fast)
     write_lab(tmp_path / "lab.toml")
     return exoid.load_leg("bleex", side="left")
 
@@ -158,7 +153,6 @@ PERSON = np.array([8.0, 5.0, 0.0])
 @pytest.mark.slow
 def test_the_commands_of_the_page_lead_from_three_trials_to_what_the_person_exerts(exoid_, tmp_path):
     """12 s each of swinging, of stepping on a plate, and of being worn, with torques of the person at hip and knee."""
-    pytest.importorskip("ezc3d")
     page = (Path(__file__).parents[2] / "docs" / "laboratory.md").read_text(encoding="utf-8")
     commands = [shlex.split(line) for line in re.findall(r"^    exoid (.*)$", page, re.MULTILINE)]
     assert [command[0] for command in commands] == ["check", "identify", "validate", "interaction"]
@@ -172,7 +166,7 @@ def test_the_commands_of_the_page_lead_from_three_trials_to_what_the_person_exer
             tau -= PERSON * np.sin(2.0 * np.pi * 0.4 * time)[:, None]
         table, header = np.column_stack([time, tau]), ",".join(["time", *MOMENTS])
         np.savetxt(tmp_path / f"{name}_machine.csv", table, delimiter=",", header=header, comments="")
-        write_plate(tmp_path / f"{name}.c3d", fast)
+        write_plate(tmp_path / f"{name}_grf.mot", fast)
     found = {}
     for command in commands:
         run = exoid_(*command, "--json")

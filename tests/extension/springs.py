@@ -69,15 +69,6 @@ def swing_with_stops(seed=0, noise=0.02) -> exoid.Recording:
     return swing.recording(tau=swing.torque + stops + rng.normal(scale=noise, size=q.shape))
 
 
-def write_lab(path: Path, recording: exoid.Recording) -> None:
-    """Write a log as the laboratory does: degrees, milliseconds, a line of names and one of units."""
-    joints = recording.joint_names
-    names = ["time", *(f"{joint}.angle" for joint in joints), *(f"{joint}.torque" for joint in joints)]
-    units = ["ms", *["deg"] * len(joints), *["Nm"] * len(joints)]
-    numbers = np.column_stack([1e3 * recording.time, np.rad2deg(recording.q), recording.tau])
-    np.savetxt(path, numbers, header=f"{' '.join(names)}\n{' '.join(units)}", comments="", fmt="%.17g")
-
-
 def load_module(name: str = "exoid_springs"):
     """Import the package from the project's folder, which is on no path."""
     spec = importlib.util.spec_from_file_location(name, PROJECT / name / "__init__.py")

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from springs import PROJECT, command, run, write_lab, write_metadata
+from springs import PROJECT, command, run, write_metadata
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S) if PAGE.is_file() else []
@@ -26,7 +26,7 @@ def files():
 
 def test_the_code_is_that_of_the_package():
     shown = [block for block in blocks("python") if "register_term(" not in block]
-    assert len(shown) == 6
+    assert len(shown) == 4
     for block in shown:
         assert any(block in text for text in files()), block
     (metadata,) = blocks("toml")
@@ -36,7 +36,7 @@ def test_the_code_is_that_of_the_package():
 @pytest.mark.slow
 def test_the_commands_run_where_the_package_is_installed_and_the_script_where_it_is_not(tmp_path, recording):
     write_metadata(tmp_path / "site")
-    write_lab(tmp_path / "log.lab", recording)
+    recording.to_csv(tmp_path / "log.csv")
     (commands,) = blocks("bash")
     for line in commands.splitlines():
         command(*shlex.split(line)[1:], path=(tmp_path / "site", PROJECT), cwd=tmp_path)
@@ -45,6 +45,6 @@ def test_the_commands_run_where_the_package_is_installed_and_the_script_where_it
     shutil.rmtree(tmp_path / "site")
     (script,) = [block for block in blocks("python") if "register_term(" in block]
     assert "mad estimate of 12 parameters" in run("-c", script, path=[PROJECT], cwd=tmp_path).stdout
-    refused = command("validate", "est.json", "log.lab", path=[PROJECT], cwd=tmp_path, code=2).stderr
+    refused = command("validate", "est.json", "log.csv", path=[PROJECT], cwd=tmp_path, code=2).stderr
     (shown,) = blocks("text")
     assert refused.startswith(shown.strip().removesuffix("."))

@@ -8,7 +8,7 @@ import shutil
 
 import numpy as np
 import pytest
-from springs import COMPILED, PROJECT, STIFFNESS, command, run, write_lab, write_metadata
+from springs import COMPILED, PROJECT, STIFFNESS, command, run, write_metadata
 
 pytestmark = pytest.mark.slow
 
@@ -21,7 +21,6 @@ from exoid.rig import Plant
 
 est = exoid.Estimate.load("est.json")
 assert [type(term).__name__ for term in est.model.terms] == ["Coulomb", "Viscous", "EndStop"]
-assert type(est.preparation).__name__ == "Median"
 est.save("again.json")
 
 export = est.to_urdf("leg.urdf")
@@ -52,13 +51,13 @@ if sys.argv[1] == "compile":
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, recording):
-    """A folder in which the command has identified a leg from a log of the laboratory, by all the package offers."""
+    """A folder in which the command has identified a leg by all the package offers."""
     folder = tmp_path_factory.mktemp("work")
     write_metadata(folder / "site")
-    write_lab(folder / "log.lab", recording)
-    options = ("--terms", "coulomb,viscous,end-stop", "--estimator", "mad", "--preparation", "median")
+    recording.to_csv(folder / "log.csv")
+    options = ("--terms", "coulomb,viscous,end-stop", "--estimator", "mad")
     done = command(
-        "identify", "cuhk", "log.lab", *options, "-o", "est.json", "--report", "report.html", "--test", "log.lab",
+        "identify", "cuhk", "log.csv", *options, "-o", "est.json", "--report", "report.html", "--test", "log.csv",
         path=installed(folder), cwd=folder,
     )  # fmt: skip
     (folder / "printed").write_text(done.stdout, encoding="utf-8")
@@ -77,7 +76,7 @@ def saved(folder, name="est.json"):
 def test_the_command_line_identifies_by_installed_names(folder):
     printed, data = (folder / "printed").read_text(encoding="utf-8"), saved(folder)
     assert "cuhk.urdf: mad estimate of 12 parameters" in printed
-    assert re.search(r"from log\.lab \(\d+ samples\); median preparation", printed)
+    assert re.search(r"from log\.csv \(\d+ samples\)", printed)
     for joint, stiffness in STIFFNESS.items():
         assert data["values"][f"k_{joint}"] == pytest.approx(stiffness, rel=0.01)
     assert data["terms"][2] == {
@@ -92,10 +91,8 @@ def test_the_command_line_identifies_by_installed_names(folder):
         "term": "coulomb", "joints": None, "smoothing": 0.02, "presliding": 0.0, "dead_band": 0.0,
         "reversal_speed": 0.0, "asymmetric": False,
     }  # fmt: skip
-    assert data["preparation"]["name"] == "median"
-    assert data["preparation"]["from"] == "exoid_springs.median"
     assert data["estimator"] == "mad"
-    assert data["inputs"][0]["name"] == "log.lab"
+    assert data["inputs"][0]["name"] == "log.csv"
 
 
 def test_a_fresh_interpreter_loads_exports_and_reads_back(folder):
@@ -118,22 +115,18 @@ def test_a_fresh_interpreter_loads_exports_and_reads_back(folder):
 @pytest.mark.nightly
 def test_a_broken_package_is_named_where_it_is_needed_and_nowhere_else(folder, tmp_path):
     offers = {
-        f"exoid.{group}": {name: "broken_springs:THING"}
-        for group, name in (("terms", "bent"), ("estimators", "bent"), ("preparations", "bent"), ("formats", "bent"))
+        f"exoid.{group}": {name: "broken_springs:THING"} for group, name in (("terms", "bent"), ("estimators", "bent"))
     }
     write_metadata(tmp_path, "broken-springs", "0.1", offers)
     (tmp_path / "broken_springs.py").write_text("raise RuntimeError('no licence')", encoding="utf-8")
-    shutil.copy(folder / "log.lab", tmp_path / "log.bent")
     path = (tmp_path, *installed(folder))
-    for options in (("--terms", "bent"), ("--estimator", "bent"), ("--preparation", "bent")):
-        done = command("identify", "cuhk", str(folder / "log.lab"), *options, path=path, cwd=tmp_path, code=2)
+    for options in (("--terms", "bent"), ("--estimator", "bent")):
+        done = command("identify", "cuhk", str(folder / "log.csv"), *options, path=path, cwd=tmp_path, code=2)
         assert "'bent' of broken-springs 0.1 (broken_springs:THING) cannot be loaded: RuntimeError: no licence" in (
             done.stderr
         )
         assert done.stderr.count("\n") == 1
-    done = command("identify", "cuhk", "log.bent", path=path, cwd=tmp_path, code=2)
-    assert "the log format 'bent' of broken-springs 0.1" in done.stderr
     shown = command("identify", "--help", path=path, cwd=tmp_path).stdout
     assert "armature" in shown
     assert "bent" not in shown  # help looks at no installed package
-    assert "R²" in command("validate", folder / "est.json", folder / "log.lab", path=path, cwd=tmp_path).stdout
+    assert "R²" in command("validate", folder / "est.json", folder / "log.csv", path=path, cwd=tmp_path).stdout

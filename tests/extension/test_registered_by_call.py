@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from springs import STIFFNESS, write_lab
+from springs import STIFFNESS
 from swings import Swing
 
 import exoid
-from exoid import Coulomb, Estimate, ExoidError, Recording, Viscous
+from exoid import Coulomb, Estimate, ExoidError, Viscous
 from exoid.codegen.forms import FORMS
 from exoid.identification import register_estimator
 from exoid.identification.estimators import OutputError, wls
 from exoid.leg.exported import read_exported
 from exoid.rig import Plant
-from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
-from exoid.signals.readers import ArrayTable
+from exoid.signals import ZeroPhase
 from exoid.torques import NonlinearParameter, Term, TorqueModel, register_term
 from exoid.torques.catalog import term_to_json
 
@@ -213,100 +210,11 @@ class TestEstimators:
             exoid.identify(LEG, recording, FRICTION, "odd")
 
 
-class TestPreparations:
-    def test_settings_come_back(self, springs, forgetful, recording, tmp_path):
-        register_preparation("median", springs.Median)
-        preparation = springs.Median(cutoff=6.0, window=5)
-        exoid.identify(LEG, recording, FRICTION, preparation=preparation).save(tmp_path / "est.json")
-        assert Estimate.load(tmp_path / "est.json").preparation == preparation
-
-    def test_one_without_a_name_is_refused_before_anything_is_written(self, springs, tmp_path):
-        estimate = estimate_of(*FRICTION, preparation=springs.Median())
-        with pytest.raises(ExoidError, match=r'exoid\.signals\.register_preparation\("name", Median\)'):
-            estimate.save(tmp_path / "est.json")
-        assert not list(tmp_path.iterdir())
-
-
-class TestFormats:
-    def test_a_log_is_read_by_its_ending_whatever_its_first_bytes(self, forgetful, recording, tmp_path):
-        """A format may be built on zip, whose first bytes mean a NumPy archive."""
-        inner = tmp_path / "inner.csv"
-        recording.to_csv(inner)
-        with zipfile.ZipFile(tmp_path / "log.box", "w") as archive:
-            archive.write(inner, "log.csv")
-
-        @register_format("box")
-        def read_box(file, options):
-            with zipfile.ZipFile(file) as archive:
-                names, *rows = archive.read("log.csv").decode().split()
-            columns = np.loadtxt(rows, delimiter=",").T
-            return ArrayTable(file, Source.of(Path(file)), dict(zip(names.split(","), columns, strict=True)))
-
-        again = Recording.from_file(tmp_path / "log.box")
-        assert again.joint_names == recording.joint_names
-        assert (again.q == recording.q).all()
-        assert again.source.sha256 == Source.of(tmp_path / "log.box").sha256
-        assert len(Recordings.from_folder(tmp_path)) == 2
-
-    def test_an_error_names_the_line_and_the_column_of_the_file(self, springs, forgetful, recording, tmp_path):
-        register_format(".lab", springs.read_lab)
-        write_lab(tmp_path / "log.lab", recording)
-        lines = (tmp_path / "log.lab").read_text(encoding="utf-8").splitlines()
-        cells = lines[6].split()
-        lines[6] = " ".join([*cells[:1], "nan", *cells[2:]])
-        (tmp_path / "log.lab").write_text("\n".join(lines), encoding="utf-8")
-        with pytest.raises(ExoidError, match=r"log\.lab, line 7, column q_left_hip"):
-            Recording.from_file(tmp_path / "log.lab")
-
-    @pytest.mark.parametrize(
-        ("reader", "why"),
-        [
-            (lambda file, options: {}["time"], r"cannot be read as a log of the format 'odd': 'time'"),
-            (lambda file, options: {"time": [0.0]}, r"the reader of the format 'odd' returned dict"),
-            (
-                lambda file, options: ArrayTable(file, Source.of(Path(file)), {"time": [0.0, 1.0], "q_knee": [0.0]}),
-                r"columns are not of one length: time \(2,\), q_knee \(1,\)",
-            ),
-            (
-                lambda file, options: ArrayTable(file, Source.of(Path(file)), {"time": [["a"] * 20]}),
-                r"columns are not of one length: time \(1, 20\)",
-            ),
-            (
-                lambda file, options: ArrayTable(
-                    file, Source.of(Path(file)), dict.fromkeys(("time", "q_knee"), "a" * 20)
-                ),
-                r"columns are not of one length: time \(\), q_knee \(\)",
-            ),
-            (
-                lambda file, options: ArrayTable(
-                    file, Source.of(Path(file)), dict.fromkeys(("time", "q_knee"), ["a"] * 20)
-                ),
-                r"column time: holds <U1, not real numbers",
-            ),
-        ],
-    )
-    def test_a_reader_that_fails_gives_one_error_about_the_file(self, reader, why, forgetful, tmp_path):
-        register_format("odd", reader)
-        (tmp_path / "log.odd").write_text("data", encoding="utf-8")
-        with pytest.raises(ExoidError, match=rf"log\.odd.*{why}") as caught:
-            Recording.from_file(tmp_path / "log.odd")
-        assert caught.value.remedy
-        assert "\n" not in str(caught.value)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Worded(Thick):
     """A term with a field that files use for its name."""
 
     term: str = "word"
-
-
-@dataclass(frozen=True)
-class Half:
-    """A preparation that lacks most of what one needs."""
-
-    def kinematics(self, recording):
-        return recording
 
 
 @pytest.mark.parametrize(
@@ -320,16 +228,6 @@ class Half:
             for x in ("wls", "output-error")
         ),
         *(("is no estimator", lambda x=x: register_estimator("odd")(x)) for x in (3, OutputError)),
-        (
-            "Half lacks name, filter, filter_columns, parallel, independent_fraction, describe",
-            lambda: register_preparation("half", Half),
-        ),
-        ("is no class", lambda: register_preparation("odd")(ZeroPhase())),
-        ("str is no dataclass", lambda: register_preparation("odd")(str)),
-        *((f"log format {x!r} exists", lambda x=x: register_format(x, print)) for x in ("csv", "mcap")),
-        *(("is no ending", lambda x=x: register_format(x, print)) for x in ("LAB", "tar.gz")),
-        *(("format", lambda x=x: register_format(x, print)) for x in (".csv", "a b", "", None)),
-        ("is no reader of logs", lambda: register_format("odd")(3)),
     ],
 )
 def test_what_cannot_be_registered_is_refused(word, call):

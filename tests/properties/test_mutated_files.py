@@ -59,7 +59,7 @@ def test_a_few_mutated_files_are_read_or_refused_in_one_line(script, kind):
         "csv,npz,mat,struct.mat,parquet",
         "mcap,db3,bag",
         "urdf,estimate,sidecar,stl,ply",
-        "mot,forces.sto,c3d",
+        "mot,forces.sto",
         "columns.toml,drives.toml",
     ],
 )

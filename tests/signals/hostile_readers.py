@@ -10,14 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.tools.reader_process.child import Content
 
 
 def echo(file, **arguments):
     print("libraries may print")
-    kinds = {"f": np.arange(6.0).reshape(2, 3), "u": np.array(["hip", "knie ü"]), "t": np.array([1], "M8[ns]")}
-    kinds |= {"none": np.zeros((0, 3)), "wide": np.zeros((5, 0)), "big": np.arange(3, dtype=">i2")}
-    return Content(kinds, {"file": file, "folder": str(Path.cwd()), "pid": os.getpid(), **arguments})
+    return {"file": file, "folder": str(Path.cwd()), "pid": os.getpid(), **arguments}
 
 
 def die(file, number):
@@ -45,10 +42,3 @@ def fill_memory(file):
 def hang(file):
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     time.sleep(1000.0)
-
-
-def keep_much(file):
-    """Take 200 MB, and keep them."""
-    kept = np.ones(25 * 2**20)
-    time.sleep(1000.0)
-    return Content({"kept": kept})

@@ -20,11 +20,8 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
 from exoid.signals.readers.table import MOST_COLUMNS
-from exoid.tools.reader_process import bounds, child, memory
-from exoid.tools.reader_process.child import read_in_child
-
-if sys.platform != "win32":
-    import resource
+from exoid.tools import file_bounds, reader_process
+from exoid.tools.reader_process import read_in_child
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds the memory of a process")
@@ -46,21 +43,14 @@ def refused(path, match):
 # The child process
 
 
-def test_the_child_returns_arrays_and_facts_as_they_are(tmp_path, monkeypatch):
+def test_one_child_serves_many_files_and_returns_what_readers_do(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    content = read_in_child(hostile_readers.echo, "log.bad", topic=None, names=["a", "ü"])
-    expected = hostile_readers.echo("log.bad", topic=None, names=["a", "ü"])
-    assert content.facts == {**expected.facts, "pid": content.facts["pid"]}
-    assert content.facts["pid"] != os.getpid()
-    assert list(content.arrays) == list(expected.arrays)
-    for name, values in expected.arrays.items():
-        assert content.arrays[name].dtype == values.dtype
-        np.testing.assert_array_equal(content.arrays[name], values)
-
-
-def test_one_child_serves_many_files():
-    first, second = (read_in_child(hostile_readers.echo, name).facts for name in ("a", "b"))
-    assert first["pid"] == second["pid"]
+    values = np.array(["hip", "knie ü"])
+    first, second = (read_in_child(hostile_readers.echo, name, values=values) for name in ("a", "b"))
+    assert (second["values"] == values).all()
+    assert second == {**first, "file": "b", "values": second["values"]}
+    assert first["folder"] == str(tmp_path)
+    assert first["pid"] != os.getpid()
 
 
 @posix
@@ -68,7 +58,7 @@ def test_one_child_serves_many_files():
 def test_a_reader_that_dies_ends_in_one_line_and_the_next_file_is_read(number):
     with pytest.raises(ExoidError, match=f"log.bad: its reader died \\({number.name}\\)"):
         read_in_child(hostile_readers.die, "log.bad", number=int(number))
-    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 
 @pytest.mark.parametrize(
@@ -82,32 +72,21 @@ def test_a_reader_that_dies_ends_in_one_line_and_the_next_file_is_read(number):
 def test_whatever_a_reader_does_ends_in_one_line(reader, match):
     with pytest.raises(ExoidError, match=match):
         read_in_child(reader, "log.bad")
-    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 
 @linux
 def test_a_reader_that_fills_the_memory_is_stopped():
     with pytest.raises(ExoidError, match="too large for the memory"):
         read_in_child(hostile_readers.fill_memory, "log.bad")
-    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
-
-
-@pytest.mark.slow
-@posix
-def test_where_the_system_bounds_no_memory_the_caller_looks_at_it(monkeypatch):
-    """As on macOS, which accepts RLIMIT_AS and ignores it."""
-    monkeypatch.setattr(child, "WATCHED", True)
-    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
-    monkeypatch.setattr(child, "MOST_KEPT", 2**27 - child.READER_MEMORY - bounds.most_memory(0))
-    with pytest.raises(ExoidError, match=r"log\.bad: too large for the memory"):
-        read_in_child(hostile_readers.keep_much, "log.bad")
+    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 
 @linux
 def test_the_system_bounds_the_memory_beyond_the_present_one():
     """In a process of its own."""
     code = (
-        "import numpy; from exoid.tools.reader_process.memory import limited_memory\n"
+        "import numpy; from exoid.tools.reader_process import limited_memory\n"
         "with limited_memory(2**27):\n"
         "    numpy.ones(2**20)\n"
         "    try: numpy.ones(2**25)\n"
@@ -118,44 +97,22 @@ def test_the_system_bounds_the_memory_beyond_the_present_one():
     assert done.stdout.split() == ["refused", str(2**25)]
 
 
-@linux
-@pytest.mark.parametrize("content", [None, "", "no numbers here at all\n"])
-def test_without_proc_nothing_is_bounded_and_reading_goes_on(monkeypatch, tmp_path, content):
-    """As in a container that mounts no /proc."""
-    if content is not None:
-        (tmp_path / "statm").write_text(content)
-    monkeypatch.setattr(memory, "STATM", tmp_path / "statm")
-    before = resource.getrlimit(resource.RLIMIT_DATA)
-    with memory.limited_memory(2**20):
-        assert resource.getrlimit(resource.RLIMIT_DATA) == before
-    assert memory.keeps_little()
-
-
-@pytest.mark.parametrize("platform", ["win32", "darwin"])
-def test_other_systems_have_no_bound_and_need_no_module_of_linux(monkeypatch, platform):
-    monkeypatch.setattr(sys, "platform", platform)
-    monkeypatch.delattr(memory, "resource", raising=False)
-    with memory.limited_memory(2**20):
-        assert np.ones(2**18).sum() == 2**18
-    assert memory.keeps_little()
-
-
 def test_a_reader_that_hangs_is_killed(monkeypatch):
-    monkeypatch.setattr(child, "most_seconds", lambda size: 0.5)
+    monkeypatch.setattr(reader_process, "most_seconds", lambda size: 0.5)
     with pytest.raises(ExoidError, match=r"log.bad: its reader has not ended within 0 s|within 1 s"):
         read_in_child(hostile_readers.hang, "log.bad")
 
 
 @posix
 def test_a_fork_of_the_caller_has_a_child_of_its_own():
-    here = read_in_child(hostile_readers.echo, "a").facts["pid"]
+    here = read_in_child(hostile_readers.echo, "a")["pid"]
     fork = os.fork()
     if not fork:
-        there = read_in_child(hostile_readers.echo, "a").facts["pid"]
-        child._end()
+        there = read_in_child(hostile_readers.echo, "a")["pid"]
+        reader_process._end()
         os._exit(0 if there != here else 1)
     assert os.waitpid(fork, 0)[1] == 0
-    assert read_in_child(hostile_readers.echo, "a").facts["pid"] == here
+    assert read_in_child(hostile_readers.echo, "a")["pid"] == here
 
 
 @pytest.mark.slow
@@ -163,8 +120,8 @@ def test_a_fork_of_the_caller_has_a_child_of_its_own():
 def test_the_child_ends_with_its_caller(tmp_path):
     WRITERS["log.mat"](tmp_path / "log.mat", swing())
     code = (
-        "import sys, exoid, os; from exoid.tools.reader_process import child;"
-        "exoid.Recording.from_file(sys.argv[1]); print(child._CHILDREN[0]._process.pid); sys.stdout.flush();"
+        "import sys, exoid, os; from exoid.tools.reader_process import _CHILDREN;"
+        "exoid.Recording.from_file(sys.argv[1]); print(_CHILDREN[0].process.pid); sys.stdout.flush();"
         "os.kill(os.getpid(), 9) if sys.argv[2] == 'killed' else None"
     )
     for end in ("ended", "killed"):
@@ -219,7 +176,7 @@ def test_a_damaged_matlab_file_is_one_line_even_where_it_crashes_scipys_reader(c
     """The first two are segmentation faults of a process that reads them."""
     (tmp_path / "log.mat").write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + content)
     refused(tmp_path / "log.mat", "log.mat")
-    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 
 @pytest.mark.slow
@@ -258,7 +215,7 @@ def test_an_array_of_size_zero_has_no_million_million_columns(shape, tmp_path):
 
 def test_an_archive_that_expands_far_beyond_what_measurements_do_is_refused(tmp_path):
     """Two million samples in 40 kB: MB of noise compress by less than 10, this by 3000."""
-    samples = bounds.MOST_MEMORY // 16 + 1
+    samples = file_bounds.MOST_MEMORY // 16 + 1
     with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("time.npy", header((samples,)) + bytes(8 * samples))
         archive.writestr("q.npy", header((samples, 1)) + bytes(8 * samples))
@@ -272,7 +229,7 @@ def test_measurements_compress_far_less_than_the_limit(tmp_path):
     tau = np.round((10.0 * np.cos(q) + 0.1 * rng.normal(size=q.shape)) * 100.0) / 100.0
     np.savez_compressed(tmp_path / "log.npz", time=time_, q=q, tau=tau, joint_names=["hip", "knee"])
     expansion = (time_.nbytes + q.nbytes + tau.nbytes) / (tmp_path / "log.npz").stat().st_size
-    assert expansion < bounds.MOST_EXPANSION / 5.0
+    assert expansion < file_bounds.MOST_EXPANSION / 5.0
     assert len(Recording.from_file(tmp_path / "log.npz")) == 50_000
 
 
@@ -320,6 +277,6 @@ def test_a_compressed_bag_that_would_fill_the_memory_is_refused(kind, tmp_path):
         mode = CompressionMode.MESSAGE if kind == "messages" else CompressionMode.STORAGE
         plugin = StoragePlugin.SQLITE3 if kind == "messages" else StoragePlugin.MCAP
         write_bag(path, {"/joints": wide}, plugin=plugin, compress=mode)
-    size = bounds.size_on_disk(path)
+    size = file_bounds.size_on_disk(path)
     assert size < 10_000_000
     refused(path, "not plausible for measurements|too large for the memory|fill")

@@ -280,7 +280,6 @@ LOGS = {
     "names in a string": Log(b"0,1\n1,2\n", names="time,q_a", kind=BadArgumentError),
     "topic": Log(GOOD, topic="/joints", kind=BadArgumentError),
     "no such format": Log(GOOD, format="odrive:knee"),
-    "another format": Log(GOOD, format="dephy:knee"),
     "mask not there": Log(GOOD, mask="swing"),
     "mask of angles": Log(GOOD, "column q_hip", mask="q_hip", kind=BadArgumentError),
     "nan": Log(changed(5, "0.06,0.1,0.1,nan,0.1"), "line 5, column tau_hip"),

@@ -11,7 +11,7 @@ from drawings import SHANK, leg_with, mesh_visual, meshes, objects
 
 from exoid import ExoidError
 from exoid.view import scene
-from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, mesh_arrays
+from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, read_mesh
 from exoid.view.scenes.urdf_visuals import PLAIN
 
 RED, BLUE = (200, 30, 40), (10, 60, 220)
@@ -44,21 +44,20 @@ def write(path, parts):
 @pytest.mark.parametrize("ending", ["obj", "dae", "glb", "stl", "ply"])
 def test_every_format_is_read_in_its_place_and_colours(ending, tmp_path):
     write(tmp_path / f"leg.{ending}", two_boxes())
-    content = mesh_arrays(str(tmp_path / f"leg.{ending}"), [2.0, 1.0, -1.0])
-    points = np.vstack([content.arrays[f"points {k}"] for k in range(len(content.facts["colours"]))])
+    found = read_mesh(str(tmp_path / f"leg.{ending}"), [2.0, 1.0, -1.0])
+    points = np.vstack([mesh.points for mesh in found])
     np.testing.assert_allclose(points.min(axis=0), [-0.1, -0.1, -0.45], atol=1e-6)
     np.testing.assert_allclose(points.max(axis=0), [0.1, 0.1, 0.15], atol=1e-6)
     if ending in ("obj", "dae", "glb"):
-        assert set(content.facts["colours"]) == {hexadecimal(RED), hexadecimal(BLUE)}
+        assert {mesh.colour for mesh in found} == {hexadecimal(RED), hexadecimal(BLUE)}
     if ending == "stl":
-        assert content.facts["colours"] == [None]
+        assert [mesh.colour for mesh in found] == [None]
 
 
 def test_a_mirrored_mesh_has_outward_normals(tmp_path):
     trimesh.creation.icosphere(radius=0.1).export(tmp_path / "ball.stl")
-    content = mesh_arrays(str(tmp_path / "ball.stl"), [-1.0, 1.0, 1.0])
-    points, normals = content.arrays["points 0"], content.arrays["normals 0"]
-    assert (np.einsum("ij,ij->i", points, normals) > 0.09).all()
+    (ball,) = read_mesh(str(tmp_path / "ball.stl"), [-1.0, 1.0, 1.0])
+    assert (np.einsum("ij,ij->i", ball.points, ball.normals) > 0.09).all()
 
 
 @pytest.mark.parametrize(
@@ -92,8 +91,8 @@ def test_a_texture_becomes_its_mean_colour(tmp_path):
         uv=np.zeros((8, 2)), material=trimesh.visual.material.PBRMaterial(baseColorTexture=picture)
     )
     box.export(tmp_path / "box.glb")
-    (colour,) = mesh_arrays(str(tmp_path / "box.glb"), [1.0, 1.0, 1.0]).facts["colours"]
-    np.testing.assert_allclose([int(colour[k : k + 2], 16) for k in (1, 3, 5)], [127.5, 0.0, 127.5], atol=2.0)
+    (found,) = read_mesh(str(tmp_path / "box.glb"), [1.0, 1.0, 1.0])
+    np.testing.assert_allclose([int(found.colour[k : k + 2], 16) for k in (1, 3, 5)], [127.5, 0.0, 127.5], atol=2.0)
 
 
 def test_a_mesh_takes_no_material_from_outside_of_its_folder(tmp_path):
@@ -102,8 +101,8 @@ def test_a_mesh_takes_no_material_from_outside_of_its_folder(tmp_path):
     assert (tmp_path / "leg" / "material.mtl").rename(tmp_path / "secret.mtl").is_file()
     text = (tmp_path / "leg" / "shank.obj").read_text(encoding="utf-8")
     (tmp_path / "leg" / "shank.obj").write_text(text.replace("material.mtl", "../secret.mtl"), encoding="utf-8")
-    colours = mesh_arrays(str(tmp_path / "leg" / "shank.obj"), [1.0, 1.0, 1.0]).facts["colours"]
-    assert not {hexadecimal(RED), hexadecimal(BLUE)} & set(colours)
+    found = read_mesh(str(tmp_path / "leg" / "shank.obj"), [1.0, 1.0, 1.0])
+    assert not {hexadecimal(RED), hexadecimal(BLUE)} & {mesh.colour for mesh in found}
 
 
 def test_a_dae_whose_materials_do_not_exist_is_read_by_assimp(tmp_path):
@@ -114,18 +113,18 @@ def test_a_dae_whose_materials_do_not_exist_is_read_by_assimp(tmp_path):
     assert broken != text
     (tmp_path / "shank.dae").write_text(broken, encoding="utf-8")
     assert not trimesh.load_scene(tmp_path / "shank.dae").geometry
-    content = mesh_arrays(str(tmp_path / "shank.dae"), [1.0, 1.0, 1.0])
-    np.testing.assert_allclose(np.ptp(content.arrays["points 0"], axis=0), [0.1, 0.2, 0.6], atol=1e-6)
-    assert content.facts["colours"] == [None]
+    (found,) = read_mesh(str(tmp_path / "shank.dae"), [1.0, 1.0, 1.0])
+    np.testing.assert_allclose(np.ptp(found.points, axis=0), [0.1, 0.2, 0.6], atol=1e-6)
+    assert found.colour is None
 
 
 def test_a_mesh_of_many_triangles_is_simplified_and_keeps_its_shape(tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
     ball.export(tmp_path / "ball.stl")
-    arrays = mesh_arrays(str(tmp_path / "ball.stl"), [1.0, 1.0, 1.0]).arrays
-    assert len(arrays["triangles 0"]) <= MAX_TRIANGLES < len(ball.faces)
-    np.testing.assert_allclose(np.linalg.norm(arrays["points 0"], axis=1), 0.1, rtol=1e-6)
-    smaller = trimesh.Trimesh(arrays["points 0"], arrays["triangles 0"])
+    (found,) = read_mesh(str(tmp_path / "ball.stl"), [1.0, 1.0, 1.0])
+    assert len(found.triangles) <= MAX_TRIANGLES < len(ball.faces)
+    np.testing.assert_allclose(np.linalg.norm(found.points, axis=1), 0.1, rtol=1e-6)
+    smaller = trimesh.Trimesh(found.points, found.triangles)
     assert smaller.volume == pytest.approx(ball.volume, rel=5e-3)
 
 
@@ -135,13 +134,13 @@ def test_triangles_of_vertices_that_do_not_exist_are_refused(index, monkeypatch,
     bad = trimesh.Trimesh(np.eye(3), [[0, 1, 2], [0, 1, index]], process=False)
     monkeypatch.setattr("exoid.view.scenes.meshes._by_trimesh", lambda _: [bad])
     with pytest.raises(ExoidError, match="cannot be read as a mesh: triangles of vertices that do not exist"):
-        mesh_arrays(str(tmp_path / "a.ply"), [1.0, 1.0, 1.0])
+        read_mesh(str(tmp_path / "a.ply"), [1.0, 1.0, 1.0])
 
 
 def test_a_mesh_far_larger_than_a_machine_is_refused(tmp_path):
     trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "box.stl")
     with pytest.raises(ExoidError, match="its size is 1e"):
-        mesh_arrays(str(tmp_path / "box.stl"), [100.0 * LARGEST_MESH, 1.0, 1.0])
+        read_mesh(str(tmp_path / "box.stl"), [100.0 * LARGEST_MESH, 1.0, 1.0])
 
 
 @pytest.mark.parametrize(

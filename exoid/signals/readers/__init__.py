@@ -1,6 +1,5 @@
 """Log file formats: readers that turn each format into a table of named columns."""
 
-from .formats import register_format
 from .options import ReadOptions, ReadRequest
 from .table import ArrayTable, Table
 
@@ -9,5 +8,4 @@ __all__ = [
     "ReadOptions",
     "ReadRequest",
     "Table",
-    "register_format",
 ]

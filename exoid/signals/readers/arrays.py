@@ -17,10 +17,10 @@ from exoid.errors import UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.quantities import QUANTITIES
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import reading, refuse_expansion
-from exoid.tools.reader_process.child import Content, read_in_child
+from exoid.tools.file_bounds import reading, refuse_expansion
+from exoid.tools.reader_process import read_in_child
 
-from .options import ReadRequest, as_json
+from .options import ReadRequest
 from .table import ArrayTable, refuse_columns
 
 MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.field, quantity.prefix)}
@@ -47,13 +47,13 @@ MATLAB_REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_
 def read_mat(file: str, request: ReadRequest) -> ArrayTable:
     """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
     with reading("a MATLAB file", MATLAB_REMEDY):
-        columns = read_in_child(mat_columns, file, request=as_json(request)).arrays
+        columns = to_columns(read_in_child(mat_arrays, file), request)
         rows = len(next(iter(columns.values())))
         return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
 
 
-def mat_columns(file: str, request: ReadRequest) -> Content:
-    """Read the columns in this process, which scipy's compiled reader may end."""
+def mat_arrays(file: str) -> dict[str, NDArray[Any]]:
+    """Read the arrays in this process, which scipy's compiled reader may end."""
     with reading("a MATLAB file", MATLAB_REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         content = scipy.io.loadmat(file, appendmat=False, simplify_cells=True, chars_as_strings=True)
@@ -61,7 +61,7 @@ def mat_columns(file: str, request: ReadRequest) -> Content:
         refuse_expansion(sum(value.nbytes for value in variables.values() if isinstance(value, np.ndarray)), Path(file))
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        return Content(to_columns(_flat(variables), request))
+        return _flat(variables)
 
 
 def _flat(variables: Mapping[str, Any], depth: int = 0) -> dict[str, NDArray[Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 from exoid.errors import BadArgumentError
 
@@ -29,8 +29,6 @@ class ReadOptions(TypedDict, total=False):
             message was recorded.
         mask: Header of a column of 0 and 1; only samples with 1 count. Bags have no such column.
         names: Names of the columns of a text file without a header line, "" for one that is not read.
-        format: Logger of an actuator, and the joint that it drives: "dephy:ankle" or "moteus:knee". If left out, the
-            header tells it, and the joint is the only one of ``joint_names``.
         passive: Joints without an actuator, whose torque is zero.
         unmeasured: Joints whose torque column is not read, such as that of a dead channel.
         payloads: Payloads on the leg; None for those that lines ``# payload: …`` of a text file name.
@@ -50,7 +48,6 @@ class ReadOptions(TypedDict, total=False):
     stamps: Literal["header", "received"]
     mask: str | None
     names: Sequence[str] | None
-    format: str | None
     passive: Sequence[str]
     unmeasured: Sequence[str]
     payloads: Sequence[Payload] | None
@@ -82,14 +79,3 @@ def refuse_unknown_options(options: Mapping[str, object]) -> None:
         if options.get(name, known[0]) not in known:
             remedy = f'pass {name}="{known[0]}" or {name}="{known[1]}"'
             raise BadArgumentError(f"{name} is {options[name]!r}", remedy=remedy)
-
-
-def as_json(request: ReadRequest) -> dict[str, Any]:
-    """Describe as values of JSON what readers in the child process need."""
-    joints = request.get("joint_names")
-    return {
-        "joint_names": joints if joints is None or isinstance(joints, str) else list(joints),
-        "columns": dict(request.get("columns", {})),
-        "topic": request.get("topic"),
-        "stamps": request.get("stamps", "header"),
-    }

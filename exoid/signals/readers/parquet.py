@@ -12,8 +12,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import reading, refuse_expansion
-from exoid.tools.reader_process.child import Content, read_in_child
+from exoid.tools.file_bounds import reading, refuse_expansion
+from exoid.tools.reader_process import read_in_child
 
 from .options import ReadRequest
 from .table import Table, as_column, needs, refuse_columns
@@ -26,39 +26,38 @@ def read_parquet(file: str, request: ReadRequest) -> Table:
     if find_spec("polars") is None:
         raise needs("polars", "Parquet")
     with reading("Parquet", REMEDY):
-        facts = read_in_child(parquet_header, file).facts
-        source, length = Source.of(Path(file)), int(facts["rows"])
+        names, length = read_in_child(parquet_header, file)
+        source = Source.of(Path(file))
 
     def numbers(columns: Sequence[str]) -> FloatArray:
         with reading("Parquet", REMEDY):
             refuse_expansion(8 * length * len(columns), Path(file))
-            arrays = read_in_child(parquet_columns, file, names=list(columns)).arrays
-            table = np.column_stack([arrays[name] for name in columns])
+            table = read_in_child(parquet_columns, file, names=list(columns))
         if len(table) != length:
             raise UnreadableInputError(f"{len(table)} rows, but {length} before", remedy="read it again")
         return table
 
-    return Table(file, source, tuple(facts["names"]), numbers, length)
+    return Table(file, source, tuple(names), numbers, length)
 
 
-def parquet_header(file: str) -> Content:
-    """Read the header in this process, which polars may end."""
+def parquet_header(file: str) -> tuple[list[str], int]:
+    """Read names of the columns and number of rows in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
     with reading("Parquet", REMEDY):
         names = list(polars.read_parquet_schema(file))
         refuse_columns(len(names))
         rows = polars.scan_parquet(file, glob=False, hive_partitioning=False).select(polars.len()).collect().item()
-        return Content({}, {"names": names, "rows": int(rows)})
+        return names, int(rows)
 
 
-def parquet_columns(file: str, names: Sequence[str]) -> Content:
+def parquet_columns(file: str, names: Sequence[str]) -> FloatArray:
     """Read columns in this process, which polars may end."""
     import polars  # noqa: PLC0415 - an extra
 
     with reading("Parquet", REMEDY):
         frame = polars.read_parquet(file, columns=list(names), glob=False, hive_partitioning=False)
-        return Content({name: _column(frame[name], name) for name in names})
+        return np.column_stack([_column(frame[name], name) for name in names])
 
 
 def _column(series: Any, name: str) -> FloatArray:  # noqa: ANN401 - a polars.Series

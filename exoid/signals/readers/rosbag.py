@@ -14,18 +14,15 @@ from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 from exoid.signals.column import header_in
 from exoid.signals.source import Source
-from exoid.tools.reader_process.bounds import most_memory, reading, refuse_expansion, size_on_disk
-from exoid.tools.reader_process.child import Content, read_in_child
+from exoid.tools.file_bounds import most_memory, reading, refuse_expansion, size_on_disk
+from exoid.tools.reader_process import read_in_child
 
-from .options import ReadRequest, as_json
+from .options import ReadRequest
 from .table import ArrayTable, needs
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
 FIELDS = {"q": "position", "v": "velocity", "tau": "effort"}
-
-NUMBER = "number"
-"""Column of the numbers of the messages; columns of joints contain an underscore."""
 
 REMEDY = "check that the recorder closed the bag (ros2 bag reindex), and that folder and metadata.yaml belong together"
 
@@ -49,25 +46,26 @@ def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
     if find_spec("rosbags") is None:
         raise needs("rosbags", "bags")
     with reading("a bag", REMEDY):
-        columns = dict(read_in_child(bag_columns, file, request=as_json(request)).arrays)
-        numbers = columns.pop(NUMBER)
+        wanted: ReadRequest = {"joint_names": None, "columns": {}, "topic": None, "stamps": "header", **request}
+        needed = {key: wanted[key] for key in ("joint_names", "columns", "topic", "stamps")}
+        numbers, columns = read_in_child(bag_columns, file, request=needed)
         return ArrayTable(file, Source.of(Path(file)), columns, numbers, "message")
 
 
-def bag_columns(file: str, request: ReadRequest) -> Content:
-    """Read the columns in this process, whose memory a compressed bag may fill."""
+def bag_columns(file: str, request: ReadRequest) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:
+    """Read numbers of messages and columns in this process, whose memory a compressed bag may fill."""
     with reading("a bag", REMEDY):
         messages = list(_messages(Path(file), request))
     if not messages:
         raise UnreadableInputError("no joint states in the topic", remedy="choose another topic")
     joints, messages = _common_joints(messages, request)
     numbers = np.array([message.number for message in messages])
-    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, request)}
+    columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, request)}
     for symbol, field in FIELDS.items():
         values = _matrix(messages, joints, field)
         if values is not None:
             columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
-    return Content(columns)
+    return numbers, columns
 
 
 def _messages(path: Path, request: ReadRequest) -> Iterator[_Message]:

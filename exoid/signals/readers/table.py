@@ -14,7 +14,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.signals.source import Source
 from exoid.tools.extras import install_extra
-from exoid.tools.reader_process.bounds import refuse_expansion
+from exoid.tools.file_bounds import refuse_expansion
 
 MOST_COLUMNS = 10_000
 """Largest number of columns of a log; humanoids have some hundreds."""

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.tools.reader_process.bounds import reading
-from exoid.tools.reader_process.child import Content, read_in_child
+from exoid.tools.file_bounds import reading
+from exoid.tools.reader_process import read_in_child
 
 from .visual import hex_colour
 
@@ -48,29 +48,24 @@ def load_mesh(path: Path, scale: FloatArray) -> tuple[Mesh, ...]:
     """Read a mesh, simplified to the resolution of a screen."""
     if not (np.isfinite(scale).all() and (np.abs(scale) >= SMALLEST_SCALE).all() and (np.abs(scale) <= 1e9).all()):
         raise ValueError(f"scale {' '.join(f'{each:g}' for each in scale)}")
-    content = read_in_child(mesh_arrays, str(path.resolve()), scale=scale.tolist())
-    return tuple(
-        Mesh(content.arrays[f"points {k}"], content.arrays[f"normals {k}"], content.arrays[f"triangles {k}"], colour)
-        for k, colour in enumerate(content.facts["colours"])
-    )
+    return tuple(read_in_child(read_mesh, str(path.resolve()), scale=scale.tolist()))
 
 
-def mesh_arrays(file: str, scale: list[float]) -> Content:
+def read_mesh(file: str, scale: list[float]) -> list[Mesh]:
     """Read a mesh in this process, which a damaged file may end."""
     from trimesh.geometry import mean_vertex_normals  # noqa: PLC0415 - trimesh takes half a second
     from trimesh.graph import smooth_shade  # noqa: PLC0415
 
-    arrays: dict[str, NDArray[Any]] = {}
+    found = []
     with reading("a mesh", "export it again, as STL, OBJ, DAE or GLB"):
-        parts = _simplified(_parts(file, scale))
-        for k, part in enumerate(parts.values()):
+        for colour, part in _simplified(_parts(file, scale)).items():
             # Crease angle [rad]: faces that meet at a larger angle keep a sharp edge.
             shaded = smooth_shade(part, angle=np.deg2rad(40.0), facet_minarea=None)
-            arrays[f"points {k}"] = np.asarray(shaded.vertices, dtype=np.float64)
             areas = shaded.face_normals * shaded.area_faces[:, np.newaxis]  # so that rounded edges leave faces flat
-            arrays[f"normals {k}"] = mean_vertex_normals(len(shaded.vertices), shaded.faces, areas)
-            arrays[f"triangles {k}"] = np.asarray(shaded.faces, dtype=np.int64)
-    return Content(arrays, {"colours": list(parts)})
+            normals = mean_vertex_normals(len(shaded.vertices), shaded.faces, areas)
+            points = np.array(shaded.vertices, dtype=np.float64)
+            found.append(Mesh(points, normals, np.array(shaded.faces, dtype=np.int64), colour))
+    return found
 
 
 def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:

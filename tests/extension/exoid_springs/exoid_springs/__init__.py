@@ -1,9 +1,7 @@
-"""Two terms, a log format, an estimator and a preparation for exoid."""
+"""Two terms and an estimator for exoid."""
 
 from .biarticular import Biarticular
 from .end_stop import EndStop
-from .lab_log import read_lab
 from .mad import mad
-from .median import Median
 
-__all__ = ["Biarticular", "EndStop", "Median", "mad", "read_lab"]
+__all__ = ["Biarticular", "EndStop", "mad"]
