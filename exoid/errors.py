@@ -96,9 +96,12 @@ class BadArgumentError(ExoidError):
 def nearest(name: str, names: Iterable[str]) -> str:
     """Begin the remedy for a misspelt name with the closest one: "did you mean 'coulomb'? ", or "" if none is close."""
     from difflib import get_close_matches  # noqa: PLC0415 - rarely needed
+    from pathlib import PurePath  # noqa: PLC0415
 
-    known = {each.lower(): each for each in names}
-    close = get_close_matches(str(name).lower(), list(known), n=1)
+    word = str(name).lower()
+    ending = PurePath(word).suffix  # that both have it makes names of files no more alike
+    known = {each.lower().removesuffix(ending): each for each in names}
+    close = get_close_matches(word.removesuffix(ending), list(known), n=1)
     return f"did you mean {known[close[0]]!r}? " if close else ""
 
 

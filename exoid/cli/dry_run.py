@@ -11,7 +11,7 @@ from exoid.control import LawReplay, Limited
 from exoid.errors import BadArgumentError, nearest
 from exoid.experiments import follow_log
 
-from .inputs import read_log
+from .inputs import read_log_of
 from .numbers import joint_values, parse_gains
 from .options import DryRunOptions, GainOptions, LogOptions
 from .refusals import refuse
@@ -28,7 +28,7 @@ WITHOUT_TARGET = ("gravity_support", "transparent")
 def dry_run(source: ModelSource, options: DryRunOptions, gains: GainOptions, reading: LogOptions) -> LawReplay:
     """Replay a controller on a log; its rate is at most that of the log."""
     leg = control.ControlModel.of(source).leg
-    recording = read_log(str(options.dry_run), reading, leg.joint_names)
+    recording = read_log_of(leg, str(options.dry_run), reading)
     rate = min(100.0, recording.sample_rate) if gains.rate is None else gains.rate
     name = WITHOUT_TARGET[0] if options.law is None else options.law
     law = _law(name, source, recording, gains, rate)

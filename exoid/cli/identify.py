@@ -8,11 +8,12 @@ from typing import Annotated, Any, NamedTuple
 from typer import Option
 
 import exoid
+from exoid.errors import BadArgumentError
 from exoid.tools.files import write_whole
 from exoid.tools.toml import to_toml
 
 from .column_map import columns_of
-from .inputs import given_terms, read_drives, read_logs
+from .inputs import given_terms, read_drives, read_logs, refuse_other_payloads
 from .legs import find_leg, refuse_unknown_leg, refuse_without_base
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
@@ -53,6 +54,9 @@ class FitOptions(NamedTuple):
 
     def settings(self) -> dict[str, Any]:
         """Parse the options."""
+        if self.delay not in (None, "auto"):
+            remedy = f"give --delay auto, or a delay that is known: --late JOINT={self.delay} [s]"
+            raise BadArgumentError(f"--delay {self.delay}", remedy=remedy)
         return self._asdict() | {
             "terms": given_terms(self.terms),
             "known": parse_known(self.known),
@@ -89,16 +93,15 @@ def identify(
     tests, pages = test or [], {"--test": test, "--report": report, "--figures": figures}
     refuse({} if own is None else pages, "with --own each log has an estimate")
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
-    check_outputs(files, [leg, *logs, *tests, reading.segments, reading.columns, reading.actuators], figures)
+    check_outputs(files, [leg, *logs, *tests, reading.columns, reading.actuators], figures)
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
-    from .log_parts import refuse_other  # noqa: PLC0415
     from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     if save_columns is not None:
         write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
-    refuse_other(reading, [*logs, *tests])
+    refuse_other_payloads(reading, [*logs, *tests])
     if own is not None:
         paths = estimate_files(log_names(logs), output)
         check_outputs({f"--output of {name}": path for name, path in paths.items()}, [leg, *logs])

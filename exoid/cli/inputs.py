@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import exoid
@@ -18,6 +20,7 @@ from .refusals import is_readable, refuse, refuse_form
 if TYPE_CHECKING:
     from exoid.actuators import Actuators
     from exoid.leg.leg import Leg
+    from exoid.leg.payload import Payload
     from exoid.signals import Recording, WrenchFrame
     from exoid.torques import Term
 
@@ -26,10 +29,8 @@ OF_FILES = ("--names", "--passive", "--unmeasured", "--payload", "--base-positio
 
 
 def read_logs(names: Sequence[str], options: LogOptions, *, beside: Sequence[str] = ()) -> list[Recording]:
-    """Read logs, or the parts of a built-in dataset; segments and payloads may also name those ``beside``."""
-    from .log_parts import refuse_other  # noqa: PLC0415 - help needs no payloads
-
-    refuse_other(options, [*names, *beside])
+    """Read logs, or the parts of a built-in dataset; payloads may also name those ``beside``."""
+    refuse_other_payloads(options, [*names, *beside])
     recordings = []
     for name in names:
         recordings.append(read_log(name, options))
@@ -39,8 +40,6 @@ def read_logs(names: Sequence[str], options: LogOptions, *, beside: Sequence[str
 
 def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None) -> Recording:
     """Read a log, or a part of a built-in dataset."""
-    from .log_parts import segments_of  # noqa: PLC0415
-
     base, _, part = name.partition(":")
     if base not in DATASETS or is_readable(name):
         recording = _from_file(name, options, joints)
@@ -48,19 +47,29 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         recording = _from_dataset(name, options)
     else:
         raise BadArgumentError(f"no log {name!r}", remedy=f"name {base}:train or {base}:test")
-    if options.segments is not None:
-        recording = recording.segments(segments_of(options.segments, name))
     if options.start is None and options.stop is None:
         return recording
     return recording.between(options.start, options.stop)
 
 
+def read_log_of(leg: Leg, name: str, options: LogOptions) -> Recording:
+    """Read a log of the joints of a leg, whose columns have their names or their labels."""
+    try:
+        return read_log(name, options, leg.joint_names)
+    except ExoidError as error:
+        if not error.column.startswith("q_") or leg.joint_labels == leg.joint_names:
+            raise
+        try:
+            log = read_log(name, options, leg.joint_labels)
+        except ExoidError:
+            raise error from None
+        return replace(log, joint_names=leg.joint_names, passive=(), computed=())
+
+
 def _from_dataset(name: str, options: LogOptions) -> Recording:
     """Read a part of a dataset, which has no other columns than those of a recording."""
-    from .log_parts import payloads_of  # noqa: PLC0415
-
     refuse({"--mask": options.mask}, f"{name} has no such column")
-    wanted = given(options._replace(payload=options.payload if payloads_of(options.payload, name) else None))
+    wanted = given(options._replace(payload=options.payload if _payloads_of(options.payload, name) else None))
     refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
     data = dataset(name.partition(":")[0])
     return data.train if name.endswith(":train") else data.test
@@ -68,8 +77,6 @@ def _from_dataset(name: str, options: LogOptions) -> Recording:
 
 def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
     """Read a log from a file or a bag."""
-    from .log_parts import payloads_of  # noqa: PLC0415
-
     refuse_form(name, "LOG")
     example = "NAME=HEADER, e.g. --column q_hip=pos1"
     columns = values_by_name(options.column, "--column", exoid.signals.Column.from_text, example)
@@ -96,11 +103,37 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         names=split_names(options.names),
         passive=split_names(options.passive) or (),
         unmeasured=split_names(options.unmeasured) or (),
-        payloads=payloads_of(options.payload, name),
+        payloads=_payloads_of(options.payload, name),
         base_position=parse_numbers(options.base_position, "--base-position"),
         wrench_frames=_wrench_frames(options.wrench),
     )
     return _on_time(recording, delays_of(options))
+
+
+def refuse_other_payloads(options: LogOptions, logs: Sequence[str]) -> None:
+    """Refuse payloads of logs that were not given."""
+    known = {name for log in logs for name in (log, Path(log).name)}
+    for option in options.payload or ():
+        name, found, _ = option.rpartition("=")
+        if found and name not in known:
+            raise BadArgumentError(f"--payload {option}: {name} is not among the logs", remedy="check its name")
+
+
+def _payloads_of(options: Sequence[str] | None, log: str) -> tuple[Payload, ...] | None:
+    """Find the payloads of a log, such as "heavy.csv=shank:3.0@0,0,-0.3" or one without a log."""
+    from exoid.leg.payload import FORM, Payload  # noqa: PLC0415 - help needs no payloads
+
+    payloads = []
+    for option in options or ():
+        name, found, text = option.rpartition("=")
+        if found and name not in (log, Path(log).name):
+            continue
+        try:
+            payloads.append(Payload.from_text(text))
+        except ExoidError as error:
+            what, remedy = f"--payload {option}: {error.what}", error.remedy or f"write {FORM}"
+            raise BadArgumentError(what, remedy=remedy) from None
+    return tuple(payloads) or None
 
 
 def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:

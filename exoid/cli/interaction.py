@@ -40,9 +40,7 @@ def interaction(
 
     Example: exoid interaction est.json bleex_swing:test
     """
-    check_outputs(
-        {"--output": output, "--report": report}, [estimate, *logs, reading.segments, reading.actuators], figures
-    )
+    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.actuators], figures)
     if output is not None and len(logs) > 1:
         raise BadArgumentError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
     loaded = exoid.Estimate.load(estimate)

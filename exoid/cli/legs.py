@@ -1,4 +1,4 @@
-"""Legs on the command line: built-in ones, those of datasets, URDF files and robots by name."""
+"""Legs on the command line: built-in ones, those of datasets, and URDF files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from .messages import note
 from .numbers import split_names, values_by_name
 from .options import LegOptions
 from .refusals import is_readable, names_beside, refuse, refuse_form
-from .robots import how_to_name_one, is_robot, urdf_of_robot
 
 if TYPE_CHECKING:
     from exoid.leg.leg import Leg
@@ -42,7 +41,7 @@ def dataset(name: str) -> Dataset:
 
 
 def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Leg:
-    """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data."""
+    """Load a leg: a built-in one, that of a dataset, or of a URDF file."""
     side, inertias, joints, moving, floating, contact, loops = options
     base: Literal["fixed", "moving", "floating"] = "moving" if moving else "floating" if floating else "fixed"
     if name in BUILT_IN or name in DATASETS:
@@ -57,8 +56,6 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
         refuse({"--floating-base": floating or None}, f"the base of {name} was held")
         return dataset(name).leg
     refuse_unknown_leg(name)
-    if not is_readable(name):
-        name = str(urdf_of_robot(name))
     if moving:
         refuse({"--floating-base": floating or None}, "--moving-base is for rows of joints only")
     chosen = split_names(joints)
@@ -73,13 +70,13 @@ def refuse_unknown_leg(name: str) -> None:
     if is_readable(name):
         refuse_form(name, "LEG")
         return
-    if name in BUILT_IN or name in DATASETS or is_robot(name):
+    if name in BUILT_IN or name in DATASETS:
         return
     if os.path.isdir(name):  # noqa: PTH112 - as in is_readable
         raise BadArgumentError("is a folder, not a URDF file", where=name, remedy="name the URDF file in it")
     known = ", ".join([*BUILT_IN, *DATASETS])
     similar = nearest(Path(name).name, [*BUILT_IN, *DATASETS, *names_beside(name)])
-    remedy = f"{similar}name a built-in leg ({known}), a URDF file, or {how_to_name_one()}"
+    remedy = f"{similar}name a built-in leg ({known}), or a URDF file"
     raise BadArgumentError(f"no leg or URDF file {name!r}", remedy=remedy)
 
 

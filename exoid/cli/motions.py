@@ -11,7 +11,7 @@ import exoid
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.experiments.gait import fit_to_limits
 
-from .inputs import read_log
+from .inputs import read_log_of
 from .messages import note
 from .numbers import parse_roles
 from .options import LogOptions
@@ -61,7 +61,7 @@ def gait_or_rest(leg: Leg, roles: Sequence[str] | None) -> Motion:
 
 def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Motion:
     """Follow a log; one of a periodic motion, again and again."""
-    log = read_log(name, reading, leg.joint_names)
+    log = read_log_of(leg, name, reading)
     if period is None:
         followed = exoid.experiments.follow_log(log)
         return Motion(followed, followed.duration, min(1.0, 0.25 * followed.duration))

@@ -10,7 +10,7 @@ Text = str | None
 Texts = list[str] | None
 Number = float | None
 
-LegName = Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")]
+LegName = Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, or a URDF file.")]
 LogNames = Annotated[list[str], Argument(metavar="LOG...", help="Logs, or a dataset's name:train or name:test.")]
 EstimateName = Annotated[str, Argument(metavar="EST.JSON", help="Estimate of exoid identify -o.")]
 EstimateOutput = Annotated[Text, Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")]
@@ -56,7 +56,6 @@ class LogOptions(NamedTuple):
     gaps: Annotated[Literal["refuse", "split"], Option(help="Refuse gaps and repeated stamps, or split.")] = "refuse"
     topic: Annotated[Text, Option(metavar="NAME", help="Topic of joint states in a ROS bag.")] = None
     received: Annotated[bool, Option("--received", help="Times of arrival in a bag, not of the headers.")] = False
-    segments: Annotated[Text, Option(metavar="FILE.CSV", help="Use these: columns start, stop [s], and log.")] = None
     mask: Annotated[Text, Option(metavar="HEADER", help="Use only samples with 1 in this column of 0 and 1.")] = None
     names: Annotated[Text, Option(metavar="A,B", help="Columns, if there is no header; empty: not read.")] = None
     passive: Annotated[Text, Option(metavar="A,B", help="Joints without an actuator: their torque is zero.")] = None

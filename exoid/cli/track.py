@@ -10,6 +10,7 @@ from typer import Argument, Option
 import exoid
 from exoid.errors import BadArgumentError
 
+from .column_map import with_remembered
 from .messages import note
 from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
@@ -92,6 +93,9 @@ def track(
         refuse(given(reading), "only the log of --reference or --dry-run is read")
     inputs = [what, motion.reference, dry.dry_run]
     check_outputs({"--report": report, "--output": dry.output}, inputs, figures)
+    logs = [each for each in inputs[1:] if each is not None]
+    if logs and is_readable(what):
+        reading = with_remembered(reading, exoid.Estimate.load(what), what, logs)
     if dry.dry_run is not None:
         refuse({**given(motion, rig, document), "--report": report}, "--dry-run has no rig")
         _dry_run(what, dry, gains, reading, figures, as_json=as_json)

@@ -33,7 +33,7 @@ def validate(
 
     Example: exoid validate est.json bleex_swing:test
     """
-    check_outputs({"--report": report}, [estimate, *logs, reading.segments, reading.actuators], figures)
+    check_outputs({"--report": report}, [estimate, *logs, reading.actuators], figures)
     loaded = exoid.Estimate.load(estimate)
     reading = with_remembered(reading, loaded, estimate, logs)
     drives = read_drives(reading, loaded.model.leg)

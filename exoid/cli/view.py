@@ -23,8 +23,7 @@ from .option_groups import expand_options
 from .options import ANY_LEG, FIXED_BASE, READ_AS_IT_IS, AsJson, LegOptions, LogOptions, Text, Texts, given
 from .outputs import check_outputs
 from .progress import status
-from .refusals import is_readable, refuse
-from .robots import folder_of_robot, is_robot
+from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.leg.leg import Leg
@@ -34,9 +33,7 @@ if TYPE_CHECKING:
 
 @expand_options(without=FIXED_BASE)
 def view(
-    leg: Annotated[
-        str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, a robot such as panda, or EST.JSON.")
-    ],
+    leg: Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, or EST.JSON.")],
     log: Annotated[Text, Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
     reference: Annotated[Text, Option(metavar="LOG", help="Log of a second, translucent leg.")] = None,
     horizon: Annotated[
@@ -84,7 +81,7 @@ def view(
             ghost=ghost,
             ghost_label=label,
             identified=identified,
-            meshes=_folder_of(leg) if meshes is None else meshes,
+            meshes=Path(leg).parent if meshes is None else meshes,
         )
     for each in drawn.notes:
         note(f"note: {each}")
@@ -118,11 +115,6 @@ def _with_torque(log: Recording, shown: Leg | exoid.Estimate, reading: LogOption
     drives = read_drives(reading, shown.model.leg if isinstance(shown, exoid.Estimate) else shown)
     drives = drives or getattr(shown, "actuators", None)
     return log if drives is None or unknown_constants(drives) else drives.torque(log)
-
-
-def _folder_of(leg: str) -> Path:
-    """Folder of the meshes, unless the caller names one: that of the file, or of a robot known by name."""
-    return folder_of_robot(leg) if not is_readable(leg) and is_robot(leg) else Path(leg).parent
 
 
 def _serve(drawn: Scene, port: int | None, browser: bool, as_json: bool) -> None:

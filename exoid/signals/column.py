@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, ExoidError
+from exoid.errors import BadArgumentError
 
 from .quantities import is_unit, refuse_other_unit, zero_of
 
@@ -39,7 +38,6 @@ class Column:
     scale: float = 1.0
     zero: float = 0.0
     unit: str | None = None
-    _text: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in ("scale", "zero"):
@@ -55,7 +53,8 @@ class Column:
     def from_text(text: str) -> Column:
         """Read ``HEADER[:SCALE[:ZERO]][:UNIT]``, as the command line writes it.
 
-        A header may contain colons: the longest part of the text that is a header of the file counts as header.
+        Numbers and a unit are taken from the end. A header that ends in a number or a unit itself, such as "pos:1", is
+        followed by scale and zero: "pos:1:1:0".
 
         Args:
             text: The text.
@@ -64,13 +63,22 @@ class Column:
             The column.
 
         Raises:
-            ExoidError: A part behind the header is neither a number nor a unit.
+            ExoidError: There is no header, or the scale is zero.
         """
-        header, *parts = text.split(":")
-        try:
-            return replace(_behind(header.strip(), parts, text), _text=text)
-        except ExoidError:  # the file may have this very header
-            return Column(text, _text=text)
+        header, unit, numbers = text.strip(), None, list[float]()
+        while ":" in header:
+            before, _, part = header.rpartition(":")
+            if unit is None and is_unit(part):
+                unit = part.strip()
+            elif len(numbers) < 2 and _is_number(part):
+                numbers.insert(0, float(part))
+            else:
+                break
+            header = before.strip()
+        if not header:
+            raise BadArgumentError(f"{text!r} has no header", remedy=SYNTAX)
+        scale, zero = (*numbers, *(1.0, 0.0)[len(numbers) :])
+        return Column(header, scale, zero, unit)
 
     def read(self, name: str, cells: FloatArray) -> FloatArray:
         """Convert cells to scale · (cell − zero) in SI, or in the unit of the file where the column has none.
@@ -95,40 +103,9 @@ class Column:
         return self.unit is None and self.scale == 1.0 and self.zero == 0.0
 
 
-def header_in(headers: Collection[str], text: str) -> str:
-    """Find the longest beginning of ``HEADER:SCALE:ZERO:UNIT`` that is a header, as headers may contain colons."""
-    beginning = text
-    while beginning not in headers and ":" in beginning:
-        beginning = beginning.rpartition(":")[0]
-    return beginning if beginning in headers else text
-
-
-def column_in(headers: Collection[str], column: str | Column, name: str) -> Column:
-    """Take a header as it is, or find the column of a file that a text of the command line means."""
-    if isinstance(column, str):
-        return Column(column)
-    header = header_in(headers, column._text)
-    if not column._text or header not in headers:
-        return column
+def _is_number(text: str) -> bool:
     try:
-        return _behind(header, column._text[len(header) :].split(":")[1:], column._text)
-    except ExoidError as error:
-        raise BadArgumentError(f"--column {name}={error.what}", remedy=error.remedy) from None
-
-
-def _behind(header: str, parts: list[str], text: str) -> Column:
-    """Read scale, zero and unit behind a header."""
-    numbers: list[float] = []
-    unit = None
-    for part in (part.strip() for part in parts):
-        if unit is None and is_unit(part):
-            unit = part
-            continue
-        try:
-            numbers.append(float(part))
-        except ValueError:
-            raise BadArgumentError(f"{text}: {part!r} is neither a number nor a unit", remedy=SYNTAX) from None
-    if len(numbers) > 2 or not header:
-        raise BadArgumentError(f"{text}: more than scale and zero" if header else f"{text}: no header", remedy=SYNTAX)
-    scale, zero = (*numbers, *(1.0, 0.0)[len(numbers) :])
-    return Column(header, scale, zero, unit)
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -16,7 +16,7 @@ from exoid.leg.payload import Payload, as_payloads
 from . import checks, timebase
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
-from .column import Column, column_in
+from .column import Column
 from .log_parts import is_external, matrix_headers, part_columns, read_base, read_external
 from .quantities import QUANTITIES, refuse_silent_unit
 from .readers import ReadOptions, Table
@@ -29,11 +29,10 @@ ANGULAR = tuple(f"{quantity.prefix}_" for quantity in QUANTITIES if quantity.ang
 
 
 def read_log(
-    table: Table, joint_names: Sequence[str] | None, columns: Mapping[str, str | Column] | None, options: ReadOptions
+    table: Table, joint_names: Sequence[str] | None, columns: Mapping[str, Column], options: ReadOptions
 ) -> dict[str, Any]:
     """Take the fields of a recording from a table, and check them; see `Recording.from_file`."""
-    given = {name: column_in(table.header, column, name) for name, column in (columns or {}).items()}
-    headers = _own_names(table, {name: column.header for name, column in given.items()})
+    headers = _own_names(table, {name: column.header for name, column in columns.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     left_out = {f"tau_{joint}" for joint in checks.as_joints(options.get("unmeasured", ()), joints, "unmeasured")}
     headers = {name: header for name, header in headers.items() if name not in left_out}
@@ -43,7 +42,7 @@ def read_log(
     where = SourceLocation(table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
     degrees = options.get("angle_unit") == "deg" or table.in_degrees
-    numbers = _numbers(table, names, headers, given, degrees)
+    numbers = _numbers(table, names, headers, columns, degrees)
     missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
     checks.refuse_not_finite(numbers[:, ~missing], kept, where)
@@ -109,25 +108,15 @@ def _arrays(
 
 def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
     """Find the payloads that were on the leg: those that were given, or those that the file names."""
+    if given is not None:
+        return as_payloads(given)
     try:
-        found = tuple(Payload.from_text(text) for text in table.said.get(PAYLOAD, ()))
+        return tuple(Payload.from_text(text) for text in table.said.get(PAYLOAD, ()))
     except ExoidError as error:
-        if given is not None:  # a remark of the user's own, and the payloads
-            return as_payloads(given)
         remedy = f"{error.remedy}; or pass payloads=, () for none"
         command = f"{error.remedy}; or give --payload"
         where = f"line '{PAYLOAD}'"
         raise UnreadableInputError(error.what, where=where, remedy=remedy, command=command) from None
-    if given is None:
-        return found
-    payloads = as_payloads(given)
-    if found and found != payloads:
-        raise UnreadableInputError(
-            f"the file names other payloads ({', '.join(map(str, found))}) than were given",
-            remedy="leave out payloads, or correct the line '# payload:' of the file",
-            command="leave out --payload, or correct the line '# payload:' of the file",
-        )
-    return payloads
 
 
 def read_mask(table: Table, column: str) -> BoolArray:

@@ -85,12 +85,6 @@ def read_base(
                 command=f"give headers of {', '.join(BASE_COLUMNS)} to --column, or leave out --base-position",
             )
         return None
-    if position is not None and said is not None and tuple(position) != said:
-        raise UnreadableInputError(
-            f"the file puts the base's sensor at {said} m, and not at {tuple(position)} m",
-            remedy="leave out base_position, or correct the line '# base position:' of the file",
-            command="leave out --base-position, or correct the line '# base position:' of the file",
-        )
     place = position if position is not None else said or (0.0, 0.0, 0.0)
     values = np.column_stack(list(columns.values()))
     imu, pose = values[:, :-7], values[:, -7:]
@@ -137,19 +131,13 @@ def read_external(
             for link, frame in (given_frames or {}).items()
         }
     links = _links(columns)
-    for link, frame in given.items():
+    for link in given:
         if link not in links:
             raise UnreadableInputError(
                 f"axes of the wrench on {link}, which the log does not have",
                 remedy=f"links with a wrench are {', '.join(links) or 'none'}: name one of them",
                 command=f"links with a wrench are {', '.join(links) or 'none'}; map its columns, e.g. "
                 f"--column wrench_{link}_fx=HEADER, or leave out --wrench {link}:…",
-            )
-        if said.get(link, frame) != frame:
-            raise UnreadableInputError(
-                f"the file gives the wrench on {link} as {said[link]}, and not as {frame}",
-                remedy="leave out wrench_frames, or correct the line '# wrench:' of the file",
-                command="leave out --wrench, or correct the line '# wrench:' of the file",
             )
     frames = {**said, **given}
     # Without a frame, a wrench is in the axes of its link, about its origin; one whose point moves is in the
@@ -171,12 +159,7 @@ def _said_frames(table: Table) -> dict[str, WrenchFrame]:
     for text in table.said.get(WRENCH, ()):
         with within(f"line '{WRENCH}'"):
             link, frame = frame_of_link(text)
-        if found.setdefault(link, frame) != frame:
-            raise UnreadableInputError(
-                f"two frames of the wrench on {link}: {found[link]} and {frame}",
-                where=f"line '{WRENCH}'",
-                remedy="write one line for each link",
-            )
+            found[link] = frame
     return found
 
 

@@ -15,7 +15,7 @@ from exoid.errors import BadArgumentError, in_file
 from exoid.tools.tables import html_table
 
 from . import checks, timebase
-from .column import Column, column_in
+from .column import Column
 from .csv_writer import LogPart, write_parts
 from .external import refuse_contradictions
 from .joined import join
@@ -419,16 +419,13 @@ class Recording(RecordingData):
         options: ReadOptions,
         kind: str | None = None,
     ) -> Recording:
-        headers = {
-            name: column if isinstance(column, str) else (column._text or column.header)  # as the command line wrote it
-            for name, column in (columns or {}).items()
-        }
+        mapped = {name: Column(one) if isinstance(one, str) else one for name, one in (columns or {}).items()}
+        headers = {name: column.header for name, column in mapped.items()}
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
             table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
             if options.get("beside"):
-                stamps = column_in(table.header, (columns or {}).get("time", "time"), "time")
-                table = join(table, options["beside"], stamps)
-            recording = cls(**read_log(table, joint_names, columns, options))
+                table = join(table, options["beside"], mapped.get("time", Column("time")))
+            recording = cls(**read_log(table, joint_names, mapped, options))
             refuse_contradictions(recording.time, recording.wrenches, recording.contacts)
             return recording.resampled() if options.get("resample", True) else recording

@@ -19,7 +19,6 @@ COMMANDS = {
     "identify, URDF": "identify {}/one.urdf log.csv",
     "identify, output": "identify one.urdf log.csv -o {}/est.json",
     "identify, report": "identify one.urdf log.csv --report {}/report.html",
-    "identify, segments": "identify one.urdf log.csv --segments {}/segments.csv",
     "check": "check one.urdf {}/log.csv",
     "select": "select one.urdf log.csv -o {}/est.json",
     "validate": "validate {}/est.json log.csv",

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
 from exoid.signals import Recording, Recordings
 
@@ -35,22 +34,13 @@ def test_a_csv_file_keeps_its_payloads(tmp_path):
     assert folder.payloads == saved.payloads
 
 
-def test_given_payloads_must_be_those_of_the_file(tmp_path):
+@pytest.mark.parametrize("line", [str(PAYLOAD), "three kilograms"])
+def test_given_payloads_go_before_a_line_of_the_file(line, tmp_path):
     path = tmp_path / "log.csv"
     recording().to_csv(path)
-    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
-    recording(payloads=PAYLOAD).to_csv(path)
-    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
-    with pytest.raises(ExoidError, match=r"names other payloads \(knee:3.0@0.0,0.01,-0.3:0.05\) than were given"):
-        Recording.from_csv(path, payloads=[replace(PAYLOAD, mass=2.0)])
-
-
-def test_a_line_that_is_no_payload_does_no_harm_where_payloads_are_given(tmp_path):
-    path = tmp_path / "log.csv"
-    recording().to_csv(path)
-    path.write_text("# payload: three kilograms\n" + path.read_text())
-    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
-    assert Recording.from_csv(path, payloads=()).payloads == ()
+    path.write_text(f"# payload: {line}\n" + path.read_text())
+    for payloads in ((replace(PAYLOAD, mass=2.0),), ()):
+        assert Recording.from_csv(path, payloads=payloads).payloads == payloads
 
 
 def test_parts_of_a_recording_keep_the_payload():

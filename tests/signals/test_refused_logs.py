@@ -279,7 +279,6 @@ LOGS = {
     "too many names": Log(b"0,1\n1,2\n", "line 1", names=("time", "q_a", "q_b"), kind=BadArgumentError),
     "names in a string": Log(b"0,1\n1,2\n", names="time,q_a", kind=BadArgumentError),
     "topic": Log(GOOD, topic="/joints", kind=BadArgumentError),
-    "no such format": Log(GOOD, format="odrive:knee"),
     "mask not there": Log(GOOD, mask="swing"),
     "mask of angles": Log(GOOD, "column q_hip", mask="q_hip", kind=BadArgumentError),
     "nan": Log(changed(5, "0.06,0.1,0.1,nan,0.1"), "line 5, column tau_hip"),
@@ -299,9 +298,6 @@ LOGS = {
     "half an IMU": Log(table("time,q_hip,base_gyro_x", "0.1,0")),
     "sensor without base": Log(GOOD, base_position=(0.0, 0.0, 0.1)),
     "sensor of words": Log(table(IMU, "0,0,0,0,0,0,9.81", above=["# base position: a,b,c"]), "line of a base position"),
-    "another sensor": Log(
-        table(IMU, "0,0,0,0,0,0,9.81", above=["# base position: 0,0,0.1"]), base_position=(0.0, 0.0, 0.0)
-    ),
     "payload of words": Log(table("time,q_hip", "0", above=["# payload: three kilograms"]), "line '# payload:'"),
     "five forces": Log(table(FOOT.replace(",wrench_foot_my", ""), "0,0,0,500,0,0,1")),
     "half a contact": Log(table(FOOT, STANDS[:-1] + "0.5"), "column contact_foot", BadArgumentError),
@@ -312,8 +308,6 @@ LOGS = {
         table(FOOT, STANDS), "wrench_frames", wrench_frames={"foot": "plate"}, kind=BadArgumentError
     ),
     "axes of no link": Log(table(FOOT, STANDS), wrench_frames={"hand": "link"}),
-    "other axes": Log(table(FOOT, STANDS, above=["# wrench: foot:link"]), wrench_frames={"foot": "world"}),
-    "two axes": Log(table(FOOT, STANDS, above=["# wrench: foot:link", "# wrench: foot:world"]), "line '# wrench:'"),
     "axes without link": Log(table(FOOT, STANDS, above=["# wrench: foot"]), "line '# wrench:'", kind=BadArgumentError),
 }
 """A log, the place in it that the error names, and the options it is read with."""

@@ -14,7 +14,6 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid.errors import UnreadableInputError
-from exoid.signals.column import header_in
 from exoid.signals.quantities import QUANTITIES
 from exoid.signals.source import Source
 from exoid.tools.file_bounds import reading, refuse_expansion
@@ -86,7 +85,7 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], request: ReadRequest) -> dict
     """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples."""
     # A matrix q becomes `q_<joint>`, with the joints of the array `joint_names` or of the caller. Any other matrix
     # becomes `name[0]`, `name[1]`, …. Arrays of another length are left out.
-    time = header_in(arrays, request.get("columns", {}).get("time", "time"))
+    time = request.get("columns", {}).get("time", "time")
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
         raise UnreadableInputError(

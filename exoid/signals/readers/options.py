@@ -60,8 +60,7 @@ class ReadRequest(ReadOptions, total=False):
 
     Attributes:
         joint_names: Joints to read; None for those in the file.
-        columns: Name in the file of each exoid column whose name differs; it may be followed by a scale, a zero and a
-            unit, behind colons.
+        columns: Name in the file of each exoid column whose name differs.
     """
 
     joint_names: Sequence[str] | None

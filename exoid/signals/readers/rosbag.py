@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
-from exoid.signals.column import header_in
 from exoid.signals.source import Source
 from exoid.tools.file_bounds import most_memory, reading, refuse_expansion, size_on_disk
 from exoid.tools.reader_process import read_in_child
@@ -127,10 +126,7 @@ def _common_joints(messages: list[_Message], request: ReadRequest) -> tuple[tupl
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
-    headers = [f"q_{joint}" for joint in every]
-    asked = {
-        header_in(headers, request["columns"].get(f"q_{joint}", f"q_{joint}"))[2:] for joint in request["joint_names"]
-    }
+    asked = {request["columns"].get(f"q_{joint}", f"q_{joint}")[2:] for joint in request["joint_names"]}
     joints = tuple(joint for joint in every if joint in asked) or tuple(every)
     kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
     for message in kept:
