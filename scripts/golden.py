@@ -162,7 +162,7 @@ for words, file in (
 
 
 # Estimators, terms, drives.
-for name in ("wls", "ols", "huber", "gls", "ml"):
+for name in ("wls", "ols", "huber", "ml"):
     JOURNEYS[f"estimator {name}"] = lambda name=name: of(exoid.identify(*logged("cuhk"), estimator=name, check=False))
 
 TERMS: Mapping[str, tuple[Any, ...]] = {

@@ -30,7 +30,6 @@ from scipy.integrate import solve_ivp
 import exoid
 from exoid._typing import FloatArray
 from exoid.experiments.references import Harmonics
-from exoid.identification.estimators import ClosedLoop, Estimator, OutputError
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, simulate
 from exoid.signals import FiniteDifference
 
@@ -50,9 +49,8 @@ SETTINGS: Mapping[str, tuple[float, int]] = {
     "1e-3 rad, 50 Hz": (1e-3, 10),
 }
 """Standard deviation of the encoder noise [rad], and of how many 500 Hz samples one is kept."""
-ESTIMATORS = ("exact", "ols", "wls", "huber", "gls", "ml", "output-error")
+ESTIMATORS = ("exact", "ols", "wls", "huber", "ml")
 """exact: weighted least squares with the true angles, velocities and accelerations, unfiltered."""
-NEED_LOOP = ("output-error",)
 
 
 class Motion(NamedTuple):
@@ -93,12 +91,6 @@ def reference(n: int = 3) -> Harmonics:
     phase = rng.uniform(0.0, 2.0 * np.pi, (3, 5))
     amplitude, phase = amplitude[:n], phase[:n]
     return Harmonics(np.zeros((n, 1)), amplitude.T[..., None], np.asarray(omega[:, None, None]), phase.T[..., None])
-
-
-def loop(control_rate: float | None = None, step: float = 2e-3, n: int = 3) -> ClosedLoop:
-    """The loop of these experiments."""
-    law = ProportionalDerivative(STIFFNESS[:n], DAMPING[:n])
-    return ClosedLoop(law, reference(n), IdealTorque(), control_rate, step)
 
 
 @cache
@@ -149,15 +141,6 @@ def decimated(whole: exoid.Recording, every: int) -> exoid.Recording:
     return exoid.Recording(whole.time[::every], whole.q[::every], v, a, tau, joint_names=whole.joint_names)
 
 
-def estimator(name: str, closed: ClosedLoop) -> Estimator | str:
-    """Estimator by name, with the loop where it needs one."""
-    known: dict[str, Estimator | str] = {
-        "output-error": OutputError(closed),
-        "exact": "wls",
-    }
-    return known.get(name, name)
-
-
 def judge(identify: Callable[[], exoid.Estimate], expected: FloatArray) -> Outcome:
     """Identify and compare with the truth."""
     start = time.process_time()
@@ -172,7 +155,7 @@ def replicate(seed: int, setting: str, name: str, quantised: bool, which: str = 
     exact, of = name == "exact", leg(which)
     log = recording(setting, seed, quantised=quantised, exact=exact, which=which)
     preparation = FiniteDifference() if exact else None
-    chosen = estimator(name, loop(n=len(of.joint_names)))
+    chosen = "wls" if exact else name
     return judge(partial(exoid.identify, of, log, TERMS, chosen, preparation=preparation), truth(which))
 
 
@@ -211,19 +194,15 @@ def stick_slip(replicates: int, seed: int) -> list[exoid.Recording]:
     plant = Plant.build(leg(), values, end_stops=False).repeat(replicates)
     sensors = Sensors(torque_noise=TORQUE_NOISE)
     rates = Rates(control=2000.0, log=RATE)
-    run = simulate(
-        plant, reference(), loop().controller, IdealTorque(), 2.0 + SECONDS, sensors=sensors, rates=rates, seed=seed
-    )
+    law = ProportionalDerivative(STIFFNESS, DAMPING)
+    run = simulate(plant, reference(), law, IdealTorque(), 2.0 + SECONDS, sensors=sensors, rates=rates, seed=seed)
     return [run.recording(rig).slice(round(2.0 * RATE)) for rig in range(replicates)]
 
 
 def stick_once(log: exoid.Recording, name: str) -> Outcome:
-    """Identify once from a rig that sticks; only output error has a model of sticking, the others leave out."""
-    closed, sticks = loop(2000.0, 5e-4), name == "output-error"
-    terms = (exoid.Coulomb(smoothing=0.0), exoid.Viscous()) if sticks else STICKING_TERMS
-    preparation = None if name in ("ml", *NEED_LOOP) else "smoothed"
-    identify = partial(exoid.identify, leg(), log, terms, estimator(name, closed), preparation=preparation)
-    return judge(identify, truth())
+    """Identify once from a rig that sticks; samples at which it may are left out."""
+    preparation = None if name == "ml" else "smoothed"
+    return judge(partial(exoid.identify, leg(), log, STICKING_TERMS, name, preparation=preparation), truth())
 
 
 def study_sticking(names: Sequence[str], replicates: int, seed: int, workers: int) -> None:
@@ -264,7 +243,7 @@ def main() -> None:
     if "sticking" in given.parts:
         study_sticking(without, given.replicates, given.first_seed, given.workers)
     if "real" in given.parts:
-        study_real([name for name in without if name not in NEED_LOOP])
+        study_real(without)
 
 
 if __name__ == "__main__":

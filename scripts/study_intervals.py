@@ -204,7 +204,7 @@ def main() -> None:
     """Read options and run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--replicates", type=int, default=400 if FULL else 40)
-    names = "wls,gls,huber,wls-naive" if FULL else "wls"
+    names = "wls,huber,wls-naive" if FULL else "wls"
     parser.add_argument("--estimators", default=names, help="also ml; wls-naive assumes white noise")
     parser.add_argument("--rows", default="exact,zero-phase", help="also angles-0, angles-1e-4, angles-1e-3 [rad]")
     parser.add_argument("--noise", default=",".join(KINDS))

@@ -42,7 +42,7 @@ class FitOptions(NamedTuple):
     """Options of the fit; texts are parsed by :meth:`settings`."""
 
     terms: TermNames = None
-    estimator: Annotated[str, Option(help="wls, huber, gls, ml or ols.")] = "wls"
+    estimator: Annotated[str, Option(help="wls, huber, ml or ols.")] = "wls"
     cutoff: Cutoff = None
     preparation: Annotated[Text, Option(help="finite-difference, moving-average or smoothed.")] = None
     noise: Annotated[str, Option("--colour", help="Noise: correlated, or white (no autocorrelation).")] = "correlated"

@@ -38,7 +38,7 @@ def study(
     terms: TermNames = None,
     protocols: Annotated[str, Option(metavar="A,B", help="Motions: planned, document.")] = "planned",
     colours: Annotated[str, Option(metavar="A,B", help="Noise: white, correlated, mixed.")] = "mixed",
-    estimators: Annotated[str, Option(metavar="A,B", help="wls, huber, gls, ols.")] = "wls",
+    estimators: Annotated[str, Option(metavar="A,B", help="wls, huber, ols.")] = "wls",
     noise: NoiseLevel = None,
     memory: Annotated[float, Option(metavar="S", help="Correlation time of correlated noise.")] = 0.05,
     replicates: Annotated[int, Option(min=2, help="Identifications of each combination.")] = 100,

@@ -19,7 +19,6 @@ from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.with_columns import WithColumns
@@ -75,7 +74,7 @@ class EstimateData(ParameterTable):
             it was not stored, or where logs were not checked.
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
-        evidence: What recordings say beside the values: noise, trends, influence, scales.
+        evidence: What recordings say beside the values: noise, influence, scales.
         columns: How the command line read its logs, as in a file for ``--columns``; empty if as they stand.
     """
 
@@ -118,11 +117,6 @@ class EstimateData(ParameterTable):
     def noise(self) -> tuple[JointNoise, ...]:
         """Noise of the residuals of each joint; see :class:`Evidence`."""
         return self.evidence.noise or ()
-
-    @property
-    def trends(self) -> tuple[Trend, ...]:
-        """Residuals against velocity and angle, joint by joint; see :class:`Evidence`."""
-        return self.evidence.trends or ()
 
     @property
     def influence(self) -> Influence | None:

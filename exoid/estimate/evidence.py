@@ -11,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
-from exoid.regression.trends import Trend
 
 OUTLYING = 0.001  # share of the samples at each end of a range that may be outliers
 
@@ -69,10 +68,9 @@ class Evidence:
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
             see so many times worse than the best, (P,).
         noise: Noise of the residuals of each joint, n of them.
-        trends: Residuals against velocity and angle, joint by joint.
         influence: Influence of each recording, where there are several.
         prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); None without priors, and where
-            the estimator does not follow the rows, as ``ml`` and output error.
+            the estimator does not follow the rows, as ``ml``.
         ranges: Ranges of the motion that was fitted.
         torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,).
         cutoff_source: How the cut-off of the preparation was chosen.
@@ -86,7 +84,6 @@ class Evidence:
     reference_scale: FloatArray | None = None
     collinearity: FloatArray | None = None
     noise: tuple[JointNoise, ...] | None = None
-    trends: tuple[Trend, ...] | None = None
     influence: Influence | None = None
     prior_gains: FloatArray | None = None
     ranges: MotionRanges | None = None

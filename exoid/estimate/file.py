@@ -189,7 +189,7 @@ def _evidence(data: Mapping[str, Any]) -> Evidence:
 
 def _moved(data: Mapping[str, Any], model: TorqueModel) -> dict[str, Any]:
     """Evidence of a file of the first schema, whose entries had names and were empty for nothing."""
-    found: dict[str, Any] = {key: data[key] or None for key in ("trends", "prior_gains", "cutoff_source")}
+    found: dict[str, Any] = {key: data[key] or None for key in ("prior_gains", "cutoff_source")}
     for new, old in MOVED.items():
         names = model.joint_names if old in ("noise", "torque_spread") else model.names
         found[new] = [data[old][name] for name in names] if data[old] else None

@@ -107,8 +107,8 @@ def identify(
         leg: The leg, of which only the geometry enters; or one for each group by its name, all of one design.
         recordings: Recordings or poses with torques, in memory or on disk; or by the name of their group.
         terms: Terms beside rigid-body dynamics; None for Coulomb and viscous friction, armature and offset.
-        estimator: "wls" (weighted by residuals), "huber" (robust), "gls" (whitened), "ml" (with noise in the angles),
-            "ols", or an estimator, such as :class:`exoid.identification.estimators.OutputError` or your function.
+        estimator: "wls" (weighted by residuals), "huber" (robust), "ml" (with noise in the angles), "ols", or an
+            estimator, such as :class:`exoid.identification.estimators.JointML` or your function.
         own: Symbols ("offset") or names ("J1") that each group has of its own; each recording is a group unless groups
             have names. None for one group, or for all but the rigid bodies where groups have names.
         cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.

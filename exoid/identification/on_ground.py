@@ -108,7 +108,7 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
     """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
     if getattr(estimator, "fits_samples", False):
-        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
+        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber or ols")
     if any(term.nonlinear or term.loaded for term in problem.terms):
         raise NotSupportedError(
             "terms beside a ground are linear in their parameters", remedy="give settings as numbers"

@@ -59,27 +59,9 @@ class Problem:
         if len(self.groups) > 1:
             raise NotSupportedError(
                 "this estimator is for one leg alone, and there are several groups",
-                remedy="use one of gls, huber, ols, wls",
+                remedy="use one of huber, ols, wls",
             )
         return self.groups[0]
-
-    def refuse_beside_leg(self, estimator: str, *, moving_base: bool = True) -> None:
-        """Refuse recordings in which something acts on the leg that an estimator does not simulate."""
-        for data in self.single.data:
-            links = data.loaded_links if isinstance(data, Recording) else ()
-            moves = isinstance(data, Recording) and data.base is not None
-            wrong = {
-                f"the leg without payloads, and a recording has {', '.join(map(str, data.payloads))}": data.payloads,
-                f"the leg in the air, and something acts on {', '.join(links)}": links,
-                "the leg on a base at rest, and the base moves in a recording": moves and not moving_base,
-            }
-            for what, is_so in wrong.items():
-                if is_so:
-                    raise NotSupportedError(
-                        f"{estimator} fits {what}",
-                        where=data.source.name if data.source else "",
-                        remedy="use wls, huber, gls or ols",
-                    )
 
     @property
     def model(self) -> TorqueModel:

@@ -28,7 +28,6 @@ from exoid.regression.diagnostics import (
 from exoid.regression.fit import samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
-from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import LOOP, SupportModel
@@ -58,7 +57,6 @@ class Result:
     left: FloatArray  # the same less parameters, (G,)
     reference: FloatArray  # smallest reference scale that any group has for each parameter, (P,)
     noise: tuple[JointNoise, ...]  # noise of the residuals of each joint, group by group
-    trends: dict[int, tuple[Trend, ...]]  # residuals of each joint against velocity and angle; none on the ground
     collinearity: Collinearity  # parameters that the rows can hardly tell apart
     nonlinear: NonlinearParameters  # nonlinear parameters with their covariance
     inputs: tuple[Input, ...]  # all recordings: the errors of every group come from all of them
@@ -102,11 +100,6 @@ class Result:
             left=left.groups,
             reference=_reference_scale(fitted),
             noise=noise,
-            trends={}
-            if standing
-            else residual_trends(
-                problem, fit.point, found.noises, solution, found.stationary, whitened=fit.noises is not None
-            ),
             collinearity=collinearity,
             nonlinear=nonlinear,
             inputs=tuple(dict.fromkeys(inputs)) if standing else tuple(inputs),
@@ -134,7 +127,6 @@ class Result:
         covariance = self.covariance[np.ix_(places, places)]
         joints = range(*problem.starts[0, first : first + 2])
         noise = None if standing else self.noise[joints.start : joints.stop]
-        trends = None if standing else tuple(one for joint in joints for one in self.trends.get(joint, ()))
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
         # what force plates add are differences of large torques, which no parameter alone would explain
         ordinary = [k for k in parts if not (isinstance(one := self.fitted.models[k], SupportModel) and one.plates)]
@@ -161,7 +153,7 @@ class Result:
             estimator=fit.name or name_of(self.estimator),
             preparation=rows.preparation,
             inputs=self.inputs,
-            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends or ())),
+            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance)))),
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
             findings=ordered((*rows.findings, *on_ground, *checkup.findings)),
@@ -174,7 +166,6 @@ class Result:
                 reference_scale=self.reference[places],
                 collinearity=self.collinearity.indices[places],
                 noise=noise,
-                trends=trends,
                 influence=None if self.influence is None else self.influence.at(places),
                 prior_gains=None if standing else self._prior_gains(group, len(values)),
                 ranges=checkup.ranges,
@@ -227,11 +218,9 @@ class Result:
     def _prior_gains(self, group: int, count: int) -> FloatArray | None:
         """How far the parameters of one group follow its priors, (P, K); None where that is not known."""
         problem, fit = self.fitted.problem, self.fitted.fit
-        # ml and output error minimise something else
-        follows_rows = fit.correlated is None and (fit.noises is None or fit.whitened)
         names = problem.layout.names_of(group)
         mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
-        if not mine or not follows_rows:
+        if not mine or fit.uncertainty is not None:  # ml minimises something else
             return None
         gains = fit.solution.prior_gains(problem.names, problem.prior_knowledge)
         return gains[problem.layout.places[group]][:count, mine]

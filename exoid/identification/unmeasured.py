@@ -23,7 +23,7 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
     if getattr(estimator, "fits_samples", False):
         raise NotSupportedError(
             f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
-            remedy="use wls, huber, gls or ols",
+            remedy="use wls, huber or ols",
         )
     leg, terms = problem.groups[0].model.leg, problem.terms
     known = (*problem.given.known_names, *problem.given.prior.values)

@@ -6,7 +6,6 @@ from .influence import Influence
 from .least_squares import joint_table, stack
 from .parameters import Prior
 from .row_data import Rows
-from .trends import Trend
 
 __all__ = [
     "Fit",
@@ -14,7 +13,6 @@ __all__ = [
     "JointNoise",
     "Prior",
     "Rows",
-    "Trend",
     "joint_table",
     "stack",
 ]

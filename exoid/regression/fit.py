@@ -14,12 +14,11 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
 
 from .least_squares import ROUNDING, TINY, RFactor, Solution, stack
 from .noise import AutoregressiveNoise
 from .problem import LeastSquaresProblem, RowProblem, RowSource
-from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_recordings, sandwich
+from .residuals import Noises, Point, Series, matrix_root, over_recordings, sandwich
 
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
@@ -32,37 +31,32 @@ random, and what they do to a parameter is not seen in the residuals.
 """
 
 
-class Covariance(NamedTuple):
-    """Covariance of parameters."""
+class Uncertainty(NamedTuple):
+    """Covariance of parameters, and the noise that it is for."""
 
-    matrix: FloatArray  # covariance, (P, P)
-    # degrees of freedom of each variance, (P,); None where they follow from the number of samples
-    dofs: FloatArray | None
-    stationary: FloatArray  # covariance by models of stationary noise, independent between joints, alone, (P, P)
+    covariance: FloatArray  # (P, P)
+    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
+    noises: Noises  # noise of the rows of each kind and joint
 
 
 class Fit(NamedTuple):
     """Solution of an estimator, and how rows were weighted.
 
     Attributes:
-        solution: Solution; its covariance is for white noise, unless ``noises`` are given and ``correlated`` is not.
+        solution: Solution, with its covariance for white noise.
         weights: Weight of the rows of each R factor.
         clip: Limit of weighted residuals, beyond which they count as the limit.
-        noises: Noise models of the rows, which the covariance is for; None to estimate them from the residuals.
         warnings: Warnings for the reader.
-        whitened: Whether rows were whitened by these models.
-        correlated: Covariance for correlated noise where the rows of the problem are not those that were fitted; the
-            one of the solution is for white noise.
+        uncertainty: Uncertainty for correlated noise where other rows than those of the problem were fitted; None to
+            find it in the residuals.
         name: Name of the estimator with the settings that it chose; "" for its own name.
     """
 
     solution: Solution
     weights: Sequence[float]
     clip: float = np.inf
-    noises: Noises | None = None
     warnings: tuple[str, ...] = ()
-    whitened: bool = False
-    correlated: Covariance | None = None
+    uncertainty: Uncertainty | None = None
     name: str = ""
 
     @property
@@ -108,57 +102,29 @@ def noise_floor(problem: LeastSquaresProblem) -> float:
     return 1e-9 * torque
 
 
-class Uncertainty(NamedTuple):
-    """Covariance of a fit, and the noise that it is for."""
-
-    covariance: FloatArray  # covariance of the parameters, (P, P)
-    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
-    stationary: FloatArray  # covariance by models of stationary noise, independent between joints, alone, (P, P)
-    noises: Noises  # noise of each kind and joint
-    white: bool  # whether the covariance assumes white noise
-
-
 def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
     """Find the noise in the residuals of a fit and the covariance under it."""
-    solution = fit.solution
-    textbook = Covariance(solution.covariance, None, solution.covariance)
-    if fit.noises is None:
-        bare = sandwich(problem, fit.point, solution)
-        found = textbook if white else _with_blocks(problem, fit.point, solution, bare)
-        return Uncertainty(*_no_surer_than_rows(found, problem, fit), bare.noises, white)
-    if fit.correlated is not None:
-        return Uncertainty(*(textbook if white else fit.correlated), fit.noises, white)
+    found = fit.uncertainty or correlated_uncertainty(problem, fit.point, fit.solution)
     if white:
-        raise NotSupportedError(
-            "this estimator weighs rows by a model of correlated noise, so that noise='white' does not apply",
-            remedy="leave noise out, or use wls",
-        )
-    if not fit.whitened:
-        return Uncertainty(*textbook, fit.noises, white)
-    bare = Sandwich(solution.covariance, fit.noises)
-    return Uncertainty(*_with_blocks(problem, fit.point, solution, bare, whitened=True), fit.noises, white)
+        found = found._replace(covariance=fit.solution.covariance, dofs=None)
+    return found if fit.uncertainty else _no_surer_than_rows(found, problem, fit)
 
 
-def correlated_covariance(rows: RowSource, point: Point, solution: Solution) -> Covariance:
-    """Covariance of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
-    return _with_blocks(rows, point, solution, sandwich(rows, point, solution))
-
-
-def _with_blocks(
-    rows: RowSource, point: Point, solution: Solution, bare: Sandwich, *, whitened: bool = False
-) -> Covariance:
-    """S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless too few blocks, correlations by the noise."""
-    found, covariance = jackknife(rows, point, bare.noises, solution, whitened=whitened), bare.covariance
+def correlated_uncertainty(rows: RowSource, point: Point, solution: Solution) -> Uncertainty:
+    """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
+    # S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless blocks are too few, correlations by the noise
+    covariance, noises = sandwich(rows, point, solution)
+    found = jackknife(rows, point, noises, solution)
     if not found.blocks:
-        return Covariance(covariance, None, covariance)
+        return Uncertainty(covariance, None, noises)
     variances = np.diag(covariance)
     scale = np.sqrt(np.divide(found.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
-    return Covariance(covariance * np.multiply.outer(scale, scale), found.dofs, covariance)
+    return Uncertainty(covariance * np.multiply.outer(scale, scale), found.dofs, noises)
 
 
-def _no_surer_than_rows(found: Covariance, problem: RowProblem, fit: Fit) -> Covariance:
+def _no_surer_than_rows(found: Uncertainty, problem: RowProblem, fit: Fit) -> Uncertainty:
     """Raise variances to those for white noise of :data:`ACCURACY` of each joint's RMS torque; correlations stay."""
-    inverse, variances = fit.solution.inverse, np.diag(found.matrix)
+    inverse, variances = fit.solution.inverse, np.diag(found.covariance)
     smallest = np.zeros(len(inverse))
     for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
         if r_factor.rows:
@@ -167,7 +133,7 @@ def _no_surer_than_rows(found: Covariance, problem: RowProblem, fit: Fit) -> Cov
     if (variances >= smallest).all():
         return found
     scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))
-    return found._replace(matrix=found.matrix * np.multiply.outer(scale, scale))
+    return found._replace(covariance=found.covariance * np.multiply.outer(scale, scale))
 
 
 class SamplesLeft(NamedTuple):
@@ -205,7 +171,7 @@ class Jackknife(NamedTuple):
     blocks: int  # number of blocks; 0 if there are too few to say anything
 
 
-def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution, *, whitened: bool) -> Jackknife:
+def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution) -> Jackknife:
     """Leave out one block of rows after the other, all joints at once."""
     # With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
     # d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its
@@ -216,8 +182,8 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution,
     # therefore whitened by its noise model Γ = σ² Φ⁻¹ Φ⁻ᵀ. Sample t of the sandwich WᵀΓW has the score y_t η_t
     # and the information y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up
     # to those of the rows as they are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
-    inverse = solution.covariance if whitened else solution.inverse
-    work = partial(_changes, noises, matrix_root(inverse), point.clip, whitened)
+    inverse = solution.inverse
+    work = partial(_changes, noises, matrix_root(inverse), point.clip)
     changes = np.vstack(list(over_recordings(rows, point, work)))
     moved = np.abs(changes) > ROUNDING * np.abs(changes).max(axis=0, initial=0.0)
     count = moved.sum(axis=0)
@@ -230,7 +196,7 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution,
     return Jackknife(variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0)
 
 
-def _changes(noises: Noises, root: FloatArray, clip: float, whitened: bool, parts: Iterator[Series]) -> FloatArray:
+def _changes(noises: Noises, root: FloatArray, clip: float, parts: Iterator[Series]) -> FloatArray:
     """Change of the estimate without each block of one recording, (blocks, P)."""
     delay = max(noise.order for noise in noises.values())
     length = 0
@@ -241,12 +207,9 @@ def _changes(noises: Noises, root: FloatArray, clip: float, whitened: bool, part
         length = length or _block_length([noises[part.kind, part.joint] for part in joints])
         for part in joints:
             if part.begins:
-                noise = noises[part.kind, part.joint]
-                running[part.joint] = _WhitenedJoint(noise, len(part.columns), delay, whole_runs=whitened)
+                running[part.joint] = _WhitenedJoint(noises[part.kind, part.joint], len(part.columns), delay)
             X, Y, residual, places = running[part.joint].add(part, clip)
-            variance = float(running[part.joint].noise.variances[-1])
-            left = X / max(variance, TINY) if whitened else Y * part.stands_for
-            left, right = root[part.columns].T @ left, X.T @ root[part.columns]
+            left, right = root[part.columns].T @ (Y * part.stands_for), X.T @ root[part.columns]
             cells = places // length
             for start, stop in itertools.pairwise(np.flatnonzero(np.diff(cells, prepend=-1, append=-1))):
                 scores[cells[start]] += left[:, start:stop] @ residual[start:stop]
@@ -284,18 +247,13 @@ class _WhitenedJoint:
 
     # Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards. Rows
     # come out when those that follow are known; all joints have the same delay, so that they stay together. Beyond the
-    # end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact. Generalised least squares
-    # whitens each run of samples by itself instead: where fewer samples follow, by a predictor of lower order.
+    # end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact.
 
-    def __init__(self, noise: AutoregressiveNoise, rows: int, delay: int, *, whole_runs: bool) -> None:
+    def __init__(self, noise: AutoregressiveNoise, rows: int, delay: int) -> None:
         """Begin with nothing, for so many rows of X."""
-        self.noise, self.delay, self._done, self._whole_runs = noise, delay, 0, whole_runs
+        self.noise, self.delay, self._done = noise, delay, 0
         self._state = np.zeros((rows, noise.order))
-        self._Y, self._ahead = np.zeros((rows, 0)), np.zeros((rows + 2, 0))
-        p = noise.order
-        self._predictors = np.eye(p + 1)[:1].repeat(p + 1, axis=0)
-        self._predictors[:, 1:] -= noise.predictors
-        self._predictors *= np.sqrt(noise.variances[-1] / np.maximum(noise.variances, TINY))[:, None]
+        self._Y, self._ahead = np.zeros((rows, 0)), np.zeros((rows + 1, 0))
 
     def add(self, part: Series, clip: float) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
         """Go on with the next rows, and return Φ X, Φ⁻ᵀ X, Φ e and places of those that are finished."""
@@ -304,23 +262,13 @@ class _WhitenedJoint:
             Y, self._state = scipy.signal.lfilter([1.0], polynomial, Y, zi=self._state)
         # clipped residuals carry no information
         Y, information = np.hstack([self._Y, Y]), part.X * (np.abs(part.residual) < clip)
-        ahead = np.hstack([self._ahead, np.vstack([information, part.residual, part.usable])])
+        ahead = np.hstack([self._ahead, np.vstack([information, part.residual])])
         if part.ends:
             ahead = np.pad(ahead, ((0, 0), (0, self.delay)))
         count = max(0, ahead.shape[1] - self.delay)
-        white = np.zeros((len(ahead) - 1, count))
-        for k, coefficient in enumerate(self._coefficients(ahead[-1], count)):
-            white += coefficient * ahead[:-1, k : k + count]
+        white = np.zeros((len(ahead), count))
+        for k, coefficient in enumerate(polynomial):
+            white += coefficient * ahead[:, k : k + count]
         places = np.arange(self._done, self._done + count)
         self._Y, self._ahead, self._done = Y[:, count:].copy(), ahead[:, count:].copy(), self._done + count
         return white[:-1], Y[:, :count], white[-1], places
-
-    def _coefficients(self, usable: FloatArray, count: int) -> FloatArray:
-        """Coefficients of each sample and of those ahead of it, (p + 1, 1 or count)."""
-        if not self._whole_runs:
-            return self.noise.polynomial[:, None]
-        order, unbroken = np.zeros(count, dtype=np.intp), np.ones(count, dtype=np.bool_)
-        for k in range(1, self.noise.order + 1):
-            unbroken &= usable[k : k + count] > 0.0
-            order += unbroken
-        return self._predictors[order].T

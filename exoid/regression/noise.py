@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -78,28 +78,11 @@ class AutoregressiveNoise:
             correlations.append(float(row @ np.array(correlations[: -len(row) - 1 : -1] if len(row) else [])))
         return correlations[lag]
 
-    def scaled(self, factor: float) -> AutoregressiveNoise:
-        """Return noise of so many times the variance."""
-        return replace(self, variances=self.variances * factor)
-
     def quadratic_form(self, X: FloatArray) -> FloatArray:
         """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`."""
         form = QuadraticForm(self, len(X))
         form.add(X)
         return form.total()
-
-    def whiten(self, X: FloatArray) -> FloatArray:
-        """Rows with which noise of this kind becomes white of unit variance, exactly from the first sample on."""
-        p = min(self.order, X.shape[1])
-        out = np.empty_like(X)
-        factor = np.eye(p)
-        for k in range(1, p):
-            factor[k, :k] = -self.predictors[k, k - 1 :: -1]
-        out[:, :p] = (X[:, :p] @ factor.T) / np.sqrt(np.maximum(self.variances[:p], TINY))
-        if X.shape[1] > p:
-            std = math.sqrt(max(self.variances[-1], TINY))
-            out[:, p:] = scipy.signal.lfilter(self.polynomial, [1.0], X)[:, p:] / std
-        return out
 
 
 class QuadraticForm:

@@ -27,8 +27,6 @@ class Series(NamedTuple):
     X: FloatArray  # their columns of the regressor, zero at samples left out, (p, N)
     residual: FloatArray  # τ − W β, zero there too, (N,)
     usable: FloatArray  # samples not left out, (N,)
-    q: FloatArray  # angle [rad], (N,)
-    v: FloatArray  # velocity [rad/s], (N,)
     stands_for: float  # number of rows that each of these stands for
     begins: bool = True  # whether these are the first of the recording
     ends: bool = True  # whether these are the last of it
@@ -92,8 +90,7 @@ def _weigh(
             residual = rows.tau[:, own] * counted - point.values[columns] @ X
             if np.isfinite(point.clip):
                 residual = np.clip(residual, -point.clip, point.clip)
-            q, v = rows.q[:, own], rows.v[:, own]
-            yield Series(kind, joint, columns, X, residual, usable, q, v, rows.stands_for, begins, ends)
+            yield Series(kind, joint, columns, X, residual, usable, rows.stands_for, begins, ends)
 
 
 def fit_noise(

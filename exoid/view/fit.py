@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
-from exoid.regression import Trend
 
 from .colours import GUIDE, MEASURED, PREDICTED, RESIDUAL, SHADES, joint_colour
 from .style import decorate, draw_samples
@@ -41,12 +40,11 @@ def plot_prediction(
     return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True, columns=2)
 
 
-def plot_residual_trend(
-    ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str, trend: Trend | None = None
-) -> Axes:
+def plot_residual_trend(ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str) -> Axes:
     """Plot the residual against velocity or angle, and its mean ± 2 standard errors in bins of equal count.
 
-    A mean that differs from zero shows a missing term: friction, a spring, or wrong geometry.
+    A mean that differs from zero shows a missing term: friction, a spring, or wrong geometry. The standard errors
+    assume independent samples.
 
     Args:
         ax: Axes to draw on.
@@ -55,24 +53,16 @@ def plot_residual_trend(
         joint: Index of the joint; selects the colour.
         xlabel: Label of the horizontal axis, with unit.
         label: Name of the joint.
-        trend: Means and their noise, as tested on the recordings of the fit (:attr:`exoid.Estimate.trends`). If None,
-            means of these samples are drawn; their standard errors assume independent samples.
 
     Returns:
         The axes.
     """
     draw_samples(ax, x, residual, joint_colour(joint), size=1.2, alpha=0.4)
     bins = [rows for rows in np.array_split(np.argsort(x, kind="stable"), 24) if len(rows) >= 10]
-    if trend is not None:
-        edges = np.rad2deg(trend.edges) if trend.against == "angle" else trend.edges
-        centre, half, mean, error = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges), trend.mean, trend.std
-    else:
+    if bins:
         centre, mean = (np.array([each[rows].mean() for rows in bins]) for each in (x, residual))
-        half = np.zeros(len(bins))
         error = np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
-    if len(centre):
-        name = "mean ± 2 s.e." if trend is None else "mean ± 2 std of noise"
-        ax.errorbar(centre, mean, 2.0 * error, half, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label=name)
+        ax.errorbar(centre, mean, 2.0 * error, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
     return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
 
 

@@ -163,7 +163,7 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
     assert str(loaded) == str(estimate)
 
 
-@pytest.mark.parametrize("key", ["noise", "parameter_scale", "collinearity", "trends", "warnings", "prior", "evidence"])
+@pytest.mark.parametrize("key", ["noise", "parameter_scale", "collinearity", "warnings", "prior", "evidence"])
 def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
     data = estimate.to_json()
     del (data if key in data else data["evidence"])[key]
@@ -209,7 +209,6 @@ def test_a_file_of_the_first_schema_is_read_with_its_evidence(tmp_path):
     assert estimate.evidence.cutoff_source == old["cutoff_source"]
     assert estimate.evidence.ranges.speed[0] == old["ranges"]["shoulder"]["speed"]
     assert [estimate.parameter_scale[0], estimate.collinearity[0]] == [old["sizes"]["X1"], old["collinearity"]["X1"]]
-    assert [one.against for one in estimate.trends] == [one["against"] for one in old["trends"]]
     assert estimate.influence.share[1, 0] == old["influence"][1]["share"]["X1"]
     assert estimate.prior_gains.tolist() == old["prior_gains"]
     assert estimate.noise[0].whiteness == old["noise"]["shoulder"]["whiteness"]

@@ -64,7 +64,6 @@ REFUSALS = {
     "friction under load": (lambda leg, two: identify(leg, two, (*TERMS, LoadFriction())), NotSupportedError),
     "a free setting": (lambda leg, two: identify(leg, two, (*TERMS, STRIBECK)), NotSupportedError),
     "ml": (lambda leg, two: identify(leg, two, TERMS, JointML()), NotSupportedError),
-    "output error": (lambda leg, two: identify(leg, two, TERMS, "output-error"), NotSupportedError),
     "a known parameter of no joint": (lambda leg, two: identify(leg, two, TERMS, known={"c0_toe": 1.0}), BAD),
     "a known parameter of no group": (lambda leg, two: identify(leg, two, TERMS, known={"c0_hip[c]": 1.0}), BAD),
     "known twice": (lambda leg, two: identify(leg, two, TERMS, known={"c0_hip": 1.0, "c0_hip[a]": 2.0}), BAD),

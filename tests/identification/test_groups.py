@@ -95,12 +95,7 @@ def test_the_noisier_leg_counts_less(legs, sides):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimator", "noise"),
-    [
-        (name, noise)
-        for noise in ("correlated", "white")
-        for name in ("ols", "wls", "huber", "gls")
-        if noise + name != "whitegls"
-    ],
+    [(name, noise) for noise in ("correlated", "white") for name in ("ols", "wls", "huber")],
 )
 def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
     """Whatever is shared: the order of the parameters is all that changes."""
@@ -121,12 +116,11 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
         ):
             np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
         np.testing.assert_allclose(found.influence.change, expected.influence.change, atol=1e-6)
-        np.testing.assert_allclose([t.p_value for t in found.trends], [t.p_value for t in expected.trends], atol=1e-6)
         assert [n.order for n in found.noise] == [n.order for n in expected.noise]
         assert (found.inputs, found.preparation) == (expected.inputs, expected.preparation)
 
 
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["wls", "huber"])
 def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days, estimator):
     rng = np.random.default_rng(3)
     q = rng.uniform(-0.8, 0.8, (80, 3))
@@ -142,7 +136,7 @@ def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days
     assert (np.abs(error) < 4.0 * both.std).all()
 
 
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["wls", "huber"])
 def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, estimator):
     """Up to where the iterations of noise and covariance stop: for all groups at once."""
     recordings = record(sides, left=Noise(0.1), right=Noise((0.6, 0.4, 0.2), 0.9))
@@ -153,7 +147,7 @@ def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, 
     for expected, found in zip(estimates, (together[side] for side in legs), strict=True):
         np.testing.assert_allclose(found.values, expected.values, rtol=1e-4, atol=1e-4)
         np.testing.assert_allclose(found.std, expected.std, rtol=2e-3)
-        np.testing.assert_allclose(found.dof, expected.dof, rtol=0.04 if estimator == "gls" else 2e-3)
+        np.testing.assert_allclose(found.dof, expected.dof, rtol=2e-3)
         np.testing.assert_allclose(found.dof_each, expected.dof_each, rtol=0.05)
         np.testing.assert_allclose(found.condition_number, expected.condition_number, rtol=1e-3)
     crossed = together.covariance[: len(names), len(names) :]
@@ -395,7 +389,7 @@ def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
     assert not any("the same in all groups" in note for note in apart.notes)
 
 
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["wls", "huber"])
 def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
     recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
     whole = identify(legs, recordings, TERMS, estimator)

@@ -16,8 +16,7 @@ from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_fit import fit_motion
-from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, Still, System
-from exoid.identification.estimators.outside_rows import respond
+from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, Still, System, respond
 from exoid.identification.estimators.trajectory import Trajectory
 from exoid.regression.least_squares import solve
 from exoid.signals import Poses

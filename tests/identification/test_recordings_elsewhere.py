@@ -51,17 +51,12 @@ def assert_same(found, expected, *, inputs=True):
     assert found.preparation == expected.preparation
     assert found.identifiability == expected.identifiability
     np.testing.assert_allclose(found.influence.change, expected.influence.change, rtol=1e-6, atol=1e-6)
-    for one, other in zip(found.trends, expected.trends, strict=True):
-        np.testing.assert_allclose(one.mean, other.mean, rtol=1e-6, atol=1e-9)
-        assert one.p_value == pytest.approx(other.p_value, rel=1e-4)
     if inputs:
         assert found.inputs == expected.inputs
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kept", "estimator"), [(2**26, "wls"), *((0, name) for name in ("wls", "ols", "gls", "huber"))]
-)
+@pytest.mark.parametrize(("kept", "estimator"), [(2**26, "wls"), *((0, name) for name in ("wls", "ols", "huber"))])
 def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, estimator, kept, monkeypatch):
     monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
     found = identify(SWING.leg, Recordings.from_folder(folder), TERMS, estimator)

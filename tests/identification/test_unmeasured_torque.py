@@ -67,7 +67,7 @@ def test_wrong_torques_of_that_joint_would_change_nothing():
     np.testing.assert_array_equal(first.covariance, again.covariance)
 
 
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls", "ols"])
+@pytest.mark.parametrize("estimator", ["wls", "huber", "ols"])
 def test_intervals_without_a_joints_torque_are_as_true_as_with_it(estimator):
     rms = {}
     for measured in (True, False):

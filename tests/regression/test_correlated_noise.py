@@ -58,7 +58,7 @@ def coverage(swing, replicates, share=1.0, **options):
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.8, 1.0], ids=["white", "mix", "AR(1)"])
 @pytest.mark.parametrize("preparation", [EXACT, ZeroPhase()], ids=["exact", "zero-phase"])
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["wls", "huber"])
 def test_intervals_hold_whatever_the_memory_of_the_noise(swing, estimator, preparation, share):
     """Nominal 95 %; scripts/study_intervals.py does it with 400 replicates."""
     mean, worst = coverage(swing, 25, share, estimator=estimator, preparation=preparation)
@@ -115,20 +115,6 @@ def test_the_sandwich_agrees_with_statsmodels_hac(pendulum):
     assert (np.sqrt(np.diag(covariance)) > 1.5 * np.sqrt(np.diag(fit.solution.covariance)))[:2].all()
 
 
-def test_gls_is_that_of_statsmodels(pendulum):
-    """Given the noise that was found, point and covariance are those of a dense GLS."""
-    problem = problem_of(Swing(pendulum.leg, 100.0, 10.0), 4)
-    fit = ESTIMATORS["gls"](problem)
-    ((_, noise),) = fit.noises.items()
-    impulse = lfilter([1.0], noise.polynomial, np.eye(1, 6000)[0])
-    W, tau = regression_of(problem)
-    gamma = noise.variances[-1] * np.correlate(impulse, impulse, "full")[5999 : 5999 + len(tau)]
-    expected = sm.GLS(tau, W, sigma=toeplitz(gamma) / fit.weights[0] ** 2).fit(cov_type="fixed_scale")
-    std = np.sqrt(np.diag(fit.solution.covariance))
-    assert (np.abs(fit.solution.values - expected.params) < 0.01 * std).all()
-    np.testing.assert_allclose(std, expected.bse, rtol=0.01)
-
-
 def test_huber_is_that_of_statsmodels(pendulum):
     problem = problem_of(pendulum, 6)
     rng = np.random.default_rng(7)
@@ -154,47 +140,6 @@ def test_huber_survives_spikes_that_pull_least_squares_away(swing):
     assert error["huber"].sum() < 0.4 * error["wls"].sum()
 
 
-@pytest.mark.slow
-def test_gls_is_closer_to_the_truth_under_noise_with_memory():
-    """Sharp Coulomb friction: its jumps stand out of slow noise only if that is whitened."""
-    swing = Swing(exoid.load_leg("bleex"), 200.0)
-    _, v, _ = swing.motion
-    sharp = (Coulomb(smoothing=0.0), Viscous())
-    tau = swing.torque + swing.coulomb * (np.sign(v) - np.tanh(v / 0.02))
-    errors = {"wls": [], "gls": []}
-    for seed in range(12):
-        noise = noisy(swing, seed).tau - swing.torque
-        for name, found in errors.items():
-            estimate = identify(swing.leg, swing.recording(tau=tau + noise), sharp, name, preparation=EXACT)
-            found.append(estimate.values - swing.truth)
-            assert not estimate.warnings
-    mse = {name: np.mean(np.square(found), axis=0) for name, found in errors.items()}
-    print("mean squared error, gls over wls:", (mse["gls"] / mse["wls"]).round(3))
-    assert (mse["gls"] / mse["wls"])[9:12].max() < 0.5
-    assert (mse["gls"] / mse["wls"]).max() < 1.5
-
-
-def test_gls_says_when_the_residual_is_model_error(swing, tmp_path):
-    """Presliding friction (Dahl, 30 mrad) that the model takes for Coulomb's: no noise, and whitening stresses it."""
-    state, states = np.zeros(3), []
-    for step in np.diff(swing.motion[0], axis=0, prepend=swing.motion[0][:1]):
-        state = np.sign(step) + (state - np.sign(step)) * np.exp(-np.abs(step) / 0.03)
-        states.append(state)
-    noise = np.random.default_rng(0).normal(scale=0.05, size=swing.torque.shape)
-    recording = swing.recording(tau=swing.torque + 2.0 * swing.coulomb * np.array(states) + noise)
-    estimate = identify(swing.leg, recording, TERMS, "gls")
-    (warning,) = [text for text in estimate.warnings if text.startswith("gls and wls disagree")]
-    assert "disagree on c0_hip" in warning
-    assert f"warning: {warning[:60]}" in str(estimate)
-    assert exoid.Estimate.load(_saved(estimate, tmp_path)).warnings == estimate.warnings
-    assert not any("disagree" in text for text in identify(swing.leg, recording, TERMS).warnings)
-
-
-def _saved(estimate, folder):
-    estimate.save(folder / "leg.json")
-    return folder / "leg.json"
-
-
 @pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_poses_and_recordings_of_several_rates_make_one_estimate(swing, estimator):
     rng = np.random.default_rng(10)
@@ -204,9 +149,9 @@ def test_poses_and_recordings_of_several_rates_make_one_estimate(swing, estimato
     data = [noisy(swing, 12), Poses(q, tau, swing.leg.joint_names), slow]
     estimate = identify(swing.leg, data, TERMS, estimator)
     assert (np.abs(estimate.values - swing.truth) < 4.5 * estimate.std).all()
-    noise = "correlated" if estimator == "gls" else "white"  # errors of blocks scatter
-    textbook, alone = (identify(swing.leg, x, TERMS, estimator, noise=noise) for x in (data, data[0]))
-    assert (textbook.std < (1.5 if estimator == "gls" else 1.1) * alone.std).all()
+    # errors of blocks scatter
+    textbook, alone = (identify(swing.leg, x, TERMS, estimator, noise="white") for x in (data, data[0]))
+    assert (textbook.std < 1.1 * alone.std).all()
 
 
 def test_rows_that_do_not_fit_into_memory_are_made_again(swing, monkeypatch):

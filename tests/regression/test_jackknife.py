@@ -49,7 +49,7 @@ def test_without_memory_it_is_the_jackknife_of_dense_solutions(swing):
     problem = problem_of(swing)
     fit = wls(problem)
     noises = white(sandwich(problem, fit.point, fit.solution).noises)
-    found = jackknife(problem, fit.point, noises, fit.solution, whitened=False)
+    found = jackknife(problem, fit.point, noises, fit.solution)
     (block,) = problem.blocks()
     W, tau = block.rows.W * np.array(fit.weights)[:, None], block.rows.tau * fit.weights
     cells = np.arange(len(W)) // -(-len(W) // 20)
@@ -74,7 +74,7 @@ def test_blocks_of_one_sample_of_one_joint_are_the_hc3_of_statsmodels(monkeypatc
     noises = white(sandwich(problem, fit.point, fit.solution).noises)
     (block,) = problem.blocks()
     monkeypatch.setattr(module, "BLOCKS", len(block.rows.time))
-    found = jackknife(problem, fit.point, noises, fit.solution, whitened=False)
+    found = jackknife(problem, fit.point, noises, fit.solution)
     expected = sm.OLS(block.rows.tau[:, 0], block.rows.W[:, 0]).fit(cov_type="HC3").bse
     np.testing.assert_allclose(np.sqrt(found.variances), expected, rtol=5e-3)  # HC3 does not take off the mean
 
@@ -88,30 +88,11 @@ def test_scores_of_whitened_rows_sum_up_to_those_of_the_rows(swing):
     delay = max(noise.order for noise in noises.values())
     for part in module.over_recordings(problem, fit.point, list):
         for series in part:
-            joint = module._WhitenedJoint(
-                noises[series.kind, series.joint], len(series.columns), delay, whole_runs=False
-            )
+            joint = module._WhitenedJoint(noises[series.kind, series.joint], len(series.columns), delay)
             X, Y, residual, places = joint.add(series, np.inf)
             assert len(places) == len(series.residual)
             np.testing.assert_allclose(Y @ residual, series.X @ series.residual, rtol=1e-9, atol=1e-9)
             np.testing.assert_allclose(Y @ X.T, series.X @ series.X.T, rtol=1e-9, atol=1e-9)
-
-
-def test_runs_are_whitened_as_generalised_least_squares_does(swing):
-    """Σ x̃ x̃ᵀ / σ² of each run is that of the noise model's own whitening, time reversed."""
-    problem = problem_of(swing)
-    fit = wls(problem)
-    noises = sandwich(problem, fit.point, fit.solution).noises
-    (part,) = module.over_recordings(problem, fit.point, list)
-    series = part[0]
-    noise = noises[series.kind, series.joint]
-    gap = np.ones(len(series.residual))
-    gap[100:103] = 0.0
-    broken = series._replace(X=series.X * gap, residual=series.residual * gap, usable=gap)
-    X, *_ = module._WhitenedJoint(noise, len(series.columns), 7, whole_runs=True).add(broken, np.inf)
-    white = X[:, gap > 0.0] / np.sqrt(noise.variances[-1])
-    runs = [noise.whiten(broken.X[:, run][:, ::-1])[:, ::-1] for run in (slice(0, 100), slice(103, None))]
-    np.testing.assert_allclose(white, np.hstack(runs), rtol=1e-9, atol=1e-9)
 
 
 def test_rows_that_come_in_many_blocks_give_the_same(swing, monkeypatch):
@@ -119,10 +100,10 @@ def test_rows_that_come_in_many_blocks_give_the_same(swing, monkeypatch):
     problem = problem_of(swing)
     fit = wls(problem)
     noises = sandwich(problem, fit.point, fit.solution).noises
-    whole = jackknife(problem, fit.point, noises, fit.solution, whitened=False)
+    whole = jackknife(problem, fit.point, noises, fit.solution)
     monkeypatch.setattr("exoid.regression.rows.BLOCK", 100)
     monkeypatch.setattr("exoid.regression.rows.BLOCKS", 1)
-    pieces = jackknife(problem_of(swing), fit.point, noises, fit.solution, whitened=False)
+    pieces = jackknife(problem_of(swing), fit.point, noises, fit.solution)
     np.testing.assert_allclose(pieces.variances, whole.variances, rtol=1e-9)
 
 
@@ -164,8 +145,7 @@ def test_intervals_hold_where_noise_is_not_stationary_or_common(kind):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("estimator", ["wls", "gls"])
-def test_variances_of_replicates_scatter_as_they_say(swing, estimator):
+def test_variances_of_replicates_scatter_as_they_say(swing):
     """2 mean² / var of the variances of 60 replicates, and at most the number of blocks."""
     swing = dataclasses.replace(swing, seconds=12.0)
     rng = np.random.default_rng(4)
@@ -173,7 +153,7 @@ def test_variances_of_replicates_scatter_as_they_say(swing, estimator):
     for _ in range(60):
         drive = lfilter([1.0], [1.0, -0.9], rng.standard_normal((200 + len(swing.torque), 3)), axis=0)[200:]
         recording = swing.recording(tau=swing.torque + 0.2 * drive)
-        estimates.append(identify(swing.leg, recording, TERMS, estimator, preparation=EXACT))
+        estimates.append(identify(swing.leg, recording, TERMS, preparation=EXACT))
     variances = np.array([estimate.std**2 for estimate in estimates])
     seen = 2.0 * variances.mean(axis=0) ** 2 / variances.var(axis=0, ddof=1)
     said = 1.0 / np.mean([1.0 / estimate.dof_each for estimate in estimates], axis=0)

@@ -45,13 +45,6 @@ def test_yule_walker_is_that_of_statsmodels():
     assert noise.variances[-1] == pytest.approx(sigma**2)
 
 
-def test_whitening_is_the_inverse_of_the_covariance(noise, gamma):
-    """LᵀL = Γ⁻¹ from the first sample on, also where the stretch is shorter than the order."""
-    for length in (1, 2, 5, 60):
-        L = noise.whiten(np.eye(length)).T
-        np.testing.assert_allclose(L.T @ L, np.linalg.inv(toeplitz(gamma[:length])), rtol=1e-8, atol=1e-9)
-
-
 def test_the_quadratic_form_is_that_of_the_covariance(noise, gamma):
     X = np.random.default_rng(2).standard_normal((4, 300))
     X[:, 100:130] = 0.0

@@ -32,7 +32,7 @@ def still_ankle(swing, seed=0):
     return swing.recording(q=q, v=v, a=a, tau=tau + noise)
 
 
-@pytest.mark.parametrize("estimator", ["ols", "wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["ols", "wls", "huber"])
 def test_known_parameters_are_those_of_a_problem_without_their_columns(swing, estimator):
     """As if their torque had been subtracted and their column never been there."""
     recording = swing.with_noise(np.random.default_rng(0), NOISE)
@@ -146,7 +146,7 @@ def test_an_inertia_that_cannot_be_is_named_in_a_warning():
     assert any("J3 negative beyond error" in warning for warning in estimate.warnings)
 
 
-@pytest.mark.parametrize("estimator", ["ols", "wls", "huber", "gls"])
+@pytest.mark.parametrize("estimator", ["ols", "wls", "huber"])
 def test_bounds_keep_friction_at_zero_and_say_so(swing, estimator):
     """The same as the fit without that column."""
     recording = negative_friction(swing)
@@ -193,10 +193,7 @@ def test_an_estimate_survives_its_file_with_assumptions_and_all_evidence(swing, 
     for name in ("interval", "correlation", "dof_each", "collinearity", "parameter_scale", "reference_scale"):
         one, other = (getattr(each, name) for each in (loaded, estimate))
         np.testing.assert_array_equal(*((one(), other()) if callable(one) else (one, other)))
-    kept = [loaded.influence, *loaded.trends], [estimate.influence, *estimate.trends]
-    for one, other in zip(*kept, strict=True):
-        fields = one._fields if hasattr(one, "_fields") else one.__dataclass_fields__
-        assert all(np.array_equal(getattr(one, name), getattr(other, name)) for name in fields)
+    assert all(np.array_equal(*pair) for pair in zip(loaded.influence, estimate.influence, strict=True))
     assert loaded.identifiability == estimate.identifiability
 
 

@@ -64,7 +64,7 @@ SLOW = [pytest.mark.slow]
     [
         pytest.param(terms, estimator, preparation, id=f"{name}-{estimator}-{preparation.name}", marks=marks)
         for terms, name in ((TERMS, "whole"), (WITH_GAPS, "with gaps"))
-        for estimator in ("wls", "huber", "gls")
+        for estimator in ("wls", "huber")
         for preparation, marks in ((ZeroPhase(), []), (FiniteDifference(), SLOW), (MovingAverage(), SLOW))
     ],
 )

@@ -15,7 +15,6 @@ from exoid.codegen import c_source
 from exoid.control import ControlModel
 from exoid.control.lqr import linearise
 from exoid.identification import select_terms
-from exoid.identification.estimators.closed_loop import as_plant
 from exoid.leg.exported import parameter_terms, read_exported
 from exoid.rig import Plant
 from exoid.torques import (
@@ -259,11 +258,6 @@ def test_a_urdf_has_couplings_in_its_sidecar_and_the_rig_refuses_them_by_name(es
         Plant.from_urdf(tmp_path / "leg.urdf")
     names = ("coupling-spring", "cable", "coupling-friction", "coupling-inertia")
     assert Plant.from_urdf(tmp_path / "leg.urdf", without=names).viscous[0, 0] == estimate.value("d_hip")
-
-
-def test_an_estimator_that_simulates_refuses_couplings(estimate):
-    with pytest.raises(ExoidError, match="no rig has the parameter k_hip_knee"):
-        as_plant(estimate.model, estimate.values[:, None], swing_with_couplings())
 
 
 def test_an_inertia_across_joints_has_no_form_in_c():

@@ -10,7 +10,6 @@ from html_pages import check, undrawn
 import exoid
 from exoid.experiments.excitation import assess
 from exoid.regression import Prior
-from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, TorqueModel, Viscous
@@ -20,7 +19,6 @@ from exoid.view.report.fit import (
     friction_blocks,
     predict_recording,
     torque_pictures,
-    trend_notes,
 )
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
@@ -159,16 +157,6 @@ def test_the_influence_of_every_recording_is_listed(particular):
     for row, change in zip(rows, estimate.influence.change, strict=True):
         largest = change[estimate.names.index(row[2])]
         assert row[3] in (f"{largest:+.1f}".replace("-", "−"), "not identifiable")
-
-
-def test_residuals_that_depend_on_velocity_are_named_with_a_hint(swing):
-    """Without Coulomb friction the residual has its shape."""
-    data, estimate = swing
-    poor = exoid.identify(data.leg, data.train, (Viscous(), Offset()))
-    text, warnings = " ".join(trend_notes(poor).lines), trend_warnings(poor.trends)
-    assert any("velocity" in warning for warning in warnings)
-    assert all(warning[1:] in text for warning in warnings)
-    assert trend_notes(estimate).lines[0].startswith("No residual depends on velocity or angle")
 
 
 @pytest.mark.slow

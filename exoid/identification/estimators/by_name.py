@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TypeVar, overload
 
 from exoid.errors import BadArgumentError
@@ -11,21 +11,13 @@ from exoid.identification.problem import Fitted, Problem
 from exoid.regression.fit import Fit, ols, wls
 from exoid.tools.registry import Registry
 
-from .gls import gls
 from .huber import huber
 from .joint_ml import JointML
-from .output_error import OutputError
 
 Estimator = Callable[[Problem], Fit]
 """A function, or an object with settings such as :class:`exoid.identification.estimators.JointML`."""
 
 AnyEstimator = TypeVar("AnyEstimator", bound=Estimator)
-
-BUILT_IN: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
-"""Estimators of exoid that need no settings."""
-
-NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
-"""Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
 
 
 def _check(estimator: Estimator) -> None:
@@ -75,31 +67,26 @@ def register_estimator(
         ... def plain(problem):
         ...     return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
     """
-    if name in NEED_LOOP:
-        raise BadArgumentError(f"the estimator {name!r} exists: it needs a ClosedLoop", remedy="choose another name")
     if estimator is None:
         return lambda estimator: register_estimator(name, estimator)
     ESTIMATORS.register(name, estimator)
     return estimator
 
 
-for _name, _estimator in BUILT_IN.items():
-    register_estimator(_name, _estimator)
+ESTIMATORS.register("huber", huber)
+ESTIMATORS.register("ml", JointML())
+ESTIMATORS.register("ols", ols)
+ESTIMATORS.register("wls", wls)
 
 
 def find_estimator(given: str | Estimator) -> Estimator:
     """Look an estimator up by name; an estimator stays what it is."""
-    if callable(given):
-        return given
-    known = {**BUILT_IN, **NEED_LOOP}
-    return known[given] if given in known else ESTIMATORS.find(given)
+    return given if callable(given) else ESTIMATORS.find(given)
 
 
 def name_of(estimator: Estimator) -> str:
     """Name an estimator, for evidence."""
-    own = getattr(estimator, "name", None) or next((n for n, known in BUILT_IN.items() if known is estimator), None)
-    if own is None:
-        own = next((name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator), None)
+    own = getattr(estimator, "name", None) or ESTIMATORS.name_of(estimator)
     return str(own or getattr(estimator, "__name__", type(estimator).__name__))
 
 

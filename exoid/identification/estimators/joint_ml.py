@@ -11,13 +11,13 @@ from typing import ClassVar
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.problem import Problem
 from exoid.regression.every_row import make_rows
 from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
-from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.regression.rows import for_leg, source_of
+from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
 from exoid.torques import Term, TorqueModel
@@ -25,7 +25,6 @@ from exoid.torques.terms import DryFriction
 
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
-from .outside_rows import default_preparation, default_start, refuse_other_friction
 
 COARSE = 0.04  # knot spacing [s] to begin with
 LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
@@ -77,11 +76,10 @@ class JointML:
 
         Terms with memory or load, close knots, payloads and several groups are refused.
         """
-        refuse_other_friction(problem.model, "ml")
-        problem.refuse_beside_leg("ml")
+        _refuse_what_it_lacks(problem)
         first = wls(problem)
         model = smooth(problem.model)
-        preparation = default_preparation(problem)
+        preparation = ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.local_data]))
         recordings = [data for data in problem.local_data if isinstance(data, Recording)]
         moving = [_moving(problem.model, data, preparation) for data in recordings]
         still = [_still(problem, data) for data in problem.local_data if isinstance(data, Poses)]
@@ -92,7 +90,8 @@ class JointML:
             solve=problem.solve,
             priors=problem.prior_knowledge.pseudo_rows(problem.names),
         )
-        values, spacing = default_start(problem), self.spacing
+        start = first if preparation == problem.preparation else wls(problem.changed(preparation=preparation))
+        values, spacing = start.solution.values, self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)
         if spacing is None:
             rough = _best(fit, moving, values, FINEST * interval * (1.0 - 1e-9))
@@ -105,6 +104,30 @@ class JointML:
                 remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
             )
         return _as_fit(problem, first, fit(moving, values=values, spacing=spacing))
+
+
+def _refuse_what_it_lacks(problem: Problem) -> None:
+    """Refuse terms whose torque does not follow from the motion of the moment alone, and what acts beside the leg."""
+    model, remedy = problem.model, "use wls, huber or ols"
+    plain = type(model) is TorqueModel and not any(
+        term.loaded or term.internal_state is not None or term.needs_temperature for term in model.terms
+    )
+    if not plain:
+        raise NotSupportedError(
+            "ml takes no friction that remembers, depends on load or temperature, or has free settings",
+            remedy="use wls or huber, or give the settings numbers",
+        )
+    for data in problem.local_data:
+        where, links = source_of(data), data.loaded_links if isinstance(data, Recording) else ()
+        if data.payloads:
+            carried = ", ".join(map(str, data.payloads))
+            raise NotSupportedError(
+                f"ml fits the leg without payloads, and a recording has {carried}", where=where, remedy=remedy
+            )
+        if links:
+            raise NotSupportedError(
+                f"ml fits the leg in the air, and something acts on {', '.join(links)}", where=where, remedy=remedy
+            )
 
 
 def smooth(model: TorqueModel) -> TorqueModel:
@@ -164,4 +187,5 @@ def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
     noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
     warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
     name = f"ml(spacing={found.spacing:.4g})"
-    return Fit(solution, first.weights, noises=noises, warnings=warnings, correlated=found.covariance(), name=name)
+    uncertainty = found.uncertainty()._replace(noises=noises)
+    return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)

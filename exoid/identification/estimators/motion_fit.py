@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Covariance, correlated_covariance
+from exoid.regression.fit import Uncertainty, correlated_uncertainty
 from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
 from exoid.regression.residuals import Point
 from exoid.torques import TorqueModel
@@ -37,10 +37,10 @@ class MotionFit(NamedTuple):
     system: System  # the least-squares problem
     state: MotionState  # motions and β at its solution
 
-    def covariance(self) -> Covariance:
-        """Covariance of β for noise of angles and torques that is correlated, as their residuals are."""
+    def uncertainty(self) -> Uncertainty:
+        """Uncertainty of β for noise of angles and torques that is correlated, as their residuals are."""
         rows = self.system.influence(self.state, self.levels)
-        return correlated_covariance(rows, Point(self.state.values, [1.0]), self.solution)
+        return correlated_uncertainty(rows, Point(self.state.values, [1.0]), self.solution)
 
 
 def fit_motion(

@@ -2,22 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.torso import MovingBase
+from exoid.regression.row_data import NoiseKind, RowBlock, Rows
+from exoid.regression.rows import rate_class
 from exoid.torques import Motion, TorqueModel
 
 from .bordered import BorderedRows, ReducedSystem, eliminate
-from .outside_rows import LinearisedRows, linearised_block, respond, torque
 from .trajectory import WIDTH, Trajectory
+
+T = TypeVar("T")
 
 HALVINGS = 10  # a step that does not reduce the sum of squares is halved so often
 PROBES = 6  # random vectors with which traces are estimated
 QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
+STEPS = (1e-5, 1e-5, 1e-3)
+"""Half of the central difference in angle, velocity and acceleration; the torque is linear in the last."""
+
+
+class LinearisedRows(NamedTuple):
+    """Weighted residuals of measured channels, such as angles and torques, and their derivatives by β."""
+
+    columns: Sequence[NDArray[np.intp]]  # parameters that act on each channel, as indices
+    recordings: Sequence[RowBlock]  # rows of each recording
+
+    @staticmethod
+    def of(recordings: Sequence[RowBlock]) -> LinearisedRows:
+        """Collect recordings; poses may have the first channels only."""
+        channels = max(block.rows.W.shape[1] for block in recordings)
+        every = np.arange(recordings[0].rows.W.shape[2])
+        return LinearisedRows([every] * channels, recordings)
+
+    def weight_index(self, kind: NoiseKind, joint: int) -> int:
+        """All rows have one weight."""
+        return 0
+
+    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
+        """Let work go over the rows of each recording."""
+        for block in self.recordings:
+            yield work([block])
+
+
+def linearised_block(
+    W: FloatArray, residual: FloatArray, values: FloatArray, time: FloatArray | None, usable: FloatArray | None = None
+) -> RowBlock:
+    """Make a block of the rows of one recording."""
+    stamps = np.arange(len(W), dtype=np.float64) if time is None else time
+    kind = NoiseKind(time is None, rate_class(stamps))
+    mask = np.ones(residual.shape, dtype=np.bool_) if usable is None else usable > 0.0
+    acting = np.ones(W.shape[1:], dtype=np.bool_)
+    still = np.zeros_like(residual)
+    return RowBlock(kind, Rows(stamps, W, residual + W @ values, still, still, mask, acting, 1.0), True, True)
 
 
 class Moving(NamedTuple):
@@ -225,3 +266,33 @@ class System(NamedTuple):
             taken[1] += (answer * z[0]).sum(axis=0).mean(axis=-1)
         taken[2] = exact
         return taken
+
+
+class Response(NamedTuple):
+    """Torque and its derivatives."""
+
+    W: FloatArray  # regressor, (N, n, P)
+    to_motion: FloatArray  # ∂τ_i / ∂(q, v, a)_j, (3, N, n, n): derivative, sample, torque, joint
+
+
+def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> Response:
+    """Differentiate τ = W(q, v, a) β by central differences."""
+    samples, joints = motion.q.shape
+    to_motion = np.empty((3, samples, joints, joints))
+    for kind, step in enumerate(STEPS):
+        for joint in range(joints):
+            sides = []
+            for by in (step, -step):
+                moved = [motion.q, motion.v, motion.a]
+                moved[kind] = moved[kind].copy()
+                moved[kind][:, joint] += by
+                q, v, a = moved
+                sides.append(torque(model.columns(Motion(q, v, a, motion.torso)), values))
+            difference = sides[0] - sides[1]
+            to_motion[kind, :, :, joint] = difference / (2.0 * step)
+    return Response(model.columns(motion).transpose(2, 1, 0), to_motion)
+
+
+def torque(columns: FloatArray, values: FloatArray) -> FloatArray:
+    """W β, (N, n), from columns, (P, n, N)."""
+    return np.asarray(np.tensordot(values, columns, axes=1).T)

@@ -12,9 +12,7 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.estimate.validation import HEADERS
-from exoid.regression import Trend
 from exoid.regression.rows import for_leg
-from exoid.regression.trends import trend_warnings
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
@@ -28,7 +26,7 @@ from exoid.view.fit import (
 )
 from exoid.view.style import decimation, decorate
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, sentence, shown_part
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, shown_part
 from .page import PAGE_COLUMN, Block, Picture, Text, on_axes
 
 
@@ -127,55 +125,19 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
         )
 
 
-def residual_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
-    """Test whether residuals of the fit depend on velocity or angle, and draw them against both."""
-    if estimate.trends:
-        yield trend_table(estimate)
-    yield trend_notes(estimate)
-    yield from residual_pictures(estimate, predictions, estimate.trends)
-
-
-def residual_pictures(
-    estimate: Estimate, predictions: Sequence[RecordingPrediction], tested: Sequence[Trend] = ()
-) -> Iterator[Picture]:
-    """Draw residuals against velocity and angle, with tested means if there are any."""
+def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
+    """Draw residuals against velocity and angle."""
     q, v, residual = (
         np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
     )
-    trends = {(trend.joint, str(trend.against)): trend for trend in tested}
     for x, against, unit in ((v, "velocity", "rad/s"), (np.rad2deg(q), "angle", "deg")):
-        for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
+        for joint, label in enumerate(estimate.model.leg.joint_labels):
             arguments = (x[:, joint], residual[:, joint], joint, f"{label} {against} [{unit}]", label)
             yield Picture(
-                on_axes(plot_residual_trend, *arguments, trends.get((name, against))),
+                on_axes(plot_residual_trend, *arguments),
                 f"Residual {label} torque against {label} {against} [{unit}]",
                 figure=f"residuals_{against}",
             )
-
-
-def trend_table(estimate: Estimate) -> DataTable:
-    """Table of the tests whether residuals depend on velocity or angle."""
-    rows = []
-    for trend in estimate.trends:
-        by_noise = "yes" if not trend.significant else "no" if trend.matters else "no, but negligible"
-        rows.append((trend.joint, trend.against, f"{100 * trend.share:.2g}", f"{trend.p_value:.1g}", by_noise))
-    headers = ("joint", "residual against", "share of torque [%]", "p-value", "explained by noise")
-    return DataTable("Mean residuals of the recordings of the fit", headers, rows)
-
-
-def trend_notes(estimate: Estimate) -> Text:
-    """Name the residuals that depend on velocity or angle, with a hint at the missing term."""
-    if not estimate.trends:
-        return Text(
-            [
-                "There are too few independent samples to test whether residuals depend on velocity or angle. The "
-                "error bars below assume independent samples, and are too short."
-            ]
-        )
-    return Text(
-        [sentence(warning) for warning in trend_warnings(estimate.trends)]
-        or ["No residual depends on velocity or angle by more than noise explains and by more than 1 % of the torque."]
-    )
 
 
 def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:

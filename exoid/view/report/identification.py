@@ -21,7 +21,6 @@ from .fit import (
     excitation_pictures,
     friction_blocks,
     predict_recording,
-    residual_blocks,
     residual_pictures,
     torque_blocks,
 )
@@ -68,7 +67,7 @@ def identification_report(
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
         "Friction": friction_blocks(estimate, fitted or tested),
-        "Residuals": residual_blocks(estimate, fitted)
+        "Residuals": residual_pictures(estimate, fitted)
         if fitted
         else [Text([SHORT]), *residual_pictures(estimate, tested)],
         "Replay": _replay(estimate, (tested or fitted)[0].recording),

@@ -103,8 +103,8 @@ def test_a_study_is_what_its_replicates_are(result):
 
 
 def test_every_estimator_sees_the_same_data_and_order_does_not_matter():
-    both = run_study(study(estimators=("wls", "gls")))
-    alone = run_study(study(estimators=("gls",)))
+    both = run_study(study(estimators=("wls", "huber")))
+    alone = run_study(study(estimators=("huber",)))
     np.testing.assert_array_equal(both.combinations[1].std, alone.combinations[0].std)
 
 
