@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -12,7 +13,7 @@ from ground_machines import inverse_dynamics_residual, residual, spatial_plant
 from exoid import ExoidError
 from exoid.experiments.ground import bleex_machine
 from exoid.rig import Rates
-from exoid.rig.ground import GroundMotion, GroundPlant, JointGains, Spring, simulate_on_ground
+from exoid.rig.ground import Block, GroundMotion, GroundPlant, JointGains, Sole, Spring, simulate_on_ground
 from exoid.rig.ground.engine import Engine
 
 PLANT = bleex_machine()
@@ -152,3 +153,21 @@ def test_mujoco_is_imported_by_the_first_run_only():
     program = "import sys, exoid.experiments.ground as g; g.bleex_machine(); print('mujoco' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.strip() == "False"
+
+
+def test_a_chair_and_a_step_bear_what_the_ground_does_not():
+    """BLEEX stands with both feet on a block, and the seat of the torso is just pressed on another one."""
+    height = 0.2
+    seat = {**PLANT.soles, "torso": Sole.flat(-0.4, -0.3, -0.09)}
+    low = (np.exp(1j * PITCH) * (-0.3 - 0.09j)).imag  # front of the seat below the hip; it is 3 mm into the chair
+    blocks = (Block(-0.2, 0.5, height), Block(-0.9, -0.25, height + 0.921 + low + 0.003))
+    on_blocks = replace(PLANT, soles=seat, blocks=blocks)
+    still = motion(seconds=1.5, lead=-2.0)
+    still = replace(still, base=still.base + np.array([0.0, height, 0.0]))
+    run = simulate_on_ground(on_blocks, still, GAINS, spring=HOLD)
+    weight = 9.81 * sum(body.mass for body in PLANT.leg.model.inertias)
+    held = run.rotation[-1] @ run.wrenches["torso"].force[-1]
+    assert all(foot.force[-1, 2] > 20.0 for foot in run.feet.values())
+    total = sum(foot.force[-1] for foot in run.feet.values()) + held
+    np.testing.assert_allclose(total, [0.0, 0.0, weight], rtol=0, atol=2e-3 * weight)
+    assert run.audit.momentum_error < 1e-5

@@ -20,12 +20,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.model import configuration
 from exoid.rig.ground import GroundPlant, Sole
-from exoid.rig.ground.plant import BLEEX_SOLES
-
-CUHK_SOLES: Mapping[str, Sole] = MappingProxyType(
-    {f"{side}_shank": Sole([(0.0, -0.03, -0.4182), (0.0, 0.03, -0.4182)]) for side in ("left", "right")}  # type: ignore[arg-type]
-)
-"""Passive ankles of CUHK-EXO at the end of its shanks (L_s by Winter's table): they hold no moment."""
+from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 
 SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES})
 """Soles of the built-in machines."""

@@ -1,7 +1,7 @@
 """Scenarios of a machine on the ground: squats, weight shifts, one foot on the ground, walking, swinging."""
 
-from .machines import bleex_machine
+from .machines import bleex_machine, cuhk_machine
 from .stance import Stance, single_support, squats_and_shifts, swing
 from .walking import Gait, walking
 
-__all__ = ["Gait", "Stance", "bleex_machine", "single_support", "squats_and_shifts", "swing", "walking"]
+__all__ = ["Gait", "Stance", "bleex_machine", "cuhk_machine", "single_support", "squats_and_shifts", "swing", "walking"]

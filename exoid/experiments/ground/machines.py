@@ -1,4 +1,4 @@
-"""BLEEX on the ground, with assumed friction and rotors."""
+"""BLEEX and CUHK-EXO on the ground, with assumed friction and rotors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.catalog import load_exo
 from exoid.leg.leg import Leg
 from exoid.rig.ground import GroundPlant
-from exoid.rig.ground.plant import BLEEX_SOLES
+from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 
 RESISTANCES = {"c0": (2.0, 1.5, 0.5), "d": (0.3, 0.2, 0.1), "Ia": (0.1, 0.1, 0.03)}
 """Coulomb friction [N·m], viscous friction [N·m·s/rad] and rotors [kg·m²] of hip, knee and ankle, an assumption."""
@@ -43,3 +43,22 @@ def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_fri
     }
     soles = {foot: sole for foot, sole in BLEEX_SOLES.items() if foot.startswith(sides)}
     return GroundPlant.build(machine, soles, values, ground_friction=ground_friction)
+
+
+def cuhk_machine(*, ground_friction: float = 0.8) -> GroundPlant:
+    """Make CUHK-EXO on the ground, on point feet at the ends of its shanks.
+
+    Args:
+        ground_friction: Coefficient of friction of the ground.
+
+    Returns:
+        The machine, with the friction of document 2's table and the rotors of its drives (docs/legs.md).
+    """
+    machine = load_exo("cuhk", base="floating")
+    resistances = {"c0": (1.445, 0.593), "d": (0.038, 0.192), "Ia": (0.8, 0.8), "b1": (0.0, 0.5)}
+    values = {
+        f"{symbol}_{label}": each[k % 2]
+        for symbol, each in resistances.items()
+        for k, label in enumerate(machine.joint_labels)
+    }
+    return GroundPlant.build(machine, CUHK_SOLES, values, ground_friction=ground_friction)

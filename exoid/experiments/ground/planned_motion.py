@@ -99,7 +99,8 @@ def _turn(plant: GroundPlant, q: FloatArray, base: FloatArray, link: str) -> Flo
     """Axes of a foot in the laboratory, as columns, (K, 3, 3)."""
     leg, lateral = plant.leg, plant.plane.lateral
     frame = link_frame(leg.model, leg.description, link)
-    rotation = leg.forward_kinematics(q).rotation[:, frame.body] @ frame.placement.rotation
+    turned = leg.forward_kinematics(q).rotation[:, frame.body] if frame.body >= 0 else np.eye(3)  # the root link
+    rotation = np.broadcast_to(turned @ frame.placement.rotation, (len(q), 3, 3))
     torso = scipy.spatial.transform.Rotation.from_rotvec(np.outer(base[:, 2], -lateral)).as_matrix()
     return np.asarray(torso @ rotation)
 

@@ -110,8 +110,10 @@ class Engine:
         own = contact.efc_address >= 0
         if own.any():
             local = self.data.efc_force[contact.efc_address[own][:, None] + np.arange(3)]
-            rows = contact.geom[own, 1] - self._first_sphere  # the ground is the first geometry of each contact
-            force[rows] = np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3))
+            # the ground is the first geometry of a contact, a block the second: then the force is that on the block
+            rows = contact.geom[own].max(axis=1) - self._first_sphere
+            sign = np.where(contact.geom[own, 1] < self._first_sphere, -1.0, 1.0)
+            np.add.at(force, rows, sign[:, None] * np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3)))
             place[rows] = contact.pos[own]
         return force, place
 

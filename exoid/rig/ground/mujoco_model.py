@@ -30,6 +30,13 @@ def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 
     spec.compiler.degree = False
     bodies = _add_bodies(spec, mujoco, plant)
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+    for number, block in enumerate(plant.blocks):
+        middle = 0.5 * (block.start + block.stop) * plant.plane.forward + 0.5 * block.height * plant.plane.up
+        half = 0.5 * np.array([block.stop - block.start, 100.0, block.height])
+        axes = np.column_stack([plant.plane.forward, plant.plane.lateral, plant.plane.up])
+        x, y, z, w = pin.Quaternion(axes).coeffs()
+        place = {"pos": middle, "quat": [w, x, y, z]}
+        spec.worldbody.add_geom(name=f"block {number}", type=mujoco.mjtGeom.mjGEOM_BOX, size=half, **place)
     for link, sole in plant.soles.items():
         _add_sole(bodies, mujoco, plant, link, sole)
     try:

@@ -72,6 +72,29 @@ class Sole:
         return np.asarray(self.points.mean(axis=0))
 
 
+@dataclass(frozen=True)
+class Block:
+    """Box on the ground, across the whole width: a step of stairs, or a chair.
+
+    Attributes:
+        start: Place of its back along forward [m].
+        stop: Place of its front [m].
+        height: Height of its top above the ground [m].
+
+    Raises:
+        ExoidError: The box has no length or height.
+    """
+
+    start: float
+    stop: float
+    height: float
+
+    def __post_init__(self) -> None:
+        """Check the size."""
+        checked([self.start, self.stop], "the ends of a block [m]")
+        checked([self.stop - self.start, self.height], "the size of a block [m]", above=0.0)
+
+
 BLEEX_SOLES: Mapping[str, Sole] = MappingProxyType(
     {
         "left_foot": Sole.flat(-0.075, 0.13, -0.115, side=-0.1),
@@ -79,6 +102,14 @@ BLEEX_SOLES: Mapping[str, Sole] = MappingProxyType(
     }
 )
 """Soles of BLEEX as its URDF draws them, an assumption: the document has no drawing of the foot."""
+
+CUHK_SOLES: Mapping[str, Sole] = MappingProxyType(
+    {f"{side}_shank": Sole(np.array([(0.0, -0.03, -0.4182), (0.0, 0.03, -0.4182)])) for side in ("left", "right")}
+)
+"""Passive ankles of CUHK-EXO at the end of its shanks (L_s by Winter's table): they hold no moment."""
+
+SEAT = Sole.flat(-0.12, -0.02, -0.09)
+"""Part of a torso that a chair bears, an assumption: below and behind the hip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -102,6 +133,7 @@ class GroundPlant:
         smoothing: Velocity over which Coulomb friction changes its sign [rad/s].
         ground_friction: Coefficient of friction of the ground.
         ground_lean: Angle by which the ground rises forward [rad]. The laboratory's axes are those of the ground.
+        blocks: Boxes on the ground.
     """
 
     leg: Leg
@@ -114,6 +146,7 @@ class GroundPlant:
     smoothing: float = 0.02
     ground_friction: float = 0.8
     ground_lean: float = 0.0
+    blocks: tuple[Block, ...] = ()
 
     @classmethod
     def build(
