@@ -17,7 +17,7 @@ from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait, norm_
 from exoid.experiments.excitation import plan_excitation
 from exoid.experiments.references import from_coefficients
 from exoid.online import RecursiveEstimator
-from exoid.rig import PlanarStepper, Plant, ProportionalDerivative, Sensors, Target
+from exoid.rig import Plant, ProportionalDerivative, Sensors, Stepper, Target
 from exoid.rig.controllers import Reference
 from exoid.rig.sensors import read_angle, read_torque
 
@@ -144,7 +144,7 @@ class Machine:
     def _run(self, plant: Plant, reference: Reference, seconds: float, command: Command) -> Stream:
         rate = self.scene.rate
         steps = -(-round(1.0 / STEP) // round(rate))
-        rig, samples = PlanarStepper(plant, self._q, self._v, 1.0 / (rate * steps)), []
+        rig, samples = Stepper(plant, self._q, self._v, 1.0 / (rate * steps)), []
         still = np.zeros_like(self._q)
         for _ in range(round(seconds * rate)):
             target = reference.at(self._done / rate)

@@ -33,7 +33,6 @@ from exoid.experiments import Harmonics
 from exoid.leg.description import describe
 from exoid.rig import (
     CoupledMotors,
-    CoupledStepper,
     IdealTorque,
     Plant,
     ProportionalDerivative,
@@ -245,7 +244,7 @@ def wrist_run(seed: int, *, duration: float = 120.0) -> Run:
         sensors=Sensors(encoder_counts=2.0**17, torque_noise=0.005),
         rates=Rates(control=2000.0, log=2000.0, step=5e-4),
         seed=seed,
-        stepper=partial(CoupledStepper, motors=motors, smoothing=0.015),
+        stepper=partial(SmoothStepper, motors=motors, smoothing=0.015),
     )
 
 

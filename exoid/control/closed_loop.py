@@ -15,8 +15,6 @@ from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.rig import (
     Actuator,
     IdealTorque,
-    PinocchioStepper,
-    PlanarStepper,
     Plant,
     Rates,
     Reference,
@@ -146,7 +144,6 @@ def simulate_many(
         sensors=sensors,
         rates=Rates(law.rate, log, plant_step(law.rate, log)),
         seed=seed,
-        stepper=PinocchioStepper if plant.count == 1 or plant.leg.chain is None else PlanarStepper,
         wearer=wearer,
         progress=progress,
     )

@@ -5,27 +5,23 @@ from exoid.leg.payload import Payload
 from .actuators import Actuator, DcMotor, HydraulicServo, IdealTorque, StepTorque
 from .bodies import leg_with_payloads, limb_of, plant_with_payloads, sandbags
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
-from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors
 from .simulate import Rates, simulate
-from .smooth_stepper import CoupledMotors, CoupledStepper, SmoothStepper
-from .stepper import PlanarStepper
+from .smooth_stepper import CoupledMotors, SmoothStepper
+from .stepper import Stepper
 from .wearer import Wearer
 
 __all__ = [
     "Actuator",
     "Controller",
     "CoupledMotors",
-    "CoupledStepper",
     "DcMotor",
     "Energy",
     "HydraulicServo",
     "IdealTorque",
     "Payload",
-    "PinocchioStepper",
-    "PlanarStepper",
     "Plant",
     "Proportional",
     "ProportionalDerivative",
@@ -35,6 +31,7 @@ __all__ = [
     "Sensors",
     "SmoothStepper",
     "StepTorque",
+    "Stepper",
     "Target",
     "Wearer",
     "leg_with_payloads",

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 
@@ -37,12 +36,7 @@ class PlanarBodies(NamedTuple):
     def from_parameters(cls, leg: Leg, parameters: FloatArray, pitch: FloatArray) -> PlanarBodies:
         """Compute the phasors of B legs."""
         chain = leg.chain
-        if chain is None:
-            raise NotSupportedError(
-                "only planar legs can be simulated in a batch",
-                where=leg.description.name,
-                remedy="simulate one rig at a time with stepper=PinocchioStepper",
-            )
+        assert chain is not None
         X, Y, J = parameters[0::3], parameters[1::3], parameters[2::3].copy()
         if leg.cumulative:
             J[:-1] -= J[1:]

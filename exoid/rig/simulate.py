@@ -17,7 +17,7 @@ from .controllers import Controller, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors, read_angle, read_interaction, read_torque, read_velocity
-from .stepper import PlanarStepper, Step, Stepper
+from .stepper import Step, Stepper
 from .wearer import Wearer
 from .worn_stepper import WornStepper
 
@@ -72,7 +72,7 @@ def simulate(
     sensors: Sensors | None = None,
     rates: Rates | None = None,
     seed: int | np.random.Generator = 0,
-    stepper: Callable[[Plant, FloatArray, FloatArray, float], Stepper] = PlanarStepper,
+    stepper: Callable[[Plant, FloatArray, FloatArray, float], Stepper] = Stepper,
     wearer: Wearer | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
@@ -90,8 +90,7 @@ def simulate(
         sensors: Sensors; None for exact readings.
         rates: Rates of controller and log, and step of the plant.
         seed: Seed or generator of the sensor noise.
-        stepper: Integrator: :class:`PlanarStepper`, :class:`SmoothStepper`, or :class:`PinocchioStepper` for a single
-            rig of any leg.
+        stepper: Integrator: :class:`Stepper`, or :class:`SmoothStepper`.
         wearer: Wearer of every rig, whose limb starts with the motion of the leg; None for nobody.
         progress: Function that receives the completed share of the run, 0 to 1.
 

@@ -1,6 +1,6 @@
 """Rigs with smooth Coulomb friction, c tanh(v / smoothing), at joints and at motors that a coupling connects to them.
 
-The scheme is that of :class:`exoid.rig.PlanarStepper`. Friction is linearised about the velocity extrapolated to the
+The scheme is that of :class:`exoid.rig.Stepper`. Friction is linearised about the velocity extrapolated to the
 middle of the step and acts as a torque and a damping. Joints never stick, and every step costs the same.
 
 With θ̇_m = A⁻¹ q̇, the friction c tanh(θ̇_m / smoothing) + d θ̇_m of coupled motors acts on the joints as A⁻ᵀ times it,
@@ -18,41 +18,9 @@ from exoid.actuators import Coupling
 from exoid.leg.joint_numbers import for_joints
 from exoid.tools.numbers import checked
 
-from .pinocchio_stepper import PinocchioBodies
 from .plant import Plant
-from .stepper import Equations, PlanarStepper, RigidBodies, Step
+from .stepper import Equations, Step, Stepper
 from .stick_slip import eliminate
-
-
-class SmoothStepper(PlanarStepper):
-    """B planar rigs in one batch, without sticking and without end stops.
-
-    Args:
-        plant: B rigs; ``static`` friction, ``lower`` and ``upper`` have no effect.
-        q: Initial angles [rad], (n, B).
-        v: Initial velocities [rad/s], (n, B).
-        dt: Step [s].
-        smoothing: Velocity scale of the sign change of friction [rad/s].
-
-    Raises:
-        ExoidError: The leg is not a planar chain.
-    """
-
-    def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float, smoothing: float = 0.02) -> None:
-        super().__init__(plant, q, v, dt)
-        self.smoothing = smoothing
-        self._steady = self._gain = np.zeros_like(self.q)  # of the torque of friction, steady + gain v̄
-
-    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step, with smooth friction."""
-        steady, slope = linearise(self._ahead, self.smoothing)
-        self._steady, self._gain = self.plant.coulomb * steady, self.plant.coulomb * slope
-        return self._equations(torque, self.plant.viscous + damping + self._gain, self._steady)
-
-    def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the linear equations."""
-        mean = self.move(self.v + eliminate(*equations))
-        return Step(mean, self.dt * (self._steady + self._gain * mean))
 
 
 @dataclass(frozen=True)
@@ -81,25 +49,26 @@ class CoupledMotors:
             object.__setattr__(self, name, checked(values, name, least=0.0))
 
 
-class CoupledStepper(SmoothStepper):
-    """Single rig of any leg with coupled motors, without sticking and without end stops.
+class SmoothStepper(Stepper):
+    """Rigs without sticking and without end stops, with coupled motors if there are any.
 
     Args:
-        plant: One rig; ``static`` friction, ``lower`` and ``upper`` have no effect.
-        q: Initial angles [rad], (n, 1).
-        v: Initial velocities [rad/s], (n, 1).
+        plant: B rigs; ``static`` friction, ``lower`` and ``upper`` have no effect.
+        q: Initial angles [rad], (n, B).
+        v: Initial velocities [rad/s], (n, B).
         dt: Step [s].
-        motors: The motors; None for none.
         smoothing: Velocity scale of the sign change of friction at a joint [rad/s]; that of a motor is larger by its
             ratio, the length of its row of A⁻¹.
+        motors: Coupled motors of every rig; None for none.
 
     Raises:
-        ExoidError: The plant has more than one rig, or lacks a joint of the coupling.
+        ExoidError: There are several rigs of a leg that is not a planar chain, or the plant lacks a joint of the
+            coupling.
 
     Example:
         >>> from functools import partial
         >>> motors = CoupledMotors(Coupling(("hip", "knee"), ((1.0, 0.0), (1.0, 1.0))), coulomb=0.2)
-        >>> stepper = partial(CoupledStepper, motors=motors)  # for simulate(..., stepper=stepper)
+        >>> stepper = partial(SmoothStepper, motors=motors)  # for simulate(..., stepper=stepper)
     """
 
     def __init__(
@@ -108,40 +77,41 @@ class CoupledStepper(SmoothStepper):
         q: FloatArray,
         v: FloatArray,
         dt: float,
-        motors: CoupledMotors | None = None,
         smoothing: float = 0.02,
+        motors: CoupledMotors | None = None,
     ) -> None:
-        super().__init__(plant, q, v, dt, smoothing)
-        self._axes, self._coulomb, self._viscous = np.eye(plant.n), plant.coulomb, np.zeros((plant.n, 1))
-        self._rotors = np.zeros((plant.n, plant.n))
+        super().__init__(plant, q, v, dt)
+        self.smoothing, self._motors = smoothing, motors
+        self.smoothing = smoothing
+        self._axes = np.zeros((0, plant.n))  # rows of A⁻¹: angles of motors per angle of the joints
+        self._coulomb = self._viscous = np.zeros((0, 1))  # of the motors
+        self._rotors = np.zeros((plant.n, plant.n))  # A⁻ᵀ J A⁻¹
         if motors is not None:
             coupling = motors.coupling.on(plant.leg)
-            own = np.zeros((len(coupling.joints), plant.n))
-            own[:, [plant.leg.joint_names.index(joint) for joint in coupling.joints]] = coupling.inverse
-            self._axes = np.vstack([self._axes, own])  # angles of joints, then motors, per angle of the joints
-            self._coulomb, self._viscous = (
-                np.concatenate([x, np.asarray(y)[:, None]])
-                for x, y in ((self._coulomb, motors.coulomb), (self._viscous, motors.viscous))
-            )
-            self._rotors = own.T * np.asarray(motors.rotor) @ own
+            self._axes = np.zeros((len(coupling.joints), plant.n))
+            self._axes[:, [plant.leg.joint_names.index(joint) for joint in coupling.joints]] = coupling.inverse
+            self._coulomb, self._viscous = (np.asarray(x)[:, None] for x in (motors.coulomb, motors.viscous))
+            self._rotors = self._axes.T * np.asarray(motors.rotor) @ self._axes
         self._widths = smoothing * np.linalg.norm(self._axes, axis=1, keepdims=True)
-
-    def _rigid_bodies(self) -> RigidBodies:
-        return PinocchioBodies(self.plant)
+        self._steady = self._gain = np.zeros_like(self.q)  # torque of friction: steady + gain v̄ + coupled v̄
+        self._coupled = np.zeros((plant.n, plant.n, plant.count))
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
         """Compute the equations of the next step, with smooth friction of joints and motors."""
-        axes, half = self._axes, 0.5 * self.dt
-        steady, slope = linearise(axes @ self._ahead, self._widths)
-        self._steady = axes.T @ (self._coulomb * steady)
-        self._gain = axes.T * (self._coulomb * slope + self._viscous)[:, 0] @ axes
-        M, impulse = self._equations(torque, self.plant.viscous + damping, self._steady)
-        return Equations(M + (half * self._gain + self._rotors)[..., None], impulse - self.dt * self._gain @ self.v)
+        axes, c = self._axes, self.plant.coulomb
+        steady, slope = linearise(self._ahead, self.smoothing)
+        of_motors, their_slope = linearise(axes @ self._ahead, self._widths)
+        self._steady, self._gain = c * steady + axes.T @ (self._coulomb * of_motors), c * slope
+        self._coupled = np.einsum("mi,mb,mj->ijb", axes, self._coulomb * their_slope + self._viscous, axes)
+        M, impulse = self._equations(torque, self.plant.viscous + damping + self._gain, self._steady)
+        M += 0.5 * self.dt * self._coupled + self._rotors[..., None]
+        return Equations(M, impulse - self.dt * (self._coupled * self.v).sum(axis=1))
 
     def solve(self, equations: Equations) -> Step:
         """Advance by dt: solve the linear equations; the impulse is that of joints and motors."""
         mean = self.move(self.v + eliminate(*equations))
-        return Step(mean, self.dt * (self._steady + self._gain @ mean))
+        friction = self._steady + self._gain * mean + (self._coupled * mean).sum(axis=1)
+        return Step(mean, self.dt * friction)
 
     def energy(self) -> FloatArray:
         """Compute the mechanical energy, springs and all rotors included."""

@@ -1,4 +1,4 @@
-"""Integration step of planar rigs, many at once, with the closed-form dynamics.
+"""Integration step of many rigs at once, of planar legs with the closed-form dynamics, or of one rig of any leg.
 
 The scheme is of second order in the step dt. Rigid bodies and springs are evaluated at the middle of the step,
 q + ½ dt v, with the velocity extrapolated from the previous step. Viscous friction and actuator damping act on the mean
@@ -11,13 +11,13 @@ with the impulse r of friction and end stops from :mod:`exoid.rig.stick_slip`.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from exoid._typing import FloatArray
 
+from .pinocchio_bodies import PinocchioBodies
 from .planar_bodies import PlanarBodies
 from .plant import Plant
 from .stick_slip import Friction, solve_stick_slip
@@ -37,39 +37,6 @@ class Equations(NamedTuple):
     impulse: FloatArray  # impulse of all other torques [N·m·s], (n, B)
 
 
-class Stepper(ABC):
-    """Integrator with the state of B rigs.
-
-    A step has two parts, so that another body may be coupled to the leg in between: the equations, then `solve` or
-    `move`, once.
-    """
-
-    plant: Plant
-    dt: float  # step [s]
-    q: FloatArray  # angles [rad], (n, B)
-    v: FloatArray  # velocities [rad/s], (n, B)
-
-    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄, (n, B) each, with friction and end stops."""
-        return self.solve(self.equations(torque, damping))
-
-    @abstractmethod
-    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step under a torque τ₀ − damping · v̄."""
-
-    @abstractmethod
-    def solve(self, equations: Equations) -> Step:
-        """Advance by dt: solve the equations with friction and end stops."""
-
-    @abstractmethod
-    def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities, without friction; return the mean velocities."""
-
-    @abstractmethod
-    def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included [J], (B,)."""
-
-
 class RigidBodies(Protocol):
     """Rigid bodies of B rigs."""
 
@@ -82,8 +49,18 @@ class RigidBodies(Protocol):
         ...
 
 
-class PlanarStepper(Stepper):
-    """B planar rigs in one batch of array operations.
+def rigid_bodies(plant: Plant) -> RigidBodies:
+    """Choose the closed form for planar legs in a batch, and Pinocchio, which is faster there, for a single rig."""
+    if plant.count == 1 or plant.leg.chain is None:
+        return PinocchioBodies(plant)
+    return PlanarBodies.from_parameters(plant.leg, plant.parameters, plant.pitch)
+
+
+class Stepper:
+    """B planar rigs in one batch of array operations, or one rig of any leg with Pinocchio's dynamics.
+
+    A step has two parts, so that another body may be coupled to the leg in between: the equations, then `solve` or
+    `move`, once.
 
     Args:
         plant: B rigs.
@@ -92,7 +69,7 @@ class PlanarStepper(Stepper):
         dt: Step [s].
 
     Raises:
-        ExoidError: The leg is not a planar chain.
+        ExoidError: There are several rigs of a leg that is not a planar chain.
     """
 
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
@@ -100,12 +77,21 @@ class PlanarStepper(Stepper):
         self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
         self._ahead = self.v  # velocity expected in the middle of the next step
         self._middle = self.q  # angles in the middle of the step that the equations are for
-        self._bodies = self._rigid_bodies()
+        self._bodies = rigid_bodies(plant)
         self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static, stops=False)
         self._stops = bool(np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any())
 
-    def _rigid_bodies(self) -> RigidBodies:
-        return PlanarBodies.from_parameters(self.plant.leg, self.plant.parameters, self.plant.pitch)
+    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
+        """Advance by dt under an actuator torque τ₀ − damping · v̄, with friction and end stops.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mean velocity, and impulse of friction and end stops.
+        """
+        return self.solve(self.equations(torque, damping))
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
         """Compute the equations of the next step."""

@@ -152,6 +152,8 @@ def eliminate(M: FloatArray, rhs: FloatArray, moving: FloatArray | None = None) 
     # M is positive definite, so pivoting is not needed. Only the upper triangle is updated, with the right-hand side as
     # an additional column. The inverse pivot of a resting joint is set to zero.
     n = len(rhs)
+    if rhs.shape[1] == 1 and moving is None:  # one small system: LAPACK is faster than array operations
+        return np.asarray(np.linalg.solve(M[..., 0], rhs))
     U = np.concatenate([M, rhs[:, None]], axis=1)
     inverse = np.empty_like(rhs)
     for k in range(n):

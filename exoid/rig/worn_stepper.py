@@ -1,6 +1,6 @@
 """Integration step of legs with a wearer: leg and limb, coupled by cuffs.
 
-Each body has the scheme of :class:`exoid.rig.PlanarStepper`. Springs of cuffs and muscles are evaluated at the middle
+Each body has the scheme of :class:`exoid.rig.Stepper`. Springs of cuffs and muscles are evaluated at the middle
 of the step, q + ½ dt v̄, with the unknown mean velocities. A cuff with stiffness k and damping d then has the damping c:
 
     c = d + ½ dt k,      τ_wearer = k (q_l − q) + c (v̄_l − v̄)
@@ -28,9 +28,9 @@ from exoid.leg.torso import TorsoMotion
 from exoid.tools.numbers import ROUNDED
 
 from .controllers import Reference, Target
-from .pinocchio_stepper import PinocchioBodies, PinocchioStepper
+from .pinocchio_bodies import PinocchioBodies
 from .plant import Plant
-from .stepper import Equations, PlanarStepper, Step, Stepper
+from .stepper import Equations, Step, Stepper
 from .wearer import IMPEDANCES, Wearer
 
 
@@ -49,8 +49,7 @@ class WornStepper:
         self.plant, self.dt, self._leg = leg.plant, leg.dt, leg
         limb = limb_plant(leg.plant, wearer)
         refuse_intention(leg.plant, wearer, count * leg.dt)
-        stepper = PlanarStepper if limb.count > 1 else PinocchioStepper
-        self.limb: Stepper = stepper(limb, leg.q, leg.v, leg.dt)
+        self.limb = Stepper(limb, leg.q, leg.v, leg.dt)
         self._muscles = muscle_torques(wearer, limb, leg.dt, count)
         shape = (leg.plant.n, leg.plant.count)
         self._k, self._d, self._muscle_k, muscle_d = (

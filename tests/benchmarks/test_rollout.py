@@ -15,7 +15,7 @@ from turns import best_of_turns, show
 
 import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
-from exoid.rig import PlanarStepper, Plant
+from exoid.rig import Plant, Stepper
 
 RIGS, STEPS, ROUNDS, DT = 256, 400, 5, 5e-4
 RATIO = 5.0
@@ -33,7 +33,7 @@ TORQUE = SWING[:, :, None] * np.random.default_rng(0).uniform(0.7, 1.3, (3, RIGS
 def ours() -> np.ndarray:
     """Angles and velocities, (steps, 6, rigs)."""
     path = np.empty((STEPS, 6, RIGS))
-    rig = PlanarStepper(PLANT.repeat(RIGS), np.tile(POSE[:, None], RIGS), np.zeros((3, RIGS)), DT)
+    rig = Stepper(PLANT.repeat(RIGS), np.tile(POSE[:, None], RIGS), np.zeros((3, RIGS)), DT)
     undamped = np.zeros((3, RIGS))
     for torque, state in zip(TORQUE, path, strict=True):
         rig.step(torque, undamped)

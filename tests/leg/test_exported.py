@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.experiments import Harmonics
 from exoid.leg.catalog import urdf_folder
 from exoid.leg.exported import read_exported, sidecar_of
-from exoid.rig import IdealTorque, PinocchioStepper, Plant, ProportionalDerivative, Rates, Sensors, simulate
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, simulate
 from exoid.signals import Smoothed, ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -76,7 +76,6 @@ def test_the_rig_simulates_it_and_identification_of_the_log_returns_the_estimate
         duration=20.0,
         sensors=Sensors(encoder_counts=np.inf, torque_offset=exported.offsets),
         rates=Rates(control=2000.0, log=200.0),
-        stepper=PinocchioStepper,  # quicker for a single leg
     )
     terms = (Coulomb(smoothing=0.0, dead_band=0.05), *TERMS[1:])
     found = exoid.identify(exported.leg, run.recording(), terms, preparation=Smoothed(20.0))

@@ -5,18 +5,7 @@ import pytest
 from rigs import BLEEX, EVERYTHING, Hold, Swing
 
 import exoid
-from exoid.rig import (
-    DcMotor,
-    HydraulicServo,
-    IdealTorque,
-    PinocchioStepper,
-    PlanarStepper,
-    Plant,
-    Proportional,
-    Rates,
-    Target,
-    simulate,
-)
+from exoid.rig import DcMotor, HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
 
 KH, CL, KV = 5000.0, 0.01, 10.0
 """Oil stiffness, leakage and valve gain; with Kp = 1 a bandwidth of 10 1/s and a static stiffness of 1000 N·m/rad."""
@@ -43,8 +32,7 @@ def test_a_motor_turns_limited_current_into_torque():
 def test_the_rotor_of_a_motor_slows_the_joint_down():
     motor = DcMotor(0.07, 50.0, 3.2e-4)
     rigs = [
-        PlanarStepper(Plant.build(ANKLE, values), *np.zeros((2, 1, 1)), 1e-4)
-        for values in ({}, {"Ia_ankle": motor.armature})
+        Stepper(Plant.build(ANKLE, values), *np.zeros((2, 1, 1)), 1e-4) for values in ({}, {"Ia_ankle": motor.armature})
     ]
     gravity = ANKLE.gravity(np.zeros((1, 1)))
     for rig in rigs:
@@ -67,9 +55,7 @@ def servo_run(leakage, duration, *, gain=KV, load=0.0, step=2.5e-4, amplitude=0.
     servo = HydraulicServo(KH, leakage, gain)
     start = np.full((1, 1), 1e-3 if load == 0.0 and amplitude == 0.0 else 0.0)
     rates = Rates(control=1.0 / step, log=200.0, step=step)
-    return simulate(
-        plant, Sine(), Proportional(1.0), servo, duration, start=start, rates=rates, stepper=PinocchioStepper
-    )
+    return simulate(plant, Sine(), Proportional(1.0), servo, duration, start=start, rates=rates)
 
 
 def test_static_stiffness_of_the_servo_is_valve_gain_over_leakage():
@@ -127,7 +113,7 @@ def test_energy_balances_over_a_minute(actuator):
         "motor": (Proportional(150.0 * amperes), DcMotor(0.07, 50.0, 3.2e-4, 15.0)),
         "servo": (Proportional(1.0), HydraulicServo(KH, CL, KV)),
     }[actuator]
-    run = simulate(plant, Swing(), law, drive, 60.0, rates=Rates(step=2e-3), stepper=PinocchioStepper)
+    run = simulate(plant, Swing(), law, drive, 60.0, rates=Rates(step=2e-3))
     assert np.ptp(run.q, axis=0).min() > 0.05
     assert run.energy.dissipated[0] > 10.0
     assert run.energy.relative_error[0] <= 1e-4

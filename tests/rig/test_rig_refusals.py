@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from planar_chains import random_chain
-from rigs import BLEEX, POSE, Hold, Swing, zeros
+from rigs import BLEEX, POSE, Hold, Swing
 
 import exoid
 from exoid import Leg
@@ -16,18 +16,16 @@ from exoid.experiments.ground import bleex_machine
 from exoid.leg.description import describe
 from exoid.rig import (
     CoupledMotors,
-    CoupledStepper,
     DcMotor,
     HydraulicServo,
     IdealTorque,
     Payload,
-    PinocchioStepper,
-    PlanarStepper,
     Plant,
     Proportional,
     ProportionalDerivative,
     Rates,
     Sensors,
+    Stepper,
     Wearer,
     leg_with_payloads,
     limb_of,
@@ -102,10 +100,7 @@ REFUSED = {
         ("coulomb", lambda: CoupledMotors(DIRECT, coulomb=-1.0)),
         ("viscous", lambda: CoupledMotors(DIRECT, viscous=(1.0, 2.0, 3.0))),
         ("rotor", lambda: CoupledMotors(DIRECT, rotor=np.nan)),
-        *(
-            ("2 rigs", lambda kind=x: kind(TWO, zeros(TWO), zeros(TWO), 1e-3))
-            for x in (CoupledStepper, PinocchioStepper)
-        ),
+        ("2 rigs", lambda: Stepper(Plant.build(spatial_leg()).repeat(2), np.zeros((3, 2)), np.zeros((3, 2)), 1e-3)),
         ("encoder", lambda: Sensors(encoder_counts=0.0)),
         ("encoder", lambda: Sensors(encoder_counts=np.nan)),
         ("angle_noise", lambda: Sensors(angle_noise=-1e-3)),
@@ -168,7 +163,6 @@ REFUSED = {
         ("imu_position", lambda: GroundSensors(imu_position=(0.0, np.nan, 0.0))),
     ],
     NotSupportedError: [
-        ("PinocchioStepper", lambda: PlanarStepper(Plant.build(spatial_leg()), POSE, np.zeros((3, 1)), 1e-3)),
         ("anthropometry", lambda: limb_of(arm())),
         ("floating base", lambda: GroundPlant.build(exoid.load_exo("bleex"), BLEEX_SOLES)),
     ],

@@ -13,7 +13,6 @@ from exoid.leg.description import describe
 from exoid.rig import (
     HydraulicServo,
     IdealTorque,
-    PinocchioStepper,
     Plant,
     Proportional,
     ProportionalDerivative,
@@ -92,11 +91,6 @@ def test_rigs_in_a_batch_behave_like_single_rigs():
     assert np.abs(together.tau[..., 0] - together.tau[..., 4]).max() > 1.0
 
 
-def test_both_steppers_run_the_same_experiment():
-    one, other = (run(sensors=NOISY, **options) for options in ({}, {"stepper": PinocchioStepper}))
-    np.testing.assert_allclose(one.q, other.q, rtol=0, atol=1e-9)
-
-
 def test_a_leg_that_is_not_planar_runs_on_pinocchio():
     first, rest = random_chain(np.random.default_rng(2), 2).text.split("<axis", 1)
     turned = re.sub(r'xyz="[^"]*"', 'xyz="0.6 0 0.8"', rest, count=1)
@@ -104,9 +98,7 @@ def test_a_leg_that_is_not_planar_runs_on_pinocchio():
     assert leg.chain is None
     plant = Plant.build(leg, {"c0_hip": 0.5, "c0_knee": 0.5, "d_hip": 0.1})
     law = ProportionalDerivative(50.0, 5.0)
-    done = simulate(
-        plant, Hold(np.full((2, 1), 0.2)), law, IdealTorque(), 2.0, start=np.zeros((2, 1)), stepper=PinocchioStepper
-    )
+    done = simulate(plant, Hold(np.full((2, 1), 0.2)), law, IdealTorque(), 2.0, start=np.zeros((2, 1)))
     assert np.abs(done.q[-1]).max() > 0.0
     assert done.energy.relative_error[0] < 1e-4
 

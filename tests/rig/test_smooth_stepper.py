@@ -1,14 +1,16 @@
-"""Rigs with smooth friction, and loops without sampling, against an independent integration."""
+"""Smooth friction, loops without sampling against an independent integration, and coupled motors."""
 
 from functools import partial
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from rigs import BLEEX, FRICTION, Swing
+from rigs import BLEEX, FRICTION, POSE, Swing, torque, zeros
 from scipy.integrate import solve_ivp
 
-from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, SmoothStepper, simulate
+import exoid
+from exoid.actuators import Coupling
+from exoid.rig import CoupledMotors, IdealTorque, Plant, ProportionalDerivative, Rates, SmoothStepper, simulate
 
 SMOOTHING = 0.05
 PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))
@@ -69,3 +71,54 @@ def test_energy_is_balanced_in_a_sampled_run(plant):
     run = simulate(plant, Swing(), PD, IdealTorque(), SECONDS, rates=Rates(step=2.5e-4), stepper=stepper)
     assert run.energy.relative_error.max() < 2e-3
     assert run.energy.dissipated.min() > 0.0
+
+
+# ------------------------------------------------------------------------------------------ coupled motors
+
+DT = 5e-4
+
+
+def _run(stepper, steps=2000):
+    """Drive a stepper by the same torques, and collect its angles."""
+    angles = []
+    for k in range(steps):
+        stepper.step(torque(k * DT), zeros(stepper.plant))
+        angles.append(stepper.q[:, 0].copy())
+    return np.array(angles)
+
+
+def test_motors_of_a_diagonal_coupling_are_gears_of_single_joints():
+    """Friction c and d and rotor J behind ratio r are r c, r² d and r² J at the joint."""
+    r = 5.0
+    coupling = Coupling(BLEEX.joint_names, np.diag([1.0 / r, 1.0 / r, 1.0 / r]))
+    at_motors = CoupledMotors(coupling, coulomb=(0.2, 0.1, 0.02), viscous=0.004, rotor=0.002)
+    at_joints = {"c0_hip": 1.0, "c0_knee": 0.5, "c0_ankle": 0.1}
+    at_joints |= {f"{symbol}_{j}": value for j in BLEEX.joint_labels for symbol, value in (("d", 0.1), ("Ia", 0.05))}
+    plain, geared = Plant.build(BLEEX, end_stops=False), Plant.build(BLEEX, at_joints, end_stops=False)
+    start = (POSE, zeros(plain), DT)
+    coupled = SmoothStepper(plain, *start, motors=at_motors)
+    np.testing.assert_allclose(_run(coupled), _run(SmoothStepper(geared, *start)), atol=1e-9)
+
+
+def test_energy_is_balanced_with_friction_and_rotors_of_both_sides():
+    leg = exoid.load_leg("cuhk")
+    motors = CoupledMotors(
+        Coupling(("hip", "knee"), ((0.1, 0.1), (0.1, -0.1))), coulomb=0.05, viscous=0.01, rotor=0.002
+    )
+    plant = Plant.build(leg, {"c0_hip": 1.0, "d_knee": 0.3}, end_stops=False)
+
+    class Motion:
+        def at(self, time: float) -> exoid.rig.Target:
+            angle = np.array([[0.4 * np.sin(3.0 * time)], [0.6 + 0.4 * np.cos(4.0 * time)]])
+            return exoid.rig.Target(angle, np.array([[1.2 * np.cos(3.0 * time)], [-1.6 * np.sin(4.0 * time)]]))
+
+    run = simulate(
+        plant,
+        Motion(),
+        ProportionalDerivative(300.0, 20.0),
+        IdealTorque(),
+        3.0,
+        stepper=partial(SmoothStepper, motors=motors),
+    )
+    assert run.energy.dissipated[0] > 1.0
+    assert run.energy.relative_error[0] < 1e-3

@@ -1,4 +1,4 @@
-"""Both steppers: alike, accurate to second order, and true to energy, friction and end stops."""
+"""The stepper: alike for one rig and many, accurate to second order, true to energy, friction and end stops."""
 
 import mujoco
 import numpy as np
@@ -8,57 +8,57 @@ from rigs import BLEEX, EVERYTHING, FRICTION, POSE, torque, zeros
 
 import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
-from exoid.rig import PinocchioStepper, PlanarStepper, Plant
-
-STEPPERS = pytest.mark.parametrize("stepper", [PlanarStepper, PinocchioStepper])
+from exoid.rig import Plant, Stepper
 
 
 def final_state(plant, dt, duration):
     """State after a run under a smooth torque, and how often joints rested."""
-    rig, rested = PlanarStepper(plant, np.broadcast_to(POSE, (3, plant.count)), zeros(plant), dt), 0
+    rig, rested = Stepper(plant, np.broadcast_to(POSE, (3, plant.count)), zeros(plant), dt), 0
     for k in range(round(duration / dt)):
         rig.step(np.broadcast_to(torque((k + 0.5) * dt), (3, plant.count)), zeros(plant))
         rested += (rig.v == 0.0).sum()
     return np.concatenate([rig.q, rig.v]), rested
 
 
+def one_and_two(plant, q, v, dt):
+    """A rig by Pinocchio's dynamics, and the same rig twice by the closed form."""
+    twice = plant.repeat(2)
+    return Stepper(plant, q, v, dt), Stepper(twice, *(np.broadcast_to(x, (plant.n, 2)) for x in (q, v)), dt)
+
+
 @pytest.mark.parametrize(
     ("end_stops", "pitch"),
     [(True, 0.3), (False, 0.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((True, 0.0), (False, 0.3)))],
 )
-def test_both_steppers_agree(end_stops, pitch):
+def test_one_rig_by_pinocchio_moves_as_many_in_closed_form(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
-    rigs = [stepper(plant, POSE, zeros(plant), 5e-4) for stepper in (PlanarStepper, PinocchioStepper)]
-    damping, seen = np.full((3, 1), 0.05), set()
+    rigs = one_and_two(plant, POSE, zeros(plant), 5e-4)
+    start, seen = [rig.energy() for rig in rigs], set()
     for k in range(4000):
-        one, other = (rig.step(torque(k * 5e-4), damping) for rig in rigs)
-        np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-10)
-        np.testing.assert_allclose(rigs[0].v, rigs[1].v, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(one.friction_impulse, other.friction_impulse, rtol=0, atol=1e-10)
+        one, two = (rig.step(torque(k * 5e-4), np.full(rig.q.shape, 0.05)) for rig in rigs)
+        np.testing.assert_allclose(rigs[1].q, np.tile(rigs[0].q, 2), rtol=0, atol=1e-10)
+        np.testing.assert_allclose(rigs[1].v, np.tile(rigs[0].v, 2), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(two.friction_impulse, np.tile(one.friction_impulse, 2), rtol=0, atol=1e-10)
         seen |= set(np.sign(rigs[0].v).ravel())
         if (np.abs(one.friction_impulse) > 5e-4 * plant.static + 1e-12).any():
             seen.add("stop")
     assert seen == ({-1.0, 0.0, 1.0, "stop"} if end_stops else {-1.0, 0.0, 1.0})
-    constant = rigs[0].energy() - rigs[1].energy()
-    start = (
-        PlanarStepper(plant, POSE, zeros(plant), 1e-3).energy()
-        - PinocchioStepper(plant, POSE, zeros(plant), 1e-3).energy()
-    )
-    np.testing.assert_allclose(constant, start, rtol=0, atol=1e-9)
+    gains = [rig.energy() - before for rig, before in zip(rigs, start, strict=True)]
+    np.testing.assert_allclose(gains[1], gains[0][0], rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 4, 5])
-def test_both_steppers_agree_on_any_planar_chain(n):
+def test_so_does_any_planar_chain(n):
     rng = np.random.default_rng(n)
     leg = random_chain(rng, n, continuous=True).leg()
     values = {f"c0_{label}": 0.5 for label in leg.joint_labels}
     plant = Plant.build(leg, values, pitch=-0.2, end_stops=False)
     q, v = rng.normal(size=(2, n, 1))
-    rigs = [stepper(plant, q, v, 5e-4) for stepper in (PlanarStepper, PinocchioStepper)]
+    rigs = one_and_two(plant, q, v, 5e-4)
     for _ in range(1000):
         for rig in rigs:
-            rig.step(zeros(plant), zeros(plant))
-    np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-9)
+            rig.step(np.zeros_like(rig.q), np.zeros_like(rig.q))
+    np.testing.assert_allclose(rigs[1].q, np.tile(rigs[0].q, 2), rtol=0, atol=1e-9)
     assert np.abs(rigs[0].q - q).max() > 0.1
 
 
@@ -87,12 +87,11 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
 
 
 @pytest.mark.slow
-@STEPPERS
-def test_a_free_rig_with_friction_never_gains_energy(stepper):
+def test_a_free_rig_with_friction_never_gains_energy():
     plant = Plant.build(BLEEX, {**FRICTION, "b1_knee": 2.0, "cs_hip": 2.5})
     rng = np.random.default_rng(1)
     for _ in range(3):
-        rig = stepper(plant, POSE + rng.uniform(-0.05, 0.5, (3, 1)) * [[1], [-1], [1]], rng.normal(0, 2, (3, 1)), 5e-4)
+        rig = Stepper(plant, POSE + rng.uniform(-0.05, 0.5, (3, 1)) * [[1], [-1], [1]], rng.normal(0, 2, (3, 1)), 5e-4)
         energy = [rig.energy()[0]]
         for _ in range(3000):
             rig.step(zeros(plant), zeros(plant))
@@ -102,11 +101,10 @@ def test_a_free_rig_with_friction_never_gains_energy(stepper):
 
 
 @pytest.mark.slow
-@STEPPERS
-def test_a_joint_within_its_friction_band_does_not_move_at_all(stepper):
+def test_a_joint_within_its_friction_band_does_not_move_at_all():
     plant = Plant.build(BLEEX, FRICTION)
     gravity = BLEEX.gravity(POSE.T).T
-    rig = stepper(plant, POSE, zeros(plant), 2e-3)
+    rig = Stepper(plant, POSE, zeros(plant), 2e-3)
     inside = gravity + 0.95 * plant.coulomb * np.array([[1.0], [-1.0], [1.0]])
     for k in range(30_000):
         rig.step(inside if k % 2 else gravity, zeros(plant))
@@ -116,15 +114,14 @@ def test_a_joint_within_its_friction_band_does_not_move_at_all(stepper):
     assert rig.v[2, 0] > 0.0
 
 
-@STEPPERS
-def test_static_friction_breaks_away_later_and_slips_with_the_kinetic_one(stepper):
+def test_static_friction_breaks_away_later_and_slips_with_the_kinetic_one():
     """One joint: breakaway where the torque exceeds cs; then it accelerates with τ − c0."""
     leg = exoid.Leg.from_description(BLEEX.description, ("left_ankle",))
     for static in (0.5, 0.8):
         plant = Plant.build(leg, {"c0_ankle": 0.5, "cs_ankle": static})
         dt, pose = 1e-3, np.zeros((1, 1))
         gravity = leg.gravity(pose)[0, 0]
-        rig = stepper(plant, pose, pose, dt)
+        rig = Stepper(plant, pose, pose, dt)
         for k in range(1000):
             drive = 1e-3 * (k + 0.5)
             rig.step(np.full((1, 1), gravity + drive), pose)
@@ -135,10 +132,9 @@ def test_static_friction_breaks_away_later_and_slips_with_the_kinetic_one(steppe
         assert rig.v[0, 0] == pytest.approx(dt * (drive - 0.5) / inertia, rel=1e-6, abs=1e-12)
 
 
-@STEPPERS
-def test_end_stops_hold_and_do_not_bounce(stepper):
+def test_end_stops_hold_and_do_not_bounce():
     plant = Plant.build(BLEEX, {"c0_hip": 0.5})
-    rig = stepper(plant, POSE, zeros(plant), 5e-4)
+    rig = Stepper(plant, POSE, zeros(plant), 5e-4)
     hit = False
     for k in range(4000):
         before = rig.v
@@ -181,7 +177,7 @@ def mujoco_angles(plant: Plant, dt: float, duration: float, solref: float) -> np
 
 
 def our_angles(plant: Plant, dt: float, duration: float) -> np.ndarray:
-    rig, every, path = PinocchioStepper(plant, POSE, zeros(plant), dt), round(1e-3 / dt), []
+    rig, every, path = Stepper(plant, POSE, zeros(plant), dt), round(1e-3 / dt), []
     for k in range(round(duration / dt)):
         if k % every == 0:
             drive = torque(k * dt)
@@ -223,7 +219,7 @@ def test_mujocos_friction_creeps_where_ours_holds():
     data = mujoco.MjData(model)
     data.qpos[dofs] = POSE[:, 0]
     inside = BLEEX.gravity(POSE.T).T + 0.6 * plant.coulomb
-    rig = PinocchioStepper(plant, POSE, zeros(plant), 1e-3)
+    rig = Stepper(plant, POSE, zeros(plant), 1e-3)
     for _ in range(2000):
         data.qfrc_applied[dofs] = inside[:, 0]
         mujoco.mj_step(model, data)

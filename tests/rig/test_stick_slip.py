@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from exoid.rig.pinocchio_stepper import solve_scalar
 from exoid.rig.stick_slip import Friction, descend, solve_stick_slip
 
 B = 2000
@@ -106,17 +105,6 @@ def test_patterns_and_coordinate_descent_agree(n, stops):
     M = M + 0.5 * np.eye(n)[..., None]  # descent is slow where M is nearly singular
     slip, b = without_turning(M, impulse, friction, last)
     np.testing.assert_allclose(slip.v, descend(M, b, friction), rtol=0, atol=1e-8 * np.abs(slip.v).max())
-
-
-@SIZES
-@pytest.mark.parametrize("static", [False, True], ids=["", "static"])
-def test_the_solver_in_plain_floats_agrees_with_the_batched_one(n, static):
-    M, impulse, friction, last = problems(n, seed=40 + n, static=static, stops=True)
-    slip, b = without_turning(M, impulse, friction, last)
-    still = [0.0] * n
-    for k in range(0, B, 10):
-        one = solve_scalar(M[..., k].tolist(), b[:, k].tolist(), *(x[:, k].tolist() for x in friction[:3]), still)
-        np.testing.assert_allclose(one, slip.v[:, k], rtol=0, atol=1e-9 * (1 + np.abs(one).max()))
 
 
 def test_a_joint_that_reverses_has_friction_in_both_directions():

@@ -18,14 +18,13 @@ from exoid.leg.description import describe
 from exoid.rig import (
     HydraulicServo,
     IdealTorque,
-    PinocchioStepper,
-    PlanarStepper,
     Plant,
     Proportional,
     ProportionalDerivative,
     Rates,
     Sensors,
     SmoothStepper,
+    Stepper,
     Target,
     Wearer,
     limb_of,
@@ -40,7 +39,6 @@ STICKING = Plant.build(CUHK, {"c0_hip": 1.4, "c0_knee": 0.6, "cs_knee": 0.9, "d_
 GAIT = healthy_gait(1.0, 1.2)
 PD = ProportionalDerivative((200.0, 80.0), (20.0, 8.0))
 FINE = Rates(500.0, 100.0, 2.5e-4)
-STEPPERS = pytest.mark.parametrize("stepper", [PlanarStepper, PinocchioStepper])
 
 
 class OpenLoop:
@@ -111,14 +109,13 @@ WEARERS = {
 
 
 @pytest.mark.nightly
-@STEPPERS
 @pytest.mark.parametrize("kind", WEARERS)
-def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
+def test_leg_and_limb_move_as_pinocchio_says(kind):
     """Another integrator, other dynamics code, leg and limb as two trees: 1e-5 rad, and the torque between them."""
     wearer = WEARERS[kind]
     tilted = Plant.build(CUHK, {"d_hip": 0.3, "d_knee": 0.2, "b1_knee": 2.0, "Ia_hip": 0.4}, pitch=0.2, end_stops=False)
     plant = FREE if wearer.intention is not None else tilted
-    run = worn(plant, wearer, stepper=stepper)
+    run = worn(plant, wearer)
     truth = coupled_by_pinocchio(plant, wearer, GAIT.at(0.0), run.time)
     np.testing.assert_allclose(run.q[..., 0], truth[:, :2], atol=1e-5)
     np.testing.assert_allclose(run.limb_q[..., 0], truth[:, 2:4], atol=1e-5)
@@ -129,11 +126,10 @@ def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
 
 
 @pytest.mark.nightly
-@STEPPERS
-def test_half_the_step_quarters_the_error(stepper):
+def test_half_the_step_quarters_the_error():
     wearer, errors = WEARERS["active"], []
     for step in (1e-3, 5e-4, 2.5e-4):
-        run = worn(wearer=wearer, stepper=stepper, rates=Rates(100.0, 100.0, step))
+        run = worn(wearer=wearer, rates=Rates(100.0, 100.0, step))
         truth = coupled_by_pinocchio(FREE, wearer, GAIT.at(0.0), run.time)
         errors.append(np.abs(np.concatenate([run.q, run.limb_q], axis=1)[..., 0] - truth[:, :4]).max())
     for coarse, fine in pairwise(errors):
@@ -144,8 +140,8 @@ def test_a_planar_chain_of_any_form_may_be_worn():
     leg = random_chain(np.random.default_rng(3), 4).leg()
     wearer = Wearer(leg.with_parameters(0.4 * leg.parameters), cuff_stiffness=500.0, cuff_damping=10.0)
     plant, start = Plant.build(leg, end_stops=False), Hold(np.full((4, 1), 0.3))
-    runs = [worn(plant, wearer, 0.5, reference=start, stepper=one) for one in (PlanarStepper, PinocchioStepper)]
-    np.testing.assert_allclose(runs[0].interaction, runs[1].interaction, atol=1e-7)
+    runs = [worn(plant.repeat(count), wearer, 0.5, reference=start) for count in (1, 2)]
+    np.testing.assert_allclose(runs[1].interaction, np.tile(runs[0].interaction, 2), atol=1e-7)
     truth = coupled_by_pinocchio(plant, wearer, start.at(0.0), runs[0].time)
     np.testing.assert_allclose(runs[0].q[..., 0], truth[:, :4], atol=2e-4)
 
@@ -158,7 +154,7 @@ def test_a_spatial_leg_may_be_worn():
     assert leg.chain is None
     plant, start = Plant.build(leg, end_stops=False), Hold(np.full((2, 1), 0.3))
     wearer = Wearer(leg.with_parameters(0.5 * leg.parameters), 500.0, 10.0, intention=start)
-    run = worn(plant, wearer, 0.5, reference=start, stepper=PinocchioStepper)
+    run = worn(plant, wearer, 0.5, reference=start)
     truth = coupled_by_pinocchio(plant, wearer, start.at(0.0), run.time)
     np.testing.assert_allclose(run.q[..., 0], truth[:, :2], atol=1e-4)
 
@@ -236,10 +232,9 @@ def test_the_muscles_work_is_part_of_the_balance():
 
 
 @pytest.mark.slow
-@STEPPERS
-def test_a_free_machine_never_gains_energy(stepper):
+def test_a_free_machine_never_gains_energy():
     rig = WornStepper(
-        stepper(STICKING, np.array([[0.9], [1.2]]), np.array([[2.0], [-3.0]]), 5e-4), WEARERS["soft"], 4000
+        Stepper(STICKING, np.array([[0.9], [1.2]]), np.array([[2.0], [-3.0]]), 5e-4), WEARERS["soft"], 4000
     )
     before = rig.energy()
     for _ in range(4000):
@@ -249,13 +244,12 @@ def test_a_free_machine_never_gains_energy(stepper):
         before = after
 
 
-@STEPPERS
-def test_what_the_leg_gets_the_limb_loses(stepper):
+def test_what_the_leg_gets_the_limb_loses():
     """One joint without weight: the angular momentum of leg and limb together does not change."""
     leg = random_chain(np.random.default_rng(1), 1).leg()
     leg, limb = (leg.with_parameters([0.0, 0.0, inertia]) for inertia in (0.8, 0.3))
     plant = Plant.build(leg, end_stops=False)
-    rig = WornStepper(stepper(plant, np.array([[0.2]]), np.array([[3.0]]), 5e-4), Wearer(limb, 400.0, 4.0), 2000)
+    rig = WornStepper(Stepper(plant, np.array([[0.2]]), np.array([[3.0]]), 5e-4), Wearer(limb, 400.0, 4.0), 2000)
     rig.limb.move(np.array([[-1.0]]))
     momentum = 0.8 * rig.v + 0.3 * rig.limb.v
     for _ in range(2000):
@@ -275,26 +269,25 @@ def test_rigs_of_a_batch_are_worn_as_each_alone():
     runs = worn(Plant.concatenate(plants), Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs), controller=PD)
     for k, plant in enumerate(plants):
         wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs[:, k])
-        for stepper in (PlanarStepper, PinocchioStepper):
-            alone = worn(plant, wearer, controller=PD, stepper=stepper)
-            np.testing.assert_allclose(runs.interaction[..., k], alone.interaction[..., 0], atol=1e-7)
-            np.testing.assert_allclose(runs.energy.work[k], alone.energy.work[0], rtol=1e-9)
+        alone = worn(plant, wearer, controller=PD)
+        np.testing.assert_allclose(runs.interaction[..., k], alone.interaction[..., 0], atol=1e-7)
+        np.testing.assert_allclose(runs.energy.work[k], alone.energy.work[0], rtol=1e-9)
 
 
 @pytest.mark.slow
 def test_joints_stick_stop_and_reverse_under_a_wearer():
-    """Both steppers agree where the leg sticks and meets its end stops."""
+    """One rig and two agree where the leg sticks and meets its end stops."""
     plant = Plant.build(BLEEX, EVERYTHING)
     wearer, push = Wearer.build(BLEEX), np.array([[40.0], [20.0], [3.0]])
     rigs = [
-        WornStepper(one(plant, POSE, np.zeros((3, 1)), 5e-4), wearer, 3000) for one in (PlanarStepper, PinocchioStepper)
+        WornStepper(Stepper(plant.repeat(b), np.tile(POSE, b), np.zeros((3, b)), 5e-4), wearer, 3000) for b in (1, 2)
     ]
     rested = stopped = 0
     for k in range(3000):
         for rig in rigs:
-            rig.step(push * np.sin(5e-3 * k), np.full((3, 1), 0.05))
-        np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(rigs[0].limb.q, rigs[1].limb.q, rtol=0, atol=1e-9)
+            rig.step(push * np.sin(5e-3 * k), np.full(rig.q.shape, 0.05))
+        np.testing.assert_allclose(rigs[1].q, np.tile(rigs[0].q, 2), rtol=0, atol=1e-9)
+        np.testing.assert_allclose(rigs[1].limb.q, np.tile(rigs[0].limb.q, 2), rtol=0, atol=1e-9)
         rested += (rigs[0].v == 0.0).sum()
         stopped += (rigs[0].q >= plant.upper).sum() + (rigs[0].q <= plant.lower).sum()
     assert rested > 20
@@ -304,7 +297,7 @@ def test_joints_stick_stop_and_reverse_under_a_wearer():
 @pytest.mark.slow
 def test_smooth_friction_may_be_worn():
     """As stick-slip, but for joints that creep."""
-    smooth, sticking = (worn(STICKING, stepper=one, controller=PD) for one in (SmoothStepper, PlanarStepper))
+    smooth, sticking = (worn(STICKING, stepper=one, controller=PD) for one in (SmoothStepper, Stepper))
     difference = np.sqrt(np.mean((smooth.interaction - sticking.interaction) ** 2))
     assert 0.0 < difference < 0.05 * np.sqrt(np.mean(sticking.interaction**2))
 

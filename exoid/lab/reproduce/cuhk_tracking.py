@@ -23,7 +23,6 @@ from exoid.leg.published import cuhk_parameters, cuhk_resistances
 from exoid.rig import (
     IdealTorque,
     Payload,
-    PinocchioStepper,
     Plant,
     ProportionalDerivative,
     plant_with_payloads,
@@ -134,7 +133,6 @@ def identify_for_tracking(plant: Plant, seed: int, progress: Callable[[float], N
         sensors=SENSORS,
         rates=RATES,
         seed=rng,
-        stepper=PinocchioStepper,
         progress=progress,
     )
     return identify(plant.leg, run.recording().between(SETTLE, DURATION), TERMS, preparation=PREPARATION)

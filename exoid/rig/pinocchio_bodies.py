@@ -1,0 +1,44 @@
+"""Rigid-body dynamics of a single rig of any leg by Pinocchio's algorithms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError
+from exoid.leg.model import configuration
+
+from .plant import Plant
+
+
+class PinocchioBodies:
+    """Rigid bodies of one rig, its parameters and the tilt of its torso."""
+
+    def __init__(self, plant: Plant) -> None:
+        if plant.count != 1:
+            raise BadArgumentError(
+                f"only planar legs are simulated in a batch, not {plant.count} rigs of this one",
+                where=plant.leg.description.name,
+                remedy="simulate one rig at a time: plant.take([k])",
+            )
+        leg = plant.leg.with_parameters(plant.parameters[:, 0])
+        self.model = pin.Model(leg.model)
+        self.model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
+        self.model.armature[:] = 0.0  # rotors are the stepper's
+        self.data = self.model.createData()
+        self._below = np.tri(plant.n, k=-1, dtype=np.bool_)
+
+    def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mass matrix, (n, n, 1), and bias torque, (n, 1)."""
+        at = configuration(self.model, q.T)[0]
+        upper = pin.crba(self.model, self.data, at)
+        M = np.where(self._below, upper.T, upper)  # some versions of Pinocchio compute the upper triangle alone
+        bias = pin.nonLinearEffects(self.model, self.data, at, v[:, 0])
+        return M[..., None], np.array(bias)[:, None]
+
+    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Kinetic and potential energy, (1,)."""
+        at = configuration(self.model, q.T)[0]
+        moving = pin.computeKineticEnergy(self.model, self.data, at, v[:, 0])
+        return np.array([moving + pin.computePotentialEnergy(self.model, self.data, at)])
