@@ -1,7 +1,6 @@
 """Settings that every test shares."""
 
 import functools
-import math
 import os
 import sys
 from typing import NamedTuple
@@ -16,11 +15,9 @@ from browser import chromium
 from hypothesis import settings
 
 import exoid
-from exoid.cli import main, progress
+from exoid.cli import main
 from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.torques.catalog import TERMS
-
-progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero
 
 settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
 settings.load_profile("exoid")

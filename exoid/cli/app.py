@@ -16,7 +16,7 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.tools.tables import NARROWEST, WIDTH, line_width
 
-from .messages import Amount, amount
+from .messages import quiet
 from .verbs import LazyVerbs, add_verbs
 
 BAD_INPUT = 2
@@ -28,8 +28,8 @@ PROGRAM_ERROR = 1
 TRACEBACK = "--traceback"
 """Option by which an error is not turned into one line."""
 
-AMOUNTS = {"--quiet": Amount.QUIET, "--verbose": Amount.VERBOSE}
-"""Options that say how much is written to standard error."""
+QUIET = "--quiet"
+"""Option by which nothing but errors is written to standard error."""
 
 app = typer.Typer(
     name="exoid",
@@ -57,11 +57,8 @@ def _options(
     traceback: Annotated[
         bool, typer.Option(TRACEBACK, help="Show where in the program an error was raised; also after the verb.")
     ] = False,
-    quiet: Annotated[
-        bool, typer.Option("--quiet", help="Write only errors to standard error; also after the verb.")
-    ] = False,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", help="Also write what is read and how long it takes; also after the verb.")
+    silent: Annotated[
+        bool, typer.Option(QUIET, help="Write only errors to standard error; also after the verb.")
     ] = False,
 ) -> None:
     """Options before the verb."""
@@ -75,9 +72,8 @@ def main() -> None:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
     os.environ["MPLBACKEND"] = "agg"  # figures are files: another backend may be unknown, or open windows
-    words = [word for word in sys.argv[1:] if word not in (TRACEBACK, *AMOUNTS)]
-    for word in sys.argv[1:]:
-        amount.set(AMOUNTS.get(word, amount.get()))
+    words = [word for word in sys.argv[1:] if word not in (TRACEBACK, QUIET)]
+    quiet.set(QUIET in sys.argv[1:])
     if "COLUMNS" in os.environ or (sys.stdout is not None and sys.stdout.isatty()):
         line_width.set(min(WIDTH, max(NARROWEST, shutil.get_terminal_size().columns)))
     for stream in (sys.stdout, sys.stderr):

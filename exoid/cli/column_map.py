@@ -36,7 +36,6 @@ KEYS = (
     "topic",
     "received",
     "mask",
-    "names",
     "passive",
     "unmeasured",
     "base_position",

@@ -44,8 +44,6 @@ class FitOptions(NamedTuple):
     terms: TermNames = None
     estimator: Annotated[str, Option(help="wls, huber, ml or ols.")] = "wls"
     cutoff: Cutoff = None
-    preparation: Annotated[Text, Option(help="finite-difference, moving-average or smoothed.")] = None
-    noise: Annotated[str, Option("--colour", help="Noise: correlated, or white (no autocorrelation).")] = "correlated"
     known: Known = None
     prior: Annotated[Texts, Option(metavar="NAME=VALUE:STD", help="Prior knowledge. Repeatable.")] = None
     nonnegative: Annotated[bool, Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")] = False

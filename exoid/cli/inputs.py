@@ -12,7 +12,6 @@ import exoid
 from exoid.errors import BadArgumentError, ExoidError, in_file, nearest
 
 from .legs import DATASETS, dataset
-from .messages import Amount, note
 from .numbers import parse_numbers, split_names, values_by_name
 from .options import LogOptions, given
 from .refusals import is_readable, refuse, refuse_form
@@ -24,18 +23,14 @@ if TYPE_CHECKING:
     from exoid.signals import Recording, WrenchFrame
     from exoid.torques import Term
 
-OF_FILES = ("--names", "--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
+OF_FILES = ("--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
 """Options that have no effect on datasets."""
 
 
 def read_logs(names: Sequence[str], options: LogOptions, *, beside: Sequence[str] = ()) -> list[Recording]:
     """Read logs, or the parts of a built-in dataset; payloads may also name those ``beside``."""
     refuse_other_payloads(options, [*names, *beside])
-    recordings = []
-    for name in names:
-        recordings.append(read_log(name, options))
-        note(f"read {recordings[-1]}", Amount.VERBOSE)
-    return recordings
+    return [read_log(name, options) for name in names]
 
 
 def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None) -> Recording:
@@ -100,7 +95,6 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
         stamps="received" if options.received else "header",
         mask=options.mask,
         gaps=options.gaps,
-        names=split_names(options.names),
         passive=split_names(options.passive) or (),
         unmeasured=split_names(options.unmeasured) or (),
         payloads=_payloads_of(options.payload, name),

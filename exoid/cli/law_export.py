@@ -79,9 +79,7 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         remedy = f"{nearest(name, all_of_them)}use one of {', '.join(all_of_them)}"
         raise BadArgumentError(f"--law {name}: no such controller", remedy=remedy)
     reference, period, _ = (
-        gait(model.leg, options.period, None, None, options.role)
-        if name == "lqr"
-        else gait_or_rest(model.leg, options.role)
+        gait(model.leg, options.period, None, options.role) if name == "lqr" else gait_or_rest(model.leg, options.role)
     )
     usual = control.default_gains(model, control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(options.kp, options.kd, labels, usual)

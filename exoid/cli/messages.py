@@ -1,30 +1,16 @@
-"""What a verb says on standard error beside its result: notes, and with ``--verbose`` what it reads."""
+"""What a verb says on standard error beside its result: notes, unless the command is to be quiet."""
 
 from __future__ import annotations
 
 from contextvars import ContextVar
-from enum import IntEnum
 
 import typer
 
-
-class Amount(IntEnum):
-    """How much is said on standard error; errors always are."""
-
-    # QUIET: Nothing.
-    # USUAL: Files that were written, notes, and progress.
-    # VERBOSE: Also what was read, and the seconds of each step.
-
-    QUIET = 0
-    USUAL = 1
-    VERBOSE = 2
+quiet: ContextVar[bool] = ContextVar("quiet", default=False)
+"""Whether only errors are said."""
 
 
-amount: ContextVar[Amount] = ContextVar("amount", default=Amount.USUAL)
-"""How much this command says."""
-
-
-def note(text: str, least: Amount = Amount.USUAL) -> None:
+def note(text: str) -> None:
     """Write a line to standard error."""
-    if amount.get() >= least:
+    if not quiet.get():
         typer.echo(text, err=True)

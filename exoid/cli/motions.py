@@ -32,14 +32,13 @@ class Motion(NamedTuple):
     settle: float | None = None
 
 
-def gait(leg: Leg, period: float | None, scale: float | None, speed: str | None, roles: Sequence[str] | None) -> Motion:
-    """Make a gait for a leg, of a healthy person or of the norm of a speed."""
+def gait(leg: Leg, period: float | None, scale: float | None, roles: Sequence[str] | None) -> Motion:
+    """Make the gait of a healthy person for a leg."""
     period = 10.0 if period is None else period
     if not 0.0 < period < np.inf:
         raise BadArgumentError(f"--period {period:g}", remedy="give seconds")
-    size, experiments = SCALE if scale is None else scale, exoid.experiments
-    norm = experiments.healthy_gait(size, period) if speed is None else experiments.norm_gait(speed, size, period)
-    motion = experiments.gait_for_leg(leg, norm, parse_roles(roles))
+    healthy = exoid.experiments.healthy_gait(SCALE if scale is None else scale, period)
+    motion = exoid.experiments.gait_for_leg(leg, healthy, parse_roles(roles))
     if scale is not None:  # what was asked for is refused where it does not fit
         return Motion(motion, period)
     fitted = fit_to_limits(leg, motion)
@@ -52,7 +51,7 @@ def gait(leg: Leg, period: float | None, scale: float | None, speed: str | None,
 def gait_or_rest(leg: Leg, roles: Sequence[str] | None) -> Motion:
     """Make the usual gait, or rest at the zero pose for a leg without a gait: default gains need a pose only."""
     try:
-        return gait(leg, None, None, None, roles)
+        return gait(leg, None, None, roles)
     except NotSupportedError:
         if roles:
             raise

@@ -57,7 +57,6 @@ class LogOptions(NamedTuple):
     topic: Annotated[Text, Option(metavar="NAME", help="Topic of joint states in a ROS bag.")] = None
     received: Annotated[bool, Option("--received", help="Times of arrival in a bag, not of the headers.")] = False
     mask: Annotated[Text, Option(metavar="HEADER", help="Use only samples with 1 in this column of 0 and 1.")] = None
-    names: Annotated[Text, Option(metavar="A,B", help="Columns, if there is no header; empty: not read.")] = None
     passive: Annotated[Text, Option(metavar="A,B", help="Joints without an actuator: their torque is zero.")] = None
     unmeasured: Annotated[Text, Option(metavar="A,B", help="Joints whose torque column is not read.")] = None
     payload: Annotated[

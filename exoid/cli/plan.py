@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 from typer import Option
 
 import exoid
-from exoid.errors import BadArgumentError
 
 from .inputs import given_terms, read_logs
 from .legs import find_leg, refuse_unknown_leg
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from exoid.experiments.excitation import Assessment, MotionLimits, Plan, StancePlan
-    from exoid.experiments.excitation.limits import Clearance
     from exoid.leg.leg import Leg
     from exoid.rig.ground import Sole
 
@@ -72,9 +70,6 @@ class LimitOptions(NamedTuple):
     velocity: Annotated[Text, Option(metavar="RAD/S", help="Velocity limits below the URDF's.")] = None
     acceleration: Annotated[Text, Option(metavar="RAD/S²", help="Acceleration limits.")] = None
     torque: Annotated[Text, Option(metavar="N·M", help="Torque limits below the URDF's.")] = None
-    ground: Annotated[Number, Option(metavar="M", help="Ground below the first joint [m]; needs --foot.")] = None
-    foot: Annotated[Texts, Option(metavar="X,Z", help="Point of the foot from the last joint [m]. Repeatable.")] = None
-    clearance: Annotated[float, Option(metavar="M", help="Least distance of --foot from the ground.")] = 0.05
 
     def of(self, leg: Leg) -> MotionLimits:
         """Parse the limits."""
@@ -86,26 +81,7 @@ class LimitOptions(NamedTuple):
             velocity=parse_numbers(self.velocity, "--velocity"),
             acceleration=parse_numbers(self.acceleration, "--acceleration"),
             torque=parse_numbers(self.torque, "--torque"),
-            clearance=self._clearance(),
         )
-
-    def _clearance(self) -> Clearance | None:
-        """Points of the foot, and the ground below them."""
-        import numpy as np  # noqa: PLC0415 - help needs no arrays
-
-        from exoid.experiments.excitation.limits import Clearance  # noqa: PLC0415
-
-        if not self.foot:
-            if self.ground is not None:
-                remedy = "name points, e.g. --foot 0.18,-0.09"
-                raise BadArgumentError("--ground has no effect without --foot", remedy=remedy)
-            return None
-        points = [parse_numbers(point, "--foot") or () for point in self.foot]
-        if any(len(point) != 2 for point in points):
-            remedy = "write X,Z in metres, e.g. --foot 0.18,-0.09"
-            raise BadArgumentError(f"--foot {', '.join(self.foot)}", remedy=remedy)
-        depth = -math.inf if self.ground is None else -abs(self.ground)
-        return Clearance(np.array(points), depth, self.clearance)
 
 
 class TorsoOptions(NamedTuple):
@@ -150,7 +126,7 @@ def plan(
         refuse({"--floating-base": floats}, "motions on the ground are planned with --stance")
     else:
         choice = choice._replace(floating_base=True)
-        swinging = {"--assess": assess, "--foot": limits.foot, "--ground": limits.ground, **given(torso)}
+        swinging = {"--assess": assess, **given(torso)}
         refuse(swinging, "--stance plans motions on the ground")
     if assess:
         refuse({"-o": output}, "--assess plans nothing")

@@ -51,7 +51,6 @@ class MotionOptions(NamedTuple):
         Number, Option(metavar="S", help="Period of the gait; default 10. With --reference: that of a periodic log.")
     ] = None
     scale: Annotated[Number, Option(help="Factor of the gait's amplitudes; default 0.8.")] = None
-    speed: Annotated[Text, Option(help="Norm of VerySlow, Slow, Free or Fast gait.")] = None
     reference: Annotated[
         Text, Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
     ] = None
@@ -157,9 +156,9 @@ def _of_leg(
     model = exoid.control.ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     if motion.reference is None:
-        reference, period, settle = gait(leg, motion.period, motion.scale, motion.speed, motion.role)
+        reference, period, settle = gait(leg, motion.period, motion.scale, motion.role)
     else:
-        refuse({"--scale": motion.scale, "--speed": motion.speed}, "the reference is that of a log")
+        refuse({"--scale": motion.scale}, "the reference is that of a log")
         reference, period, settle = logged(leg, motion.reference, motion.period, reading)
     rate = 100.0 if gains.rate is None else gains.rate
     usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period), rate)

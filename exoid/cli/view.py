@@ -36,9 +36,6 @@ def view(
     leg: Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, or EST.JSON.")],
     log: Annotated[Text, Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
     reference: Annotated[Text, Option(metavar="LOG", help="Log of a second, translucent leg.")] = None,
-    horizon: Annotated[
-        float, Option(metavar="S", help="Horizon over which EST.JSON predicts the motion of LOG, repeatedly.")
-    ] = 0.5,
     html: Annotated[Text, Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
     choice: LegOptions = ANY_LEG,
     pose_deg: Annotated[Texts, Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")] = None,
@@ -71,7 +68,7 @@ def view(
         if ghost is None and recording is not None and isinstance(shown[0], exoid.Estimate):
             label = "predicted"
             if recording.measured.all() and not recording.loaded_links:  # no other forces act
-                ghost = exoid.estimate.predict_motion(shown[0], recording, horizon)
+                ghost = exoid.estimate.predict_motion(shown[0], recording)
         drawn = exoid.view.scene(
             *shown,
             pose=values_by_name(

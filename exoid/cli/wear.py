@@ -17,11 +17,8 @@ from .progress import progress_bar
 def wear(
     what: Annotated[str, Argument(metavar="bleex|cuhk|EST.JSON", help="A document's leg, or an estimate.")],
     period: Annotated[float, Option(metavar="S", help="Period of the stride.")] = 4.0,
-    most: Annotated[float, Option(metavar="X", help="Largest amplification.")] = 10.0,
     bandwidth: Annotated[float, Option(metavar="HZ", help="Bandwidth of the controller's motion filter.")] = 50.0,
     rate: Annotated[float, Option(metavar="HZ", help="Rate of the controller.")] = 1000.0,
-    height: Annotated[float, Option(metavar="M", help="Height of the wearer.")] = 1.75,
-    mass: Annotated[float, Option(metavar="KG", help="Mass of the wearer.")] = 70.0,
     role: Roles = None,
     seed: Annotated[int, Option(min=0, metavar="N", help="Seed of noise and draws.")] = 0,
     figures: Figures = None,
@@ -43,11 +40,8 @@ def wear(
         study = reproduce.wear(
             source,
             period=period,
-            most=most,
             bandwidth=bandwidth,
             rate=rate,
-            height=height,
-            mass=mass,
             roles=parse_roles(role),
             seed=seed,
             progress=progress,

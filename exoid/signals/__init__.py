@@ -4,7 +4,7 @@ from . import datasets
 from .base_motion import BaseMotion
 from .base_pose import BasePose, turn_upright
 from .column import Column
-from .contacts import contacts_from_switch, contacts_from_wrench, settled
+from .contacts import contacts_from_wrench, settled
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, motion_edge
 from .filters.low_pass import zero_phase
@@ -42,7 +42,6 @@ __all__ = [
     "WrenchFrame",
     "ZeroPhase",
     "choose_cutoff",
-    "contacts_from_switch",
     "contacts_from_wrench",
     "datasets",
     "link_placement",

@@ -44,7 +44,7 @@ def as_mask(values: ArrayLike, what: str = "mask") -> BoolArray:
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
         raise BadArgumentError(
             f"{what} has values other than 0 and 1",
-            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
+            remedy="pass a bool for each sample",
             command="map a column of 0 and 1, or scale it: NAME=HEADER:SCALE (--column)",
         )
     mask = np.array(raw, dtype=np.bool_)

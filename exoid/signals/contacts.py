@@ -1,4 +1,4 @@
-"""Contacts found from a measured wrench or from a foot switch, with hysteresis."""
+"""Contacts found from a measured wrench, with hysteresis."""
 
 from __future__ import annotations
 
@@ -64,53 +64,16 @@ def contacts_from_wrench(
             if downwards
             else "check the unit (N) and the direction up=, or leave the contact out",
         )
-    return _hysteresis(
-        normal,
-        touch * largest,
-        lift * largest,
-        f"the normal force stays above {lift * largest:.4g} N ({lift:g} of its largest)",
-    )
-
-
-def contacts_from_switch(values: ArrayLike, on: float, off: float) -> BoolArray:
-    """Find when a foot switch or a pressure sensor is pressed.
-
-    Args:
-        values: Readings in any unit, (N,).
-        on: Reading beyond which the foot is on the ground.
-        off: Reading beyond which, in the other direction, it has left the ground; larger than ``on`` for a sensor whose
-            reading falls under load.
-
-    Returns:
-        Samples in contact, (N,).
-
-    Raises:
-        ExoidError: A reading is missing, both thresholds are equal, or the readings cross only one of them.
-
-    Example:
-        >>> contacts_from_switch([0.1, 2.0, 4.5, 3.0, 4.0, 2.0, 0.2], on=4.0, off=1.0).astype(int)
-        array([0, 0, 1, 1, 1, 1, 0])
-    """
-    readings = checks.as_numbers(values, "readings of a foot switch")
-    checks.refuse_shape(readings, (readings.size,), "readings of a foot switch")
-    if not np.isfinite(readings).all():
-        row = int(np.argmin(np.isfinite(readings)))
-        raise BadArgumentError(f"reading {row} of a foot switch is {readings[row]}", remedy="leave those samples out")
-    if not (np.isfinite(on) and np.isfinite(off)) or on == off:
+    above, below = normal > touch * largest, normal < lift * largest
+    if not below.any():
         raise BadArgumentError(
-            f"thresholds on={on} and off={off} of a foot switch",
-            remedy="give two readings, so that noise at one of them does not switch the contact",
+            f"the normal force stays above {lift * largest:.4g} N ({lift:g} of its largest)",
+            remedy="if the foot stands throughout, give the contact as np.ones(N, dtype=bool); otherwise raise lift, "
+            "or take out the sensor's offset",
         )
-    sign = 1.0 if on > off else -1.0
-    if not readings.size or not (sign * readings > sign * on).any():
-        ends = f"{readings.min():.4g} to {readings.max():.4g}" if readings.size else "no reading"
-        raise BadArgumentError(
-            f"the foot switch is never pressed: readings of {ends}, and on={on:g}",
-            remedy="give thresholds in the unit of the readings",
-        )
-    return _hysteresis(
-        sign * readings, sign * on, sign * off, f"the foot switch is never released (readings never beyond off={off:g})"
-    )
+    last = np.maximum.accumulate(np.where(above | below, np.arange(len(normal)), -1))
+    before = not above[int(np.argmax(above | below))]
+    return np.where(last >= 0, above[np.maximum(last, 0)], before)
 
 
 def settled(contact: ArrayLike, time: FloatArray, margin: float) -> BoolArray:
@@ -150,18 +113,3 @@ def settled(contact: ArrayLike, time: FloatArray, margin: float) -> BoolArray:
 def depends_on_contacts(recording: Recording) -> bool:
     """Tell whether rows depend on contacts: by forces that were not measured, or by jolts under passive joints."""
     return bool({*recording.contacts} - {*recording.wrenches} or (recording.contacts and recording.passive))
-
-
-def _hysteresis(values: FloatArray, on: float, off: float, never: str) -> BoolArray:
-    """Follow values that switch on above one threshold, and off below another."""
-    above, below = values > on, values < off
-    if not below.any():
-        raise BadArgumentError(
-            never,
-            remedy="if the foot stands throughout, give the contact as np.ones(N, dtype=bool); otherwise raise the "
-            "threshold of lift-off, or take out the sensor's offset",
-        )
-    decided = above | below
-    last = np.maximum.accumulate(np.where(decided, np.arange(len(values)), -1))
-    before = not above[int(np.argmax(decided))]
-    return np.where(last >= 0, above[np.maximum(last, 0)], before)

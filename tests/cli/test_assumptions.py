@@ -23,7 +23,7 @@ def run(*arguments):
 def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     path = tmp_path / "e.json"
     done = run(
-        "identify", "bleex_swing", LOG, "-o", str(path), "--colour", "white", "--known", "X1=4.1",
+        "identify", "bleex_swing", LOG, "-o", str(path), "--known", "X1=4.1",
         "--prior", "J3=0.05:0.01", "--prior", "Y3=0.1±0.02", "--nonnegative",
     )  # fmt: skip
     assert done.exit_code == 0, done.output
@@ -33,7 +33,7 @@ def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     assert estimate.prior_knowledge.nonnegative
     data = exoid.datasets.bleex_swing()
     same = exoid.identify(
-        data.leg, data.train, noise="white", known={"X1": 4.1}, prior=dict(estimate.prior_knowledge.prior.values),
+        data.leg, data.train, known={"X1": 4.1}, prior=dict(estimate.prior_knowledge.prior.values),
         nonnegative=True,
     )  # fmt: skip
     np.testing.assert_allclose(estimate.covariance, same.covariance, rtol=1e-9)

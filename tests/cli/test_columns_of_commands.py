@@ -21,9 +21,9 @@ def values(exoid_, *arguments):
     return json.loads(out)["values"]
 
 
-def write(path, names, columns, header=True):
+def write(path, names, columns):
     rows = [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
-    path.write_text("\n".join([",".join(names), *rows] if header else rows))
+    path.write_text("\n".join([",".join(names), *rows]))
 
 
 def test_units_scales_and_zeros_give_the_estimate_of_the_same_log_in_si(exoid_, recording, tmp_path):
@@ -36,18 +36,6 @@ def test_units_scales_and_zeros_give_the_estimate_of_the_same_log_in_si(exoid_, 
     write(tmp_path / "raw.csv", names, columns)
     expected, found = values(exoid_, "si.csv"), values(exoid_, "raw.csv", *options)
     np.testing.assert_allclose(list(found.values()), list(expected.values()), rtol=1e-5, atol=1e-6)
-
-
-def test_a_file_without_a_header_line_is_named_on_the_command_line(exoid_, recording, tmp_path):
-    recording.to_csv(tmp_path / "si.csv")
-    joints = recording.joint_names
-    names = ["time", *(f"q_{joint}" for joint in joints), "", *(f"tau_{joint}" for joint in joints)]
-    columns = [recording.time, recording.q, np.zeros(len(recording)), recording.tau]
-    write(tmp_path / "plain.csv", names, columns, header=False)
-    assert values(exoid_, "plain.csv", "--names", ",".join(names)) == pytest.approx(values(exoid_, "si.csv"))
-    code, out, err = exoid_("identify", "bleex", "plain.csv")
-    assert (code, out) == (2, "")
-    assert "--names time,q_<joint>" in err
 
 
 def test_a_joint_without_torque_and_a_dead_channel_give_the_same_estimate(exoid_, recording, tmp_path):

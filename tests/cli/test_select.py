@@ -43,14 +43,3 @@ def test_the_choice_is_identified_written_and_tested(run):
     validation = exoid.validate(estimate, exoid.datasets.bleex_swing().test)
     np.testing.assert_allclose(data["test"]["nrmse"], validation.nrmse, rtol=1e-6)
     assert all(error < 0.2 for error in data["test"]["nrmse"])
-
-
-@pytest.mark.slow
-def test_progress_is_written_where_there_is_no_terminal(monkeypatch):
-    monkeypatch.setattr("exoid.cli.progress.PATIENCE", 0.0)
-    result = CliRunner().invoke(app, ["select", *TRAIN, *FEW, "--json"])
-    assert result.exit_code == 0, result.output
-    lines = [line for line in result.stderr.splitlines() if line.startswith("selecting friction")]
-    assert lines[-1] == "selecting friction: 100 %"
-    assert len(lines) >= 4
-    json.loads(result.stdout)

@@ -51,9 +51,7 @@ def test_both_legs_in_a_pose_with_published_inertias(view):
 
 
 def test_an_estimate_replays_a_log_beside_its_prediction(view):
-    code, _, err = view(
-        "est.json", "--log", "bleex_swing:test", "--stop", "4", "--horizon", "0.25", "--html", "leg.html"
-    )
+    code, _, err = view("est.json", "--log", "bleex_swing:test", "--stop", "4", "--html", "leg.html")
     assert (code, err) == (0, "")
     assert page()["duration"] == pytest.approx(4.0, abs=0.05)
     assert {"predicted", "identified inertia", "measured torque"} <= set(labels())

@@ -1,4 +1,4 @@
-"""Currents and forces of logs; scale, zero and unit of columns; files without a header line; joints without torque."""
+"""Currents and forces of logs; scale, zero and unit of columns; numbers behind a comment; joints without torque."""
 
 from __future__ import annotations
 
@@ -108,20 +108,6 @@ def test_arrays_and_folders_take_columns_with_units(tmp_path):
 
 
 # --- files without a header line -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("delimiter", [",", "\t", " ", "   "])
-def test_names_head_a_file_without_a_header_line(tmp_path, delimiter):
-    rows = np.column_stack([T, Q, np.ones(40)]).tolist()
-    path = tmp_path / "log.txt"
-    path.write_text("\n".join(delimiter.join(map(repr, row)) for row in rows))
-    log = Recording.from_file(path, names=("time", "q_hip", "", "tau_hip"))
-    np.testing.assert_array_equal(log.q, Q[:, :1])
-    assert log.joint_names == ("hip",)
-    with pytest.raises(ExoidError, match="no header line") as caught:
-        Recording.from_file(path)
-    assert "names=" in caught.value.remedy
-    assert "--names" in caught.value.command
 
 
 def test_a_comment_of_numpy_heads_columns_separated_by_spaces(tmp_path):

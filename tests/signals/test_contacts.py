@@ -1,4 +1,4 @@
-"""Contacts from a force or a switch, the margin at touch-down and lift-off, and contacts that contradict a force."""
+"""Contacts from a force, the margin at touch-down and lift-off, and contacts that contradict a force."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid import ExoidError, Recording, Wrench
-from exoid.signals import contacts_from_switch, contacts_from_wrench, settled
+from exoid.signals import contacts_from_wrench, settled
 from exoid.signals.external import refuse_contradictions
 
 TIME = np.arange(14700) / 1000.0
@@ -49,32 +49,6 @@ def test_an_impact_does_not_raise_the_thresholds():
     hit = 800.0 * STEPS
     hit[200:210] = 8000.0
     assert np.array_equal(contacts_from_wrench(foot(hit)), contacts_from_wrench(foot(800.0 * STEPS)))
-
-
-# --- From a switch ----------------------------------------------------------------------------------------------------
-
-
-def test_a_switch_may_close_upwards_or_downwards():
-    volts = 5.0 * STEPS
-    pressed = contacts_from_switch(volts, on=3.0, off=1.0)
-    assert np.array_equal(contacts_from_switch(5.0 - volts, on=2.0, off=4.0), pressed)
-    assert np.array_equal(contacts_from_switch((volts > 2.0).astype(float), on=0.6, off=0.4), volts > 2.0)
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.lists(st.sampled_from([0.0, 1.0, 2.0, 3.0, 4.0]), min_size=1, max_size=40))
-def test_a_contact_lasts_until_the_other_threshold(values):
-    """On beyond `on`, off beyond `off`, and unchanged between."""
-    readings = np.array(values)
-    if not ((readings > 2.5).any() and (readings < 1.5).any()):
-        with pytest.raises(ExoidError, match="never"):
-            contacts_from_switch(readings, on=2.5, off=1.5)
-        return
-    contact = contacts_from_switch(readings, on=2.5, off=1.5)
-    assert contact[readings > 2.5].all()
-    assert not contact[readings < 1.5].any()
-    between = readings[1:] == 2.0
-    assert (contact[1:] == contact[:-1])[between].all()
 
 
 # --- Margins ----------------------------------------------------------------------------------------------------------

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from exoid.errors import UnreadableInputError
 from exoid.signals.quantities import QUANTITIES
-from exoid.signals.source import Source
 from exoid.tools.file_bounds import reading, refuse_expansion
 from exoid.tools.reader_process import read_in_child
 
 from .options import ReadRequest
-from .table import ArrayTable, refuse_columns
+from .table import Table, array_table, refuse_columns
 
 MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.field, quantity.prefix)}
 """Quantity of the columns of a matrix, by its name."""
@@ -28,7 +27,7 @@ MATRICES = {name: quantity for quantity in QUANTITIES for name in (quantity.fiel
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
 
-def read_npz(file: str, request: ReadRequest) -> ArrayTable:
+def read_npz(file: str, request: ReadRequest) -> Table:
     """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file."""
     path = Path(file)
     with reading("a NumPy archive", REMEDY):
@@ -37,18 +36,18 @@ def read_npz(file: str, request: ReadRequest) -> ArrayTable:
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path)
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: np.asarray(data[name]) for name in data.files}
-        return ArrayTable(file, Source.of(path), to_columns(arrays, request))
+        return array_table(file, to_columns(arrays, request))
 
 
 MATLAB_REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
 
-def read_mat(file: str, request: ReadRequest) -> ArrayTable:
+def read_mat(file: str, request: ReadRequest) -> Table:
     """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB."""
     with reading("a MATLAB file", MATLAB_REMEDY):
         columns = to_columns(read_in_child(mat_arrays, file), request)
         rows = len(next(iter(columns.values())))
-        return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
+        return array_table(file, columns, np.arange(1, rows + 1))
 
 
 def mat_arrays(file: str) -> dict[str, NDArray[Any]]:

@@ -60,9 +60,6 @@ def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None,
     if kind not in BAGS and (request.get("topic") is not None or stamps != "header"):
         what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
         raise BadArgumentError(what, remedy="leave them out", command=command)
-    if kind not in TEXT and request.get("names") is not None:
-        what, command = "names are those of a text file without a header line", "leave out --names"
-        raise BadArgumentError(what, remedy="leave them out: this file names its columns", command=command)
     if stamps not in ("header", "received"):
         raise BadArgumentError(f"stamps is {stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:

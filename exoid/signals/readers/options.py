@@ -28,7 +28,6 @@ class ReadOptions(TypedDict, total=False):
         stamps: Time stamps of a bag: "header", when the joints were measured (if left out), or "received", when the
             message was recorded.
         mask: Header of a column of 0 and 1; only samples with 1 count. Bags have no such column.
-        names: Names of the columns of a text file without a header line, "" for one that is not read.
         passive: Joints without an actuator, whose torque is zero.
         unmeasured: Joints whose torque column is not read, such as that of a dead channel.
         payloads: Payloads on the leg; None for those that lines ``# payload: …`` of a text file name.
@@ -47,7 +46,6 @@ class ReadOptions(TypedDict, total=False):
     topic: str | None
     stamps: Literal["header", "received"]
     mask: str | None
-    names: Sequence[str] | None
     passive: Sequence[str]
     unmeasured: Sequence[str]
     payloads: Sequence[Payload] | None

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
-from exoid.signals.source import Source
 from exoid.tools.file_bounds import most_memory, reading, refuse_expansion, size_on_disk
 from exoid.tools.reader_process import read_in_child
 
 from .options import ReadRequest
-from .table import ArrayTable, needs
+from .table import Table, array_table, needs
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -37,7 +36,7 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
+def read_rosbag(file: str, request: ReadRequest) -> Table:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where given, ``v_`` and ``tau_``."""
     # Time starts at the first message. Messages may list their joints in any order. Messages without any
     # requested joint are skipped. A field that is empty or NaN in all messages was not measured. Message
@@ -48,7 +47,7 @@ def read_rosbag(file: str, request: ReadRequest) -> ArrayTable:
         wanted: ReadRequest = {"joint_names": None, "columns": {}, "topic": None, "stamps": "header", **request}
         needed = {key: wanted[key] for key in ("joint_names", "columns", "topic", "stamps")}
         numbers, columns = read_in_child(bag_columns, file, request=needed)
-        return ArrayTable(file, Source.of(Path(file)), columns, numbers, "message")
+        return array_table(file, columns, numbers, "message")
 
 
 def bag_columns(file: str, request: ReadRequest) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]]]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.signals.source import Source
 from exoid.tools.extras import install_extra
@@ -61,44 +61,20 @@ class Table:
         return self.length
 
 
-class ArrayTable(Table):
-    """A table whose columns are in memory; dates become seconds since the first one."""
+def array_table(
+    file: str,
+    columns: Mapping[str, NDArray[Any]],
+    lines: NDArray[np.int64] | None = None,
+    row_name: str = "row",
+) -> Table:
+    """Make a table of columns in memory, all of one length; dates become seconds since the first one."""
+    length = len(next(iter(columns.values()), ()))
 
-    def __init__(
-        self,
-        file: str,
-        source: Source,
-        columns: Mapping[str, ArrayLike],
-        lines: NDArray[np.int64] | None = None,
-        row_name: str = "row",
-    ) -> None:
-        """Make the table.
+    def numbers(names: Sequence[str]) -> FloatArray:
+        refuse_expansion(8 * length * len(names), Path(file))
+        return np.column_stack([as_column(columns[name], name) for name in names])
 
-        Args:
-            file: See :class:`Table`.
-            source: See :class:`Table`.
-            columns: The columns by name, all of one length, (N,).
-            lines: See :class:`Table`.
-            row_name: See :class:`Table`.
-
-        Raises:
-            ExoidError: Columns are not of one length.
-        """
-        arrays = {name: np.asarray(values) for name, values in columns.items()}
-        shapes = {values.shape for values in arrays.values()}
-        if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
-            found = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20])
-            raise UnreadableInputError(
-                f"columns are not of one length: {found}", remedy="give each one number a sample"
-            )
-        length = len(next(iter(arrays.values()), ()))
-
-        def numbers(names: Sequence[str]) -> FloatArray:
-            if Path(file).exists():
-                refuse_expansion(8 * length * len(names), Path(file))
-            return np.column_stack([as_column(arrays[name], name) for name in names])
-
-        super().__init__(file, source, tuple(arrays), numbers, length, lines, row_name)
+    return Table(file, Source.of(Path(file)), tuple(columns), numbers, length, lines, row_name)
 
 
 def as_column(values: NDArray[Any], name: str) -> FloatArray:

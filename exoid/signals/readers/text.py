@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, UnreadableInputError
+from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
 
 from .options import ReadRequest
@@ -108,11 +108,10 @@ class TextCells:
         return filled
 
 
-def read_text_table(file: str, request: ReadRequest) -> Table:
+def read_text_table(file: str, _: ReadRequest) -> Table:
     """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab; numbers alone also by spaces."""
     # Blank lines and lines that start with `#` are skipped. A byte-order mark and any line ending are accepted. If the
     # first line has only numbers, the `#` line before it with the same number of cells is the header.
-    names = request.get("names")
     text, source = read_text(file)
     content, comments = split_lines(text)
     if not content:
@@ -125,18 +124,13 @@ def read_text_table(file: str, request: ReadRequest) -> Table:
         comments = [line if "," in line else _commas(line) for line in comments]
         first, delimiter = content[0][1], ","
     header = _cells(first, delimiter, where)
-    if names is not None:
-        header = _given_names(names, header, where)
-    elif all(map(_is_number, header)):
+    if all(map(_is_number, header)):
         header = _cells(comments[-1].lstrip("# \t"), delimiter, "") if comments else []
         if len(header) != first.count(delimiter) + 1:
             raise UnreadableInputError(
                 "no header line: the first line holds only numbers",
                 where=where,
-                remedy='pass names=("time", "q_<joint>", "tau_<joint>", ...), "" for columns that are not read, or put '
-                "a line of column names first",
-                command="give the names of its columns: --names time,q_<joint>,tau_<joint>, nothing between two commas "
-                "for a column that is not read",
+                remedy="put a line of column names first, such as time,q_<joint>,unread,tau_<joint>",
             )
     else:
         content = content[1:]
@@ -162,27 +156,6 @@ def refuse_repeated(header: Sequence[str]) -> None:
 def _commas(line: str) -> str:
     """Separate cells by commas where they were separated by spaces."""
     return ",".join(line.lstrip("# \t").split())
-
-
-def _given_names(names: Sequence[str], first: Sequence[str], where: str) -> list[str]:
-    """Check names of columns against the first line of a file without a header line."""
-    if isinstance(names, str):
-        raise BadArgumentError(f"names is the string {names!r}", remedy=f"pass names={tuple(names.split(','))!r}")
-    if not all(_is_number(cell) or not cell for cell in first):
-        raise BadArgumentError(
-            f"names are given, but the file has a header line: {', '.join(first[:20])}",
-            where=where,
-            remedy="leave out names, and map its headers by columns",
-            command="leave out --names, and map its headers by --column",
-        )
-    if len(names) != len(first):
-        raise BadArgumentError(
-            f"{len(names)} names for {len(first)} columns",
-            where=where,
-            remedy='name every column, "" where it is not read',
-            command="name every column, with nothing between two commas where it is not read",
-        )
-    return [str(name).strip() for name in names]
 
 
 def read_text(file: str) -> tuple[str, Source]:
