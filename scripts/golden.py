@@ -148,7 +148,7 @@ for words in (
     *("validate right.json right.csv --cutoff 6", "select bleex bleex_swing:train"),
     *("plan cuhk --noise 0.3 --velocity 2 --duration 10 --starts 1 --seed 3 -o plan.csv",),
     *("plan bleex --assess bleex_swing:train --noise 0.5", "track est.json --period 2", "reproduce cuhk"),
-    *("track est.json --dry-run bleex_swing:test", "study cuhk --replicates 3", "wear cuhk --period 2.5"),
+    *("track est.json --dry-run bleex_swing:test", "wear cuhk --period 2.5"),
     "reproduce bleex",
 ):
     JOURNEYS[f"exoid {words}"] = partial(command, *words.split(), "--json")

@@ -24,7 +24,6 @@ VERBS = {
     "reproduce": "Run a document's experiments on virtual rigs, identify, and print every table side by side.",
     "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",
     "stability": "Find how far the gains of PD control with gravity compensation may be raised, by rate and delay.",
-    "study": "Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.",
     "track": "Run controllers on a rig and compare tracking error, torque, energy and chatter.",
     "wear": ("Let a wearer walk in a leg: what is felt with the leg off, and with CAD, identified and true model."),
 }

@@ -5,13 +5,10 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
-import psutil
 import pytest
 
 import exoid
@@ -161,26 +158,3 @@ def test_the_help_of_a_verb_shows_at_most_25_options_and_the_others_on_request(v
     for option in (each.opts[0] for each in known):
         shown = sum(bool(re.search(rf"(^| |,){option}\b(?!-)", text, re.M)) for text in (usual, *groups))
         assert shown >= 1, option
-
-
-@pytest.mark.nightly
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_sigterm_ends_the_workers_of_a_study_too(tmp_path):
-    """Workers that live on keep the pipe open, and work for minutes."""
-    words = ["study", "bleex", "--workers", "2", "--replicates", "4000", "--protocols", "document"]
-    command = [sys.executable, "-c", PROGRAM, *words]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, cwd=tmp_path) as process:
-        study, until = psutil.Process(process.pid), time.monotonic() + 120.0
-        while time.monotonic() < until and len(busy(study)) < 2:
-            time.sleep(0.2)
-        workers = study.children(recursive=True)
-        assert len(workers) >= 2
-        process.send_signal(signal.SIGTERM)
-        _, error = process.communicate(timeout=60.0)
-        assert (process.returncode, b"Traceback" in error) == (128 + signal.SIGTERM, False)
-        assert not psutil.wait_procs(workers, timeout=30.0)[1]
-
-
-def busy(process):
-    """Children that have worked for some seconds."""
-    return [child for child in process.children(recursive=True) if child.cpu_times().user > 2.0]

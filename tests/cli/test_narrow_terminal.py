@@ -20,7 +20,6 @@ COMMANDS = {
     "plan": "plan cuhk -o plan.csv --duration 3 --starts 1",
     "plan-assess": "plan bleex --assess test.csv",
     "stability": "stability cuhk",
-    "study": "study cuhk --replicates 2 --protocols document --duration 5 --parameters",
     "track": "track est.json --period 1",
     "track-dry": "track est.json --dry-run test.csv",
     "wear": "wear est.json --period 2",

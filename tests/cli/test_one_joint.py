@@ -25,7 +25,6 @@ COMMANDS = {
     "view": "view one.urdf --html leg.html",
     "view --log": "view est.json --log log.csv --html leg.html",
     "stability": "stability est.json --kp 50 --target 10 --figure runs.png",
-    "study": "study one.urdf --replicates 2 --duration 10",
     "track": "track est.json --period 1",
     "track --reference": "track est.json --reference short.csv",
 }

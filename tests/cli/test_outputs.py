@@ -118,7 +118,6 @@ def test_devices_and_pipes_are_refused(run, words):
         ("select", "leg.urdf", "logs/log.csv", "-o", "none/est.json"),
         ("plan", "leg.urdf", "-o", "plan.csv", "--figure", "none/plan.png"),
         ("view", "leg.urdf", "--html", "none/leg.html"),
-        ("study", "bleex", "-o", "est.json"),
     ],
 )
 def test_rights_are_checked_before_the_work(run, words, monkeypatch):

@@ -35,8 +35,6 @@ COMMANDS = {
     "view, log": "view one.urdf --log {}/log.csv --html leg.html",
     "stability": "stability {}/est.json",
     "stability, figure": "stability est.json --figure {}/v.png",
-    "study": "study {}/one.urdf",
-    "study, output": "study bleex -o {}/results",
     "track": "track {}/est.json",
     "track, log": "track est.json --reference {}/log.csv",
     "track, figures": "track est.json --figures {}/figures",

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -274,22 +273,6 @@ def test_studies_that_make_no_sense_are_refused(changes, words):
         Noise("n", STD, share=2.0)
     with pytest.raises(ExoidError, match="at least one"):
         run_study(study(), workers=0)
-
-
-def test_the_command_prints_a_table_or_json(exoid_):
-    options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
-    run = partial(exoid_, "study", "cuhk", *options)
-    code, out, _ = run("-o", "kept", "--parameters")
-    assert code == 0
-    assert "document, mixed, wls" in out
-    assert "offset_knee" in out
-    code, again, _ = run("-o", "kept", "--json")
-    data = json.loads(again)
-    assert data["combinations"][0]["parameters"].keys() == set(MODEL.names)
-    for wrong, words in ((("--colours", "pink"), "white, correlated, mixed"), (("--protocols", "none"), "planned")):
-        code, out, err = run(*wrong)
-        assert (code, out, err.count("\n")) == (2, "", 1)
-        assert words in err
 
 
 @pytest.mark.slow
