@@ -58,6 +58,7 @@ def test_what_is_wrong_with_the_options_is_said(exoid_, walk, tmp_path):
         assert (refused.code, said in refused.err) == (2, True), refused.err
 
 
+@pytest.mark.slow
 def test_an_arm_on_a_moving_base_needs_the_option(exoid_, tmp_path):
     leg = Leg.from_urdf(urdf_of("ur5"), base="moving")
     Walk(leg, seconds=30.0, sideways=0.3, pitch=0.3).recording(0.1).to_csv(tmp_path / "arm.csv")

@@ -75,6 +75,7 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
     assert [advice["what"] for advice in data["advice"]] == [advice.what for advice in said.advice]
 
 
+@pytest.mark.slow
 def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch):
     monkeypatch.setitem(search.STAGES, "worst", tuple(each._replace(iterations=5) for each in search.STAGES["worst"]))
     quick = ("--terms", "none", "--duration", "16", "--highest", "0.4", "--starts", "1", "--noise", "0.3")

@@ -36,6 +36,7 @@ def test_json_is_all_there_is_on_standard_output_and_equals_the_api(run):
     np.testing.assert_allclose(data["candidates"][0]["folds"], selection.candidates[0].folds, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_choice_is_identified_written_and_tested(run):
     data, path = run
     estimate = Estimate.load(path)
