@@ -38,8 +38,8 @@ def _check(kind: type[Term]) -> None:
     refuse_unwritable_class(KEY, kind)
 
 
-TERMS: Registry[type[Term]] = Registry("term", "exoid.terms", "exoid.torques.register_term", _check)
-"""Types of term by name: those of exoid, those that were registered, and those of installed packages."""
+TERMS: Registry[type[Term]] = Registry("term", "exoid.torques.register_term", _check)
+"""Types of term by name: those of exoid, and those that were registered."""
 
 
 @overload
@@ -53,8 +53,7 @@ def register_term(name: str, kind: Kind) -> Kind: ...
 def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind], Kind]:
     """Give a type of term a name, for files and the command line.
 
-    An estimate with such a term can be saved. To load it, the name must be registered again. A package that offers the
-    type as an entry point of the group ``exoid.terms`` needs no call: exoid finds it where the package is installed.
+    An estimate with such a term can be saved. To load it, the name must be registered again.
 
     Args:
         name: Letters, digits, ".", "_" and "-", such as "end-stop".

@@ -1,4 +1,4 @@
-"""The package exoid_springs as if it were installed, and logs of a leg with its end stops."""
+"""The package exoid_springs, and logs of a leg with its end stops."""
 
 from __future__ import annotations
 
@@ -13,29 +13,11 @@ from swings import Swing
 
 import exoid
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 PROJECT = Path(__file__).resolve().parent / "exoid_springs"
-COMPILED = Path(__file__).resolve().parents[1] / "codegen"
 EXOID = Path(exoid.__file__).resolve().parents[1]
 
 STIFFNESS = {"hip": 40.0, "knee": 25.0}
 """Of the end stops [N·m/rad²], at both sides from 0.3 rad on."""
-
-
-def write_metadata(folder: Path, name="exoid-springs", version="1.0", groups=None) -> Path:
-    """Write the metadata that an installation writes; by default those of the project."""
-    if groups is None:
-        groups = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]
-    info = folder / f"{name.replace('-', '_')}-{version}.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", encoding="utf-8")
-    lines = [line for group, offers in groups.items() for line in (f"[{group}]", *map(" = ".join, offers.items()))]
-    (info / "entry_points.txt").write_text("\n".join([*lines, ""]), encoding="utf-8")
-    return folder
 
 
 def run(*arguments, path=(), cwd: Path, code=0) -> subprocess.CompletedProcess[str]:

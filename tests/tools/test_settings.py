@@ -39,7 +39,7 @@ class Demanding:
 
 
 def registry():
-    made = Registry("thing", "exoid.tests", "exoid.register_thing", lambda thing: None)
+    made = Registry("thing", "exoid.register_thing", lambda thing: None)
     made.register("thing", Thing)
     made.register("demanding", Demanding)
     return made

@@ -28,10 +28,8 @@ def _check(estimator: Estimator) -> None:
         )
 
 
-ESTIMATORS: Registry[Estimator] = Registry(
-    "estimator", "exoid.estimators", "exoid.identification.register_estimator", _check
-)
-"""Estimators that need no settings, by name: exoid's, those that were registered, and those of installed packages."""
+ESTIMATORS: Registry[Estimator] = Registry("estimator", "exoid.identification.register_estimator", _check)
+"""Estimators that need no settings, by name: exoid's, and those that were registered."""
 
 
 @overload
@@ -47,8 +45,7 @@ def register_estimator(
 ) -> AnyEstimator | Callable[[AnyEstimator], AnyEstimator]:
     """Give an estimator a name, for ``identify(..., estimator="name")`` and the command line.
 
-    A package that offers it as an entry point of the group ``exoid.estimators`` needs no call: exoid finds it where the
-    package is installed. Loading an estimate needs no estimator.
+    Loading an estimate needs no estimator.
 
     Args:
         name: Letters, digits, ".", "_" and "-", such as "ridge".
