@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.friction import PASSIVE, PassiveFriction
@@ -37,6 +36,9 @@ ARM = 0.1
 
 MARGIN = 0.01
 """Distance of the centre of pressure from the ends of a sole beside two standard deviations of its place [m]."""
+
+FADING = 0.05
+"""Share, over the largest one, below which a contact fades."""
 
 LARGEST_SHARE = 3.0
 """Largest force of a contact that bears all the load, over the weight."""
@@ -175,7 +177,24 @@ class StanceLaw:
         Raises:
             ExoidError: Nothing touches the ground, or a number is missing.
         """
-        dynamics, rows, shares = self._setting(state)
+        _refuse(self.model, state)
+        shares = {link: float(state.shares.get(link, 1.0)) for link in state.contacts}
+        full = self._command(state, target, shares)
+        fading = {
+            link: s / (FADING * max(shares.values())) for link, s in shares.items() if s < FADING * max(shares.values())
+        }
+        if not fading:
+            return full
+        # a contact fades in and out: its constraint alone would let the torque jump where it begins and ends
+        rest = self._command(state, target, {link: s for link, s in shares.items() if link not in fading})
+        b = float(share_course(min(fading.values())))
+        forces = {link: b * f + (1.0 - b) * rest.forces.get(link, 0.0 * f) for link, f in full.forces.items()}
+        torque, acceleration = (b * x + (1.0 - b) * y for x, y in zip(full[:2], rest[:2], strict=True))
+        return StanceCommand(torque, acceleration, MappingProxyType(forces), full.feasible and rest.feasible)
+
+    def _command(self, state: GroundState, target: GroundTarget, given: Mapping[str, float]) -> StanceCommand:
+        """Solve the problem of :meth:`command` for contacts with their shares."""
+        dynamics, rows, shares = self._setting(state, given)
         n, joints = self.model.n, slice(BASE, None)
         J, drift = np.concatenate([each.J for each in rows]), np.concatenate([each.drift for each in rows])
         M, h, count = dynamics.M, dynamics.h, len(J)
@@ -205,7 +224,7 @@ class StanceLaw:
         x = x + N @ y
         torque = np.clip(T @ x + bias[joints] + added, -limit, limit)
         forces, start = {}, BASE + n
-        for link, each in zip(state.contacts, rows, strict=True):
+        for link, each in zip(given, rows, strict=True):
             forces[link] = weight * x[start : start + len(each.J)]
             start += len(each.J)
         return StanceCommand(torque, x[: BASE + n], MappingProxyType(forces), feasible)
@@ -228,22 +247,22 @@ class StanceLaw:
         if self.estimate is None:
             return np.zeros(self.model.n)
         acceleration = self.command(state, target).acceleration
-        _, rows, shares = self._setting(state)
+        given = {link: float(state.shares.get(link, 1.0)) for link in state.contacts}
+        _, rows, shares = self._setting(state, given)
         J = np.concatenate([each.J for each in rows])
         columns = _columns(self.estimate, state, acceleration)
         T = columns[BASE:] - J[:, BASE:].T @ share_map(J[:, :BASE].T, shares, rows, bearing=True) @ columns[:BASE]
         return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", T, self.estimate.covariance, T).clip(0.0)))
 
-    def _setting(self, state: GroundState) -> tuple[Dynamics, list[ContactRows], FloatArray]:
-        """Dynamics, rows and shares of a state; refuses one that the law cannot support."""
-        _refuse(self.model, state)
+    def _setting(
+        self, state: GroundState, shares: Mapping[str, float]
+    ) -> tuple[Dynamics, list[ContactRows], FloatArray]:
+        """Dynamics in a state, and rows of some of its contacts with their shares."""
         pose = state.q, state.v, float(state.pitch), float(state.pitch_rate)
         dynamics = self.model.dynamics(*pose)
-        rows = [
-            self.model.contact(link, kind, *pose, self.ground_friction, self.margin, state.lean)
-            for link, kind in state.contacts.items()
-        ]
-        return dynamics, rows, np.array([float(state.shares.get(link, 1.0)) for link in state.contacts])
+        cone = self.ground_friction, self.margin, state.lean
+        rows = [self.model.contact(link, state.contacts[link], *pose, *cone) for link in shares]
+        return dynamics, rows, np.array(list(shares.values()))
 
     def _wanted(self, state: GroundState, target: GroundTarget) -> FloatArray:
         """Accelerations of joints and pitch that the reference and its feedback ask for, (n + 1,)."""
@@ -268,10 +287,14 @@ class StanceLaw:
 
     def _cones(self, rows: list[ContactRows]) -> FloatArray:
         """Rows F with F x ≤ top: cones of all contacts, then the normal force of each, over the weight."""
-        cones = scipy.linalg.block_diag(*(each.cone for each in rows))
-        normal = scipy.linalg.block_diag(*(np.eye(len(each.J))[1:2] for each in rows))
-        F = np.concatenate([cones, normal])
-        return np.hstack([np.zeros((len(F), BASE + self.model.n)), F])
+        start = BASE + self.model.n
+        F = np.zeros((sum(len(each.cone) for each in rows) + len(rows), start + sum(len(each.J) for each in rows)))
+        row = 0
+        for k, each in enumerate(rows):
+            F[row : row + len(each.cone), start : start + len(each.J)] = each.cone
+            F[k - len(rows), start + 1] = 1.0
+            row, start = row + len(each.cone), start + len(each.J)
+        return F
 
     @cached_property
     def _weight(self) -> float:

@@ -147,6 +147,18 @@ class GroundModel(ControlModel):
         return out
 
     @cached_property
+    def turns(self) -> dict[str, FloatArray]:
+        """Signs by which the joints turn each sole against the torso, positive like the pitch, (n,)."""
+        out = {}
+        for link in self.soles:
+            body, _ = link_frame(self.leg.model, self.leg.description, link)
+            out[link] = np.zeros(self.n)
+            for limb in self.leg.limbs:
+                if limb.joints.start <= body < limb.joints.stop:
+                    out[link][limb.joints.start : body + 1] = limb.chain.signs[: body + 1 - limb.joints.start]
+        return out
+
+    @cached_property
     def _base(self) -> FloatArray:
         """Twist of the root link and joints per unit of each coordinate, (6 + n, 3 + n)."""
         out = np.zeros((6 + self.n, BASE + self.n))
@@ -218,8 +230,7 @@ class GroundModel(ControlModel):
             edges = [(1.0, -friction, 0.0), (-1.0, -friction, 0.0), (0.0, -reach, 1.0), (0.0, -reach, -1.0)]
             return ContactRows(J, drift, np.array(edges))
         arm = {"heel": -half, "toe": half, "flat": 0.0}[kind]
-        turns = J[2, BASE:]  # signs of the joints between torso and sole
-        turning, tilt = pitch_rate + turns @ v, pitch + turns @ q - lean
+        turning, tilt = pitch_rate + self.turns[link] @ v, pitch + self.turns[link] @ q - lean
         J, drift = np.array([J[0], J[1] + arm * J[2]]), drift[:2] - np.array([arm * turning**2, 0.0])
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
         return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
+from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring
 
 from .planned_motion import Bearing, follow, knots, planned_motion, wave
 from .posture import PlanarLeg, centre_of_mass, planar_legs
@@ -78,7 +78,7 @@ def squats_and_shifts(
         ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
             followed.
     """
-    return _on_feet(plant, duration, stance or Stance(), planar_legs(plant), seed)
+    return follow(plant, stance_motion(plant, duration, stance=stance, seed=seed), GAINS)
 
 
 def single_support(
@@ -108,22 +108,39 @@ def single_support(
     legs = planar_legs(plant)
     if not 0 <= standing < len(legs):
         raise BadArgumentError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
-    return _on_feet(plant, duration, stance, legs[standing : standing + 1], seed, HAND_RAIL)
+    motion = stance_motion(plant, duration, stance=stance, standing=standing, seed=seed)
+    return follow(plant, motion, GAINS, spring=HAND_RAIL)
 
 
-def _on_feet(
+def stance_motion(
     plant: GroundPlant,
-    duration: float,
-    stance: Stance,
-    stands: tuple[PlanarLeg, ...],
-    seed: int,
-    hand_rail: Spring | None = None,
-) -> GroundRun:
-    """Squat, shift and bow on some legs, and swing the others."""
+    duration: float = 30.0,
+    *,
+    stance: Stance | None = None,
+    standing: int | None = None,
+    seed: int = 0,
+) -> GroundMotion:
+    """Plan squats, shifts and bows, for a law that follows them.
+
+    Args:
+        plant: Torso and legs.
+        duration: Duration [s]; the motion begins 2 s before time zero.
+        stance: Size and frequency of the motions; None for the default ones.
+        standing: Number of the leg that stands while the others swing; None for all legs.
+        seed: Seed of the phases.
+
+    Returns:
+        The reference of joints and torso, with the torques that it needs.
+
+    Raises:
+        ExoidError: A leg does not have hip, knee, ankle and a sole, or the feet are out of reach or near the ground.
+    """
+    stance, legs = stance or Stance(), planar_legs(plant)
+    stands = legs if standing is None else legs[standing : standing + 1]
     rng, time = np.random.default_rng(seed), knots(duration)
     base, target = _torso(time, stance, rng)
     q = np.zeros((len(time), len(plant.leg.joint_names)))
-    swings = [leg for leg in planar_legs(plant) if leg.foot not in [other.foot for other in stands]]
+    swings = [leg for leg in legs if leg.foot not in [other.foot for other in stands]]
     for leg in swings:
         sizes = ((1.0, 1.6), (1.2, 1.8), (1.0, 2.0))  # of amplitude and frequency
         waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
@@ -136,8 +153,7 @@ def _on_feet(
                 f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
                 remedy="raise the torso, or swing less",
             )
-    motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
-    return follow(plant, motion, GAINS, spring=hand_rail)
+    return planned_motion(plant, time, q, base, _bearings(plant, stands, time))
 
 
 def swing(

@@ -55,7 +55,11 @@ class Engine:
         self._turns = np.array([frame.placement.rotation for frame in frames])
         counts = np.cumsum([0, *(len(sole.points) for sole in plant.soles.values())])
         self.spheres = {link: slice(*ends) for link, ends in zip(plant.soles, pairwise(counts), strict=True)}
-        self._first_sphere = int(self.model.geom(geometry_name(next(iter(plant.soles)), 0)).id)
+        # number of each sphere among all of them, by its number among MuJoCo's geometries; −1 for ground and blocks
+        self._numbers = np.full(self.model.ngeom, -1)
+        for link, own in self.spheres.items():
+            for k, number in enumerate(range(own.start, own.stop)):
+                self._numbers[self.model.geom(geometry_name(link, k)).id] = number
 
     def place(self, q: FloatArray, base: FloatArray) -> None:
         """Set the state at rest."""
@@ -110,10 +114,13 @@ class Engine:
         own = contact.efc_address >= 0
         if own.any():
             local = self.data.efc_force[contact.efc_address[own][:, None] + np.arange(3)]
-            # the ground is the first geometry of a contact, a block the second: then the force is that on the block
-            rows = contact.geom[own].max(axis=1) - self._first_sphere
-            sign = np.where(contact.geom[own, 1] < self._first_sphere, -1.0, 1.0)
-            np.add.at(force, rows, sign[:, None] * np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3)))
+            pairs = self._numbers[contact.geom[own]]
+            # of two geometries the one whose kind comes first in MuJoCo is the first: the ground, but not a block
+            signs = np.where(pairs[:, 1] >= 0, 1.0, -1.0)
+            rows = pairs.max(axis=1)
+            np.add.at(
+                force, rows, signs[:, None] * np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3))
+            )
             place[rows] = contact.pos[own]
         return force, place
 

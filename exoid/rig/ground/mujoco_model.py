@@ -12,7 +12,13 @@ from exoid.errors import BadArgumentError
 from exoid.leg.link_frames import link_frame
 from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
 
-from .plant import GroundPlant, Sole
+from .plant import Block, GroundPlant, Sole
+
+SOLE_SOLREF = [0.015, 1.0]
+"""Time constant [s] and damping of a rubber sole: two to three times the weight at touch-down."""
+
+SOLE_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Impedance of a rubber sole."""
 
 
 def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 - MuJoCo's class
@@ -30,13 +36,8 @@ def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 
     spec.compiler.degree = False
     bodies = _add_bodies(spec, mujoco, plant)
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
-    for number, block in enumerate(plant.blocks):
-        middle = 0.5 * (block.start + block.stop) * plant.plane.forward + 0.5 * block.height * plant.plane.up
-        half = 0.5 * np.array([block.stop - block.start, 100.0, block.height])
-        axes = np.column_stack([plant.plane.forward, plant.plane.lateral, plant.plane.up])
-        x, y, z, w = pin.Quaternion(axes).coeffs()
-        place = {"pos": middle, "quat": [w, x, y, z]}
-        spec.worldbody.add_geom(name=f"block {number}", type=mujoco.mjtGeom.mjGEOM_BOX, size=half, **place)
+    for block in plant.blocks:
+        _add_block(spec, mujoco, plant, block)
     for link, sole in plant.soles.items():
         _add_sole(bodies, mujoco, plant, link, sole)
     try:
@@ -47,6 +48,18 @@ def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 
             where=plant.leg.description.name,
             remedy="check masses and moments of inertia: no link can have those given",
         ) from error
+
+
+def _add_block(spec: Any, mujoco: Any, plant: GroundPlant, block: Block) -> None:  # noqa: ANN401
+    """Add a block of the scene; one with friction of its own overrides that of the soles."""
+    plane = plant.plane
+    middle = 0.5 * (block.start + block.stop) * plane.forward + 0.5 * block.height * plane.up
+    size = 0.5 * np.array([block.stop - block.start, 100.0, block.height])
+    x, y, z, w = pin.Quaternion(np.column_stack(plane)).coeffs()
+    geom = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=middle, quat=[w, x, y, z], condim=3)
+    if block.friction is not None:
+        geom.friction, geom.priority = [block.friction, 0.0, 0.0], 2
+        geom.solref, geom.solimp = SOLE_SOLREF, SOLE_SOLIMP
 
 
 def geometry_name(link: str, number: int) -> str:
@@ -111,6 +124,6 @@ def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sol
             condim=3,
             contype=2,  # touches the ground, but no other sole
             conaffinity=1,
-            solref=[0.015, 1.0],  # time constant [s]: a rubber sole, two to three times the weight at touch-down
-            solimp=(0.95, 0.99, 0.001, 0.5, 2.0),
+            solref=SOLE_SOLREF,
+            solimp=SOLE_SOLIMP,
         )

@@ -74,25 +74,28 @@ class Sole:
 
 @dataclass(frozen=True)
 class Block:
-    """Box on the ground, across the whole width: a step of stairs, or a chair.
+    """Box on the ground, across the whole width: a step of stairs, a chair, or 1 mm high a slippery patch.
 
     Attributes:
         start: Place of its back along forward [m].
         stop: Place of its front [m].
         height: Height of its top above the ground [m].
+        friction: Coefficient of friction on it; None for that of the ground.
 
     Raises:
-        ExoidError: The box has no length or height.
+        ExoidError: The box has no length or height, or friction is not positive.
     """
 
     start: float
     stop: float
     height: float
+    friction: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the size."""
+        """Check size and friction."""
         checked([self.start, self.stop], "the ends of a block [m]")
         checked([self.stop - self.start, self.height], "the size of a block [m]", above=0.0)
+        checked(1.0 if self.friction is None else self.friction, "the friction of a block", above=0.0)
 
 
 BLEEX_SOLES: Mapping[str, Sole] = MappingProxyType(

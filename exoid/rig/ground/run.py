@@ -27,7 +27,7 @@ class Audit(NamedTuple):
     the error of the integration.
     """
 
-    work: float  # work of the actuators [J]
+    work: float  # work of the actuators and the wearer [J]
     holding: float  # work of the spring on the machine [J]
     gain: float  # gain of mechanical energy, rotors and springs of the joints included [J]
     friction: float  # energy that friction of the joints dissipates [J]
@@ -108,6 +108,7 @@ class GroundRun:
         feet: Load and place of each foot.
         audit: Balance of energy and momentum.
         steps: Motion of the root link at every step of the simulation.
+        interaction: Torques of the wearer on the joints [N·m], (N, n); zero without one.
     """
 
     plant: GroundPlant
@@ -123,6 +124,7 @@ class GroundRun:
     feet: Mapping[str, Footing]
     audit: Audit
     steps: BaseSteps
+    interaction: FloatArray
 
     def fixed(self, link: str) -> BoolArray:
         """Find the samples at which a foot is flat on the ground and does not slip.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,11 +13,12 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
 from exoid.signals import Wrench
 
+from .control import Faults, GroundController, GroundWearer, Reader, gains_about
 from .engine import Engine, Holder
-from .motion import GroundMotion, JointGains, Spring, per_joint
+from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import Audit, Footing, GroundRun
-from .sensors import BaseSteps
+from .sensors import BaseSteps, GroundSensors
 
 RATES = Rates(control=2000.0, log=500.0, step=5e-4)
 """Default rates: the controller acts at every step, so that torque and motion of a sample are of one time."""
@@ -25,12 +27,16 @@ RATES = Rates(control=2000.0, log=500.0, step=5e-4)
 def simulate_on_ground(
     plant: GroundPlant,
     motion: GroundMotion,
-    gains: JointGains,
+    gains: JointGains | GroundController,
     *,
     spring: Spring | None = None,
     rates: Rates = RATES,
+    wearer: GroundWearer | None = None,
+    sensors: GroundSensors | None = None,
+    faults: Faults | None = None,
+    seed: int = 0,
 ) -> GroundRun:
-    """Let a machine follow a motion on flat ground.
+    """Let a machine follow a motion on the ground, or on what stands there.
 
     MuJoCo computes bodies and contact. Each step is semi-implicit: v⁺ = v + dt a, q⁺ = q + dt v⁺. The acceleration a of
     a sample obeys the equation of motion with the q, v, torque and wrenches of that sample, and is the second
@@ -40,9 +46,13 @@ def simulate_on_ground(
         plant: The machine.
         motion: Reference that begins before time zero, or at it. Its first pose, at rest, is the start; its last time
             ends the run.
-        gains: Gains of the joints.
+        gains: Gains of the joints; or a controller, such as :class:`exoid.control.ground.GroundLoop` makes of a law.
         spring: Spring and damper that hold the torso, whose carriage moves as ``motion.base``; None for none.
         rates: Rates of controller and log, and step of the simulation.
+        wearer: Torques of a wearer on the joints; None for none.
+        sensors: Noise of what a controller reads; None for exact readings. Gains act on exact angles.
+        faults: Faults of what a controller reads; None for none.
+        seed: Seed of the noise of the readings.
 
     Returns:
         True motion, torque and wrenches at the rate of the log, with an audit of energy and momentum.
@@ -62,17 +72,24 @@ def simulate_on_ground(
     engine.place(targets.q[0], targets.base[0])
     holder = None if spring is None else Holder(engine, spring, targets)
     limit = plant.leg.limits.effort
-    stiffness, damping = (per_joint(getattr(gains, name), len(engine.q), name) for name in ("stiffness", "damping"))
+    reader: Reader | None = None
+    if isinstance(gains, JointGains):
+        command = gains_about(gains, targets, engine)
+    else:
+        reader = Reader(engine, targets, holder, rates.control, sensors, faults or Faults(), seed)
+        command = partial(reader.command, gains, first * rates.step)
+    muscles = np.zeros(len(engine.q))
     torque, books = np.zeros(len(engine.q)), _Books(engine, holder)
     for k in range(last - first + 1):
         now = k + first
         engine.begin()
         q, v = engine.q, engine.v
         if k % every_control == 0:
-            command = targets.torque[k] + stiffness * (targets.q[k] - q) + damping * (targets.v[k] - v)
-            torque = np.clip(command, -limit, limit)
+            torque = np.clip(command(k), -limit, limit)
+        if wearer is not None:
+            muscles = wearer.torque(q, v, targets, k)
         applied = engine.applied
-        applied[engine.base :] = torque - plant.resistance(q, v)
+        applied[engine.base :] = torque + muscles - plant.resistance(q, v)
         applied[: engine.base] = 0.0
         held = None if holder is None else holder.force(k)
         if held is not None:
@@ -80,7 +97,9 @@ def simulate_on_ground(
         if now < 0:
             engine.finish()
         else:
-            books.finish(torque, held, ends=now in (0, last), logs=now % every_log == 0)
+            books.finish(torque, muscles, held, ends=now in (0, last), logs=now % every_log == 0)
+        if reader is not None and (k + 1) % every_control == 0:
+            reader.feel()
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
             raise BadArgumentError(
                 f"the machine diverged before {now * rates.step:.3g} s",
@@ -99,14 +118,16 @@ class _Books:
         self._logged: list[int] = []
         self._ends: list[tuple[float, FloatArray]] = []
 
-    def finish(self, torque: FloatArray, held: FloatArray | None, *, ends: bool, logs: bool) -> None:
+    def finish(
+        self, torque: FloatArray, muscles: FloatArray, held: FloatArray | None, *, ends: bool, logs: bool
+    ) -> None:
         """Finish a step: note the state that it begins with, then its acceleration and forces."""
         engine = self._engine
         begun = engine.rate.copy(), engine.torso.rotation.copy(), engine.q.copy()
         if ends:
             self._ends.append((engine.energy, engine.momentum))
         engine.finish()
-        forces = torque, engine.constraint.copy(), np.zeros_like(engine.rate) if held is None else held
+        forces = torque, muscles, engine.constraint.copy(), np.zeros_like(engine.rate) if held is None else held
         if logs:
             self._logged.append(len(self._steps))
             wrench = np.zeros((2, 3)) if self._holder is None else self._holder.wrench
@@ -116,7 +137,7 @@ class _Books:
     def run(self, dt: float) -> GroundRun:
         """Return samples, audit, and motion of the root link at every step."""
         engine, plant, b = self._engine, self._engine.plant, self._engine.base
-        rate, turn, q, change, torque, ground, held = (np.array(x) for x in zip(*self._steps, strict=True))
+        rate, turn, q, change, torque, muscles, ground, held = (np.array(x) for x in zip(*self._steps, strict=True))
         kept = np.array(self._logged)
         motion = _base_kinematics(plant, rate[:, :b], change[:, :b], turn)
         wrench, position, rotation, twist, force, place = (np.array(x) for x in zip(*self._samples, strict=True))
@@ -142,8 +163,9 @@ class _Books:
             rotation[:, 0],
             wrenches,
             feet,
-            self._audit(rate, torque, ground, held, dt),
+            self._audit(rate, torque + muscles, ground, held, dt),
             BaseSteps(motion, kept, dt),
+            muscles[kept],
         )
 
     def _audit(self, rate: FloatArray, torque: FloatArray, ground: FloatArray, held: FloatArray, dt: float) -> Audit:
