@@ -16,7 +16,7 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term
 
-from .checkup import without_delays
+from .checkup import with_noise_checked, without_delays
 from .drive_constants import search_constants
 from .drives import Drives
 from .estimators import Estimator
@@ -164,6 +164,8 @@ def identify(
         shifted = without_delays(problem, fitted)
         if any(group.delays is not None for group in shifted.groups):
             fitted = fit(shifted, chosen)
+    if check and not by_noise:
+        fitted = with_noise_checked(fitted, chosen)
     source = "passed to identify" if preparation is None else "that of the preparation passed to identify"
     source = "chosen by the noise of the angles" if by_noise else source
     result = Result.of(fitted, chosen, source, white=noise == "white")
