@@ -1,9 +1,8 @@
-"""Recursive estimation on the virtual rig: payload, friction, drift, rest, hours without a change, and inside the loop.
+"""Recursive estimation on the virtual rig: payload, friction, rest, hours without a change, and inside the loop.
 
     python scripts/study_online.py payload --seeds 16     # 1.5 kg on the shank: its mass 5 s later, P95 of the errors
     python scripts/study_online.py standing               # ten minutes at rest: does a parameter move?
     python scripts/study_online.py friction --seeds 16    # Coulomb and viscous friction of each joint doubles
-    python scripts/study_online.py drift --seeds 4        # a seal wears in, grease warms up
     python scripts/study_online.py quiet --minutes 60     # moving without any change: false alarms
     python scripts/study_online.py loop --seeds 16        # the payload again, with a controller that uses the estimate
     python scripts/study_online.py memory --minutes 30    # memory of 30 min at 500 Hz, and time of a step
@@ -41,12 +40,8 @@ from online_scenes import SCENES, Machine, Scene, Stream, scene
 PAYLOAD = exoid.Payload("knee", 1.5, (0.0, 0.0, -0.2))
 WARM = 36.0
 """Time before something changes [s]."""
-WORN, WORN_IN = 0.7, 600.0
-"""Share of the friction that is left in the end, and time constant of the change [s]."""
 SHORT = 4.0
 """Time for which controllers move before the payload that need not learn the leg without it [s]."""
-PIECE = 20.0
-"""Time for which friction is constant while it drifts [s]."""
 
 
 def feed(online: RecursiveEstimator, stream: Stream, rig: int) -> None:
@@ -106,32 +101,6 @@ def friction(
     return found
 
 
-class Drifted(NamedTuple):
-    """Drifts by parameter: time until the first [s], and its size over the change so far; false ones, changes."""
-
-    after: dict[str, float]
-    others: tuple[str, ...]
-    changes: int
-
-
-def drift(seeds: int, where: str = "walk", minutes: float = 15.0) -> list[Drifted]:
-    """Let the seal of the knee wear in (c0), and the grease of the hip warm up (d)."""
-    at = scene(where)
-    machine, online = Machine(at, seeds, 5), [at.estimator() for _ in range(seeds)]
-    drifting = ("c0_knee", "d_hip")
-    for k in range(round(60.0 * minutes / PIECE)):
-        factor = WORN + (1.0 - WORN) * np.exp(-(k + 0.5) * PIECE / WORN_IN)
-        stream = machine.walk(at.plants(seeds, dict.fromkeys(drifting, float(factor))), PIECE)
-        for rig, one in enumerate(online):
-            feed(one, stream, rig)
-    found = []
-    for one in online:
-        first = {name: next((d.time for d in one.drifts if d.parameter == name), np.nan) for name in drifting}
-        others = tuple(d.parameter for d in one.drifts if d.parameter not in drifting)
-        found.append(Drifted(first, others, len(one.changes)))
-    return found
-
-
 def standing(minutes: float = 10.0, seed: int = 5) -> FloatArray:
     """Walk, stand, and return how far each parameter moved while standing, in standard deviations, (P,)."""
     at = scene("walk")
@@ -145,17 +114,15 @@ def standing(minutes: float = 10.0, seed: int = 5) -> FloatArray:
 
 
 class Quiet(NamedTuple):
-    """False alarms: sudden changes and drifts that were reported, and how long the rigs moved [h]."""
+    """False alarms: changes that were reported, and how long the rigs moved [h]."""
 
     changes: tuple[str, ...]
-    drifts: tuple[str, ...]
     hours: float
 
     def __str__(self) -> str:
         """Write one line."""
-        alarms = ", ".join((*self.changes, *self.drifts)) or "none"
-        rates = f"{len(self.changes) / self.hours:.2f} changes and {len(self.drifts) / self.hours:.2f} drifts an hour"
-        return f"{60.0 * self.hours:.0f} min without a change: {rates} ({alarms})"
+        alarms = ", ".join(self.changes) or "none"
+        return f"{60.0 * self.hours:.0f} min without a change: {len(self.changes) / self.hours:.2f} an hour ({alarms})"
 
 
 def quiet(minutes: float, where: str = "walk", seed: int = 9, rigs: int = 10) -> Quiet:
@@ -169,7 +136,7 @@ def quiet(minutes: float, where: str = "walk", seed: int = 9, rigs: int = 10) ->
         for rig, estimator in enumerate(online):
             feed(estimator, stream, rig)
     changes = tuple(f"{c.kind} at {c.joint}" for one in online for c in one.changes)
-    return Quiet(changes, tuple(d.parameter for one in online for d in one.drifts), minutes / 60.0)
+    return Quiet(changes, minutes / 60.0)
 
 
 class Loop(NamedTuple):
@@ -324,10 +291,6 @@ def print_study(name: str, where: str, given: argparse.Namespace) -> None:
         for joint, each in friction(given.seeds, scene(where).leg.joint_labels, where).items():
             kinds = ", ".join(sorted({one.detected for one in each}))
             print(f"  {joint}: {kinds}, {max(one.after for one in each):.2f} s later at most")
-    elif name == "drift":
-        for one in drift(given.seeds, where, given.minutes or 15.0):
-            times = ", ".join(f"{key} after {at / 60.0:.1f} min" for key, at in one.after.items())
-            print(f"  {times}; others: {', '.join(one.others) or 'none'}; sudden changes: {one.changes}")
     elif name == "quiet":
         print(f"  {quiet(given.minutes or 60.0, where, rigs=given.rigs)}", flush=True)
     else:
@@ -337,7 +300,7 @@ def print_study(name: str, where: str, given: argparse.Namespace) -> None:
 def main() -> None:
     """Read the command line, and print what was found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = ("payload", "friction", "drift", "standing", "quiet", "loop", "memory")
+    names = ("payload", "friction", "standing", "quiet", "loop", "memory")
     parser.add_argument("study", choices=names)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--minutes", type=float, default=None)

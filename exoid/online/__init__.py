@@ -2,6 +2,6 @@
 
 from .estimator import RecursiveEstimator
 from .load import LoadChange, load_change
-from .state import Change, Drift
+from .state import Change
 
-__all__ = ["Change", "Drift", "LoadChange", "RecursiveEstimator", "load_change"]
+__all__ = ["Change", "LoadChange", "RecursiveEstimator", "load_change"]

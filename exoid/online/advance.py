@@ -8,12 +8,11 @@ from exoid._typing import FloatArray
 from exoid.regression.least_squares import RANK
 
 from .changes import Verdict, judge, look
-from .drift import follow_epochs
 from .information import absorb
 from .rows import Rows, rows_of
 from .settings import Settings
 from .solution import belief, follow_residuals, inflations, solved
-from .state import REMEMBERED, Change, Detector, Information, State, no_epochs
+from .state import REMEMBERED, Change, Detector, Information, State
 
 SETTLED = 20.0
 """Rows for each parameter from which on innovations are noise, not errors of the first values."""
@@ -43,8 +42,6 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
             return state._replace(detector=_emptied(detector)._replace(values=before.values))
     state = solved(settings, state, absorb(settings, state.information, rows, state.weights))
     state = _with_residuals(settings, state, rows)
-    if known and np.isfinite(settings.drift_limit):
-        state = follow_epochs(settings, state, rows)
     if state.detector.settled % max(1, round(1.0 / settings.block_time)):
         return state
     return state._replace(checkpoints=(state.information, *state.checkpoints[:-1]))
@@ -104,11 +101,7 @@ def _named(settings: Settings, state: State, verdict: Verdict) -> State:
         values=tuple(detector.values.tolist()),
     )
     earlier = state.changes[: len(state.changes) - (detector.named >= 0)]
-    return state._replace(
-        detector=detector._replace(named=verdict.best),
-        changes=(*earlier, change)[-REMEMBERED:],
-        epochs=no_epochs(settings),
-    )
+    return state._replace(detector=detector._replace(named=verdict.best), changes=(*earlier, change)[-REMEMBERED:])
 
 
 def _settle(state: State) -> State:

@@ -18,7 +18,7 @@ from .advance import advance
 from .findings import findings_of
 from .settings import Settings
 from .solution import estimate_of, started
-from .state import Change, Drift, State, begin, restarted
+from .state import Change, State, begin, restarted
 from .stream import Sample, Stream, as_table, one_sample, take
 
 
@@ -41,9 +41,7 @@ class RecursiveEstimator:
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
         consistent: Whether estimates are those of physically possible links, with M(q) positive definite, and friction
             and rotor inertia not below zero.
-        false_alarms: Rate of false alarms of the detection of sudden changes, and of that of slow ones [1/h]; 0 for
-            no detection.
-        epoch: Duration of the epochs whose estimates are compared to detect slow changes [s].
+        false_alarms: Rate of false alarms of the detection of sudden changes [1/h]; 0 for no detection.
 
     Raises:
         ExoidError: A setting is out of range, terms do not fit, or the start is of another leg.
@@ -69,7 +67,6 @@ class RecursiveEstimator:
         torque_limits: ArrayLike | None = None,
         consistent: bool = False,
         false_alarms: float = 0.1,
-        epoch: float = 60.0,
     ) -> None:
         settings = Settings(
             model=_model(leg, terms, start),
@@ -80,7 +77,6 @@ class RecursiveEstimator:
             torque_limits=torque_limits,
             consistent=consistent,
             false_alarms=false_alarms,
-            epoch=epoch,
         )
         self.settings = settings
         state, self._stream, self._pending = begin(settings), Stream(), list[Sample]()
@@ -166,11 +162,6 @@ class RecursiveEstimator:
     def changes(self) -> tuple[Change, ...]:
         """Changes of parameters that were detected, the last hundred at most."""
         return self._state.changes
-
-    @property
-    def drifts(self) -> tuple[Drift, ...]:
-        """Slow changes of parameters that were detected, the last hundred at most."""
-        return self._state.drifts
 
     @property
     def findings(self) -> tuple[Finding, ...]:

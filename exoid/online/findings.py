@@ -17,7 +17,6 @@ CONTRADICTED = 3.0
 """Mean statistic of a minute from which on it is reported; 1 while only noise, and what is not yet known, errs."""
 
 GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
-WORN_IN = "seals wear in, and grease warms up; the estimate follows within the memory"
 WAIT = "move all joints, both ways; until then what was known of all of these parameters is given up"
 LOOK = "look for what no parameter explains: contact, slip of a sensor, a person who pushes; begin anew without it"
 
@@ -28,15 +27,12 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
     hypotheses, mean = settings.detection.hypotheses, state.detector.mean
 
     def say(kind: str, joint: str, size: float, text: str, remedy: str, names: tuple[str, ...] = ()) -> None:
-        level: Severity = "info" if remedy in (GIVEN_UP, WORN_IN) else "warning"
+        level: Severity = "info" if remedy == GIVEN_UP else "warning"
         found.append(Finding(kind, joint, size, "", level, text, remedy, parameters=names))
 
     for change in state.changes:
         text = f"{', '.join(change.parameters)} changed at {change.time:.2f} s"
         say(f"changed-{change.kind}", change.joint, change.statistic, text, GIVEN_UP, change.parameters)
-    for drift in state.drifts:
-        text = f"{drift.parameter} drifted from {drift.before:.4g} to {drift.after:.4g} until {drift.time:.0f} s"
-        say("changed-slowly", drift.joint, drift.statistic, text, WORN_IN, (drift.parameter,))
     possible = [hypotheses[k] for k in state.detector.candidates]
     names = tuple(dict.fromkeys(name for one in possible for name in one.parameters))
     if len(possible) == len(hypotheses):

@@ -36,7 +36,6 @@ class Settings:
     torque_limits: ArrayLike | None = None
     consistent: bool = False
     false_alarms: float = 0.1
-    epoch: float = 60.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -48,7 +47,7 @@ class Settings:
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",
                 )
-        for name in ("rate", "memory", "epoch"):
+        for name in ("rate", "memory"):
             if not 0.0 < getattr(self, name) < math.inf and not (name == "memory" and self.memory == math.inf):
                 raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
         for name in ("reversal_speed", "false_alarms"):
@@ -159,25 +158,6 @@ class Settings:
         """Hypotheses of the change detection, with their thresholds."""
         alarms = self.false_alarms if self.forgets else 0.0
         return Detection.of(self.model, alarms / 36_000.0)  # at most ten independent looks a second
-
-    @cached_property
-    def drift_limit(self) -> float:
-        """Threshold of the statistic of slow changes, by the rate of false alarms; infinite for no detection."""
-        if not (self.false_alarms > 0.0 and self.forgets):
-            return math.inf
-        level = self.false_alarms * self.epoch / 3600.0 / self.count
-        return float(scipy.stats.t.isf(0.5 * min(level, 1.0), 20.0))  # at least 20 degrees of freedom
-
-    @cached_property
-    def parameter_joint(self) -> tuple[str, ...]:
-        """Joint that each parameter belongs to: that of the term, or of the segment; "" for neither, (P,)."""
-        found = dict.fromkeys(self.model.names, "")
-        leg = self.model.leg
-        if leg.chain is not None:
-            found |= {name: leg.joint_names[k // 3] for k, name in enumerate(leg.parameter_names)}
-        for block in self.model.blocks:
-            found |= {name: leg.joint_names[block.joints[0]] for name in block.names if name in found}
-        return tuple(found.values())
 
 
 def gaussian(rate: float, cutoff: float) -> FloatArray:

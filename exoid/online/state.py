@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from .settings import LAGS, Settings
 
 REMEMBERED = 100
-"""Largest number of changes, and of drifts, that a state lists."""
+"""Largest number of changes that a state lists."""
 
 UNKNOWN, STICKING = 1e6, 1.0
 """Marks of a sample that must not touch a row, and of one at which a joint may stick."""
@@ -60,23 +60,6 @@ class Detector(NamedTuple):
         return np.maximum(1.0, self.level / max(self.looks, 1.0))
 
 
-class Epochs(NamedTuple):
-    """Estimates of consecutive epochs, of which those of the first are the reference."""
-
-    R: FloatArray  # R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1)
-    rows: FloatArray  # number of rows of each joint in it, (n,)
-    time: float  # time of rows in it [s]
-    values: FloatArray  # estimates of the last three epochs, the latest first, (3, P)
-    variances: FloatArray  # their variances, (3, P)
-    number: int  # number of epochs so far
-    score: FloatArray  # sum of the estimates of the reference over their variances, (P,)
-    precision: FloatArray  # sum of the inverse variances, (P,)
-    references: FloatArray  # number of epochs in the reference, (P,)
-    behind: FloatArray  # number of epochs behind it, (P,)
-    scatter: FloatArray  # sum of squared second differences of consecutive epochs over their variances, (P,)
-    bends: float  # number of these differences
-
-
 class Change(NamedTuple):
     """Change of parameters that was detected.
 
@@ -105,36 +88,6 @@ class Change(NamedTuple):
         return f"{self.time:.2f} s: {self.kind}{where} changed ({', '.join(self.parameters)})"
 
 
-class Drift(NamedTuple):
-    """Slow change of a parameter that was detected.
-
-    Attributes:
-        sample: Samples that had been received when it was detected.
-        time: The same [s].
-        joint: Joint of the parameter; "" for none.
-        parameter: Name of the parameter.
-        before: Its mean over the epochs of the reference.
-        after: Its mean over the last epochs.
-        std: Standard deviation of the difference.
-        statistic: Statistic over its threshold.
-    """
-
-    sample: int
-    time: float
-    joint: str
-    parameter: str
-    before: float
-    after: float
-    std: float
-    statistic: float
-
-    def __str__(self) -> str:
-        """Write one sentence."""
-        return (
-            f"{self.time:.0f} s: {self.parameter} drifted from {self.before:.4g} to {self.after:.4g} ± {self.std:.2g}"
-        )
-
-
 class State(NamedTuple):
     """All that a recursive estimator knows."""
 
@@ -150,8 +103,6 @@ class State(NamedTuple):
     detector: Detector
     checkpoints: tuple[Information, ...]  # information one, two and three seconds ago, for the case of a change
     changes: tuple[Change, ...]
-    epochs: Epochs
-    drifts: tuple[Drift, ...]
 
 
 def begin(settings: Settings) -> State:
@@ -185,18 +136,8 @@ def begin(settings: Settings) -> State:
         ),
         checkpoints=(Information(R, rows),) * 3,
         changes=(),
-        epochs=no_epochs(settings),
-        drifts=(),
     )
     return restarted(settings, state)
-
-
-def no_epochs(settings: Settings) -> Epochs:
-    """Begin without any epoch, as behind a sudden change."""
-    n, P = settings.n, settings.count
-    none, last = np.zeros(P), np.zeros((3, P))
-    R = np.zeros((n, P + 1, P + 1))
-    return Epochs(R, np.zeros(n), 0.0, last, last + np.inf, 0, none, none, none, none, none, 0.0)
 
 
 def restarted(settings: Settings, state: State) -> State:

@@ -243,7 +243,6 @@ def test_wrong_samples_are_refused(leg, arguments, kind):
         {"cutoff": -1.0},
         {"torque_limits": (1.0,)},
         {"false_alarms": -1.0},
-        {"epoch": 0.0},
     ],
 )
 def test_settings_out_of_range_are_refused(leg, settings):

@@ -132,9 +132,6 @@ def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Find
         evidence = gather(fitted, State.of(gather(fitted, fitted.values), ()).values)
     faults = find_faults(fitted, evidence)
     finer = findings_of(model, faults)
-    if any(finding.kind == "cross-talk" and finding.value > 0.3 for finding in finer):
-        # No torque sensor sees so large a part of other joints' torques: motors of a coupling do.
-        finer = tuple(one for one in gross_findings(fitted) if one.kind == "coupled-joints") or finer
     known = {(finding.kind, finding.joint) for finding in scales}
     if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
         known.add(("torque-scale", model.joint_names[1]))

@@ -48,9 +48,8 @@ def fit_torques(
     of_joints: Sequence[FloatArray],
     order: Sequence[int] = (),
     factors: Sequence[float] = (),
-    mixed: tuple[int, int] | None = None,
 ) -> tuple[float, FloatArray]:
-    """Fit torques read otherwise, or with a share of each other in two joints: mean log residual/torque, all values."""
+    """Fit torques read otherwise: mean log residual/torque, and free values."""
     model, n, driven = fitted.model, len(of_joints), driven_joints(of_joints)
     order, factors = order or range(n), factors or (1.0,) * n
     count, free = len(model.names), ~np.isfinite(fitted.fixed)
@@ -58,14 +57,10 @@ def fit_torques(
     rows = []
     for joint in np.flatnonzero(driven).tolist():
         R = of_joints[joint]
-        W = R[:, :count][:, free]
-        if mixed is not None:
-            W = np.column_stack([W, *(-R[:, count + k] * (j == joint) for j, k in (mixed, mixed[::-1]))])
-        rows.append((W, factors[joint] * R[:, count + order[joint]] - R[:, :count] @ known))
+        rows.append((R[:, :count][:, free], factors[joint] * R[:, count + order[joint]] - R[:, :count] @ known))
     level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), 1e-12)
     # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive.
     lower = np.where(never_negative(model)[free], 0.0, -np.inf)
-    lower = lower if mixed is None else np.append(lower, (-np.inf, -np.inf))
     weights = 1.0 / level
     for _ in range(3):  # weights of the joints and residuals in turn
         A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])

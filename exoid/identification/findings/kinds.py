@@ -143,7 +143,8 @@ KINDS = {
     "cross-talk": Kind(
         5e-3,
         "the torque sensor of {joint} also sees the torques of other joints ({largest:.1%})",
-        "calibrate the sensors together, with a full matrix",
+        "calibrate the sensors together, with a full matrix; torques of motors of a differential or a belt are mixed, "
+        "too: describe the coupling (exoid.actuators.Coupling)",
     ),
 }
 """Kinds of fault, in the units of their findings."""

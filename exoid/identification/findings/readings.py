@@ -1,9 +1,4 @@
-"""Gross faults: does the log fit by far better with other signs, orders, or units, or as torques of coupled motors?
-
-Motors of a coupling have the torques τ_m = Aᵀ τ, so that τ = B τ_m with B = A⁻ᵀ. A common factor of B is one of the
-masses. Near a guess of B, corrections b and b' to τ_i + b τ_k = W_i β and τ_k + b' τ_i = W_k β are linear beside β.
-Friction of the motors depends on B, which is therefore found in a few rounds, from several guesses.
-"""
+"""Gross faults: does the log fit by far better with other signs, orders or units?"""
 
 from __future__ import annotations
 
@@ -15,11 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import Coupling, motor_terms
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.signals import Poses, Recording
-from exoid.torques import CoupledTerm, TorqueModel
 
 from .factors import driven_joints, fit_torques, torque_factors
 from .sample import FittedLeg
@@ -28,18 +21,6 @@ POOR = 0.2  # other readings of the log are worth trying where the model leaves 
 FITS_BETTER, CLEARLY = 1.6, 1.1
 """Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
 joints there are; and in one that is more far-fetched than another."""
-
-GUESSES = (
-    ((1.0, 1.0), (1.0, -1.0)),
-    ((1.0, 1.0), (-1.0, 1.0)),
-    ((1.0, -1.0), (1.0, 1.0)),
-    ((-1.0, 1.0), (1.0, 1.0)),
-    ((1.0, 1.0), (0.0, 1.0)),
-    ((1.0, -1.0), (0.0, 1.0)),
-    ((1.0, 0.0), (1.0, 1.0)),
-    ((1.0, 0.0), (-1.0, 1.0)),
-)
-"""B of differentials and of belts, from which the search starts."""
 
 
 class Reading(NamedTuple):
@@ -101,24 +82,20 @@ def _pairs_of(joints: int) -> Iterable[tuple[int, int]]:
 
 
 def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
-    """Try other signs, orders of joints and units, and coupled motors; report the one that fits by far better."""
-    model, trial = fitted.model, fitted._replace(data=_shortened(fitted.data))
+    """Try other signs, orders of joints and units; report the one that fits by far better."""
+    trial = fitted._replace(data=_shortened(fitted.data))
     try:
         as_logged = torque_factors(trial, trial.data)
         reference, _ = fit_torques(trial, as_logged)
         best, least = _best_reading(trial, as_logged, reference)
-        loaded = any(isinstance(one, Recording) and one.loaded_links for one in trial.data)
-        coupled = None if loaded else _coupled_joints(trial, as_logged, reference)  # errors of a force mix torques too
     except (ExoidError, np.linalg.LinAlgError):
         return ()
-    # Coupled joints have numbers of their own to fit, and have to fit half as well again.
-    if coupled is not None and coupled.misfit < least - np.log(1.5):
-        return (_coupling_finding(model, coupled, reference),)
     if best is None:
         return ()
     ratio = float(np.exp(reference - least) / CLEARLY ** _share_of_two(as_logged))
     message, value = f"{best.message}: residuals are then {ratio:.3g} times smaller", best.value or ratio
-    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=model.names),)
+    names = fitted.model.names
+    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=names),)
 
 
 def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: float) -> tuple[Reading | None, float]:
@@ -165,74 +142,3 @@ def _shortened(data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ..
         kept.append(one.slice(0, left) if cut and isinstance(one, Recording) else one)
         left -= len(one)
     return tuple(kept)
-
-
-class _Coupled(NamedTuple):
-    """Two joints whose logged torques are mixed."""
-
-    joints: tuple[int, int]  # indices of both
-    matrix: FloatArray  # B, with the largest entry of each row 1 or −1, (2, 2)
-    misfit: float  # mean logarithm of residual over torque of the joints
-
-
-def _coupled_joints(fitted: FittedLeg, factors: Sequence[FloatArray], reference: float) -> _Coupled | None:
-    """Look for two joints whose torques are mixed."""
-    driven = driven_joints(factors)
-    pairs = [pair for pair in _pairs_of(len(driven)) if driven[pair[0]] and driven[pair[1]]]
-    found = [
-        better for pair in pairs for guess in GUESSES for better in _corrected(fitted, pair, np.array(guess), rounds=1)
-    ]
-    found.sort(key=lambda one: one.misfit)
-    # the three guesses that fit best after a round are followed for three more
-    ends = [end for one in found[:3] for end in _corrected(fitted, one.joints, one.matrix, rounds=3)]
-    best = min(ends, key=lambda one: one.misfit, default=None)
-    # A joint has a tenth of the other torque at least, in whatever order, and residuals are 2.5 times smaller.
-    if best is None or np.sort(np.abs(best.matrix), axis=1)[:, 0].max() <= 0.1:
-        return None
-    return best if best.misfit < reference - np.log(2.5) else None
-
-
-def _corrected(fitted: FittedLeg, pair: tuple[int, int], B: FloatArray, *, rounds: int) -> Iterator[_Coupled]:
-    """Correct B, with friction of motors as it would be, A = B⁻ᵀ; nothing where that fails."""
-    model, (one, other) = fitted.model, (fitted.model.joint_names[k] for k in pair)
-    of_joints = tuple(term for term in model.terms if not isinstance(term, CoupledTerm))
-    known = {name: value for name, value in zip(model.names, fitted.fixed, strict=True) if np.isfinite(value)}
-    try:
-        for _ in range(rounds):
-            coupling = Coupling((one, other), tuple(map(tuple, np.linalg.inv(B).T.tolist())))
-            coupled = TorqueModel(model.leg, (*of_joints, *motor_terms(coupling)), separate=tuple(known))
-            fixed = np.array([known.get(name, np.nan) for name in coupled.names])
-            trial = fitted._replace(model=coupled, fixed=fixed)
-            factors = torque_factors(trial, [_unmixed(log, pair, B) for log in fitted.data])
-            misfit, values = fit_torques(trial, factors, mixed=pair)
-            B = np.array([[1.0, values[-2]], [values[-1], 1.0]]) @ B
-            B = B / np.abs(B).max(axis=1, keepdims=True)
-    except (ExoidError, np.linalg.LinAlgError):
-        return
-    if np.isfinite(B).all():
-        yield _Coupled(pair, B, misfit)
-
-
-def _unmixed(one: Recording | Poses, pair: Sequence[int], B: FloatArray) -> Recording | Poses:
-    """Torques of the joints, if those logged were of motors: τ = B τ_m."""
-    if one.tau is None:
-        return one
-    tau = one.tau.copy()
-    tau[:, list(pair)] = tau[:, list(pair)] @ B.T
-    return replace(one, tau=tau)
-
-
-def _coupling_finding(model: TorqueModel, coupled: _Coupled, reference: float) -> Finding:
-    """Describe two joints whose torques are mixed."""
-    one, other = (model.joint_names[k] for k in coupled.joints)
-    ratio = float(np.exp(reference - coupled.misfit))
-    sums = [f"{row[0]:+.2g} τ({one}) {row[1]:+.2g} τ({other})" for row in coupled.matrix.tolist()]
-    message = (
-        f"the torques logged for {one} and {other} are mixed, as those of motors of a differential or a belt are: "
-        f"residuals are {ratio:.2g} times smaller with {sums[0]} for {one} and {sums[1]} for {other}, in some unit"
-    )
-    remedy = (
-        'describe the coupling, q = A θ_m (exoid.actuators.Coupling, or type = "coupling" in the file for '
-        "--actuators), and read these columns as motor torques, tm_<joint>"
-    )
-    return Finding("coupled-joints", f"{one}, {other}", ratio, "1", "error", message, remedy, parameters=model.names)

@@ -1,14 +1,12 @@
-"""Wrong attachment points and torques of coupled motors are found in the example log, and right ones are not."""
+"""Wrong attachment points are found in the example log, and right ones are not."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.actuators import Actuators, Coupling, LinearActuator, MomentArmTable, read_actuators
+from exoid.actuators import LinearActuator, MomentArmTable, read_actuators
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 
 DATA = exoid.datasets.bleex_swing()
@@ -47,25 +45,3 @@ def test_arms_of_joints_with_torque_sensors_are_not_tested() -> None:
     data = actuators_to_data(CYLINDERS)
     data["left_hip"]["second"]["point"][0] += 0.010
     assert not exoid.check(LEG, DATA.train, actuators=actuators_from_data(data, LEG))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("matrix", [((0.5, 0.5), (0.5, -0.5)), ((1.0, 0.0), (1.0, 1.0))])
-def test_torques_of_coupled_motors_are_found_with_their_matrix(matrix) -> None:
-    coupled = Actuators.of(LEG, {"both": Coupling(("hip", "knee"), matrix)})
-    log = coupled.readings(DATA.train)
-    assert log.tau is not None
-    mixed = replace(log, tau=np.where(np.isnan(log.tau), log.motor_torque, log.tau), motor_torque=None)
-    ((joints, ratio),) = kinds(exoid.check(LEG, mixed), "coupled-joints")
-    assert joints == "left_hip, left_knee"
-    assert ratio > 2.5
-    assert not kinds(exoid.check(LEG, log, actuators=coupled), "coupled-joints")
-
-
-@pytest.mark.slow
-def test_swapped_torques_and_wrong_signs_are_no_coupling() -> None:
-    assert DATA.train.tau is not None
-    for tau in (DATA.train.tau[:, [1, 0, 2]], DATA.train.tau * [1.0, -1.0, 1.0]):
-        found = exoid.check(LEG, replace(DATA.train, tau=tau))
-        assert not kinds(found, "coupled-joints")
-        assert kinds(found, "joint-order") or kinds(found, "torque-sign")
