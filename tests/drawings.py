@@ -58,6 +58,16 @@ def objects(scene):
     return {c["path"]: c["object"] for c in scene.commands if c["type"] == "set_object"}
 
 
+def mounts(scene):
+    """Path of the frame of each joint, leg by leg; its body is the child "body"."""
+    return [path.removesuffix("/axis") for path in objects(scene) if path.endswith("/axis")]
+
+
+def root(scene):
+    """Path of the torso of the first leg."""
+    return "/".join(mounts(scene)[0].split("/")[:3])
+
+
 def meshes(drawn):
     """Geometry, material and place of each mesh of a three.js object."""
     geometries = {g["uuid"]: g for g in drawn["geometries"]}

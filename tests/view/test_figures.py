@@ -33,7 +33,7 @@ from exoid.view.experiments import (
     plot_stiffness,
     plot_torques,
 )
-from exoid.view.fit import plot_coverage, plot_excitation, plot_friction_fit
+from exoid.view.fit import plot_excitation, plot_friction_fit
 from exoid.view.parameters import STRONG, strongest_pairs
 from exoid.view.report.page import Picture, paper_figure
 from exoid.view.style import COLUMN, PAGE
@@ -238,14 +238,9 @@ def test_few_samples_have_dots_but_no_mean():
     assert not ax.containers
 
 
-def test_excitation_and_coverage_are_drawn_in_degrees_and_infinite_limits_not_at_all():
+def test_excitation_is_drawn_in_degrees():
     _, ax = drawn(lambda ax: plot_excitation(ax, TIME, 2.0 * TIME, 0, "hip"))
     np.testing.assert_allclose(ax.lines[0].get_xdata(), np.rad2deg(TIME))
-    q, limits = np.column_stack([TIME, -TIME]), (np.array([-1.0, -5.0]), np.array([5.0, 1.0]))
-    _, ax = drawn(lambda ax: plot_coverage(ax, q, ("hip", "knee"), limits))
-    np.testing.assert_allclose(ax.lines[1].get_xdata(), np.rad2deg([-1.0, 5.0, 5.0, -1.0, -1.0]))
-    _, ax = drawn(lambda ax: plot_coverage(ax, q, ("hip", "knee"), (limits[0], np.array([np.inf, 1.0]))))
-    assert len(ax.lines) == 1
 
 
 def law_run(law, size):

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from drawings import meshes, objects
 from matplotlib.figure import Figure
 from worn import log, push, swing, unworn_estimate
 
@@ -13,7 +12,6 @@ import exoid
 from exoid import ExoidError
 from exoid.control.wearer.gait import profile
 from exoid.view import plot_interaction, scene
-from exoid.view.colours import WEARER
 from exoid.view.forces import draw_gait_profile
 from exoid.view.report import interaction_report
 
@@ -56,18 +54,13 @@ def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate,
         assert (np.sign(scales[known, 1])[big] == np.sign(size)[big]).all()
 
 
-def test_the_wearer_is_translucent_and_the_arrows_have_their_own_scale(estimate, recording, found):
+def test_arrows_of_the_wearer_have_their_own_scale(estimate, recording, found):
     drawn = scene(estimate, recording=recording, interaction=found)
     scales = {layer.label: layer.scale for layer in drawn.layers}
     length, torque = re.fullmatch(r"radius of ([0-9.]+) m = ([0-9.]+) N·m", scales["torque of the wearer"]).groups()
     assert length == scales["measured torque"].split()[2]
     assert float(torque) == pytest.approx(np.abs(found.torque).max(), rel=0.01)
     assert scales["measured torque"] != scales["torque of the wearer"]
-    limbs = [objects(drawn)[path] for path in arrows(drawn, "wearer")]
-    assert len(limbs) == len(found.joint_names)
-    surfaces = [material for limb in limbs for _, material, _ in meshes(limb)]
-    assert {(each["opacity"], each["color"]) for each in surfaces} == {(0.25, int(WEARER[1:], 16))}
-    assert "wearer" not in [layer.label for layer in scene(estimate, recording=recording).layers]
 
 
 def test_the_prediction_beside_a_wearer_is_that_without_one(estimate, recording, found):

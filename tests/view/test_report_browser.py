@@ -18,6 +18,8 @@ from exoid.view.report import identification_report
 
 WIDE, PHONE = (1100, 900), (390, 844)
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def url(tmp_path_factory):

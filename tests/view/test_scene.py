@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from drawings import meshes, objects, places, scene_of, unpacked
+from drawings import meshes, mounts, objects, places, root, scene_of, unpacked
 from example_robot_data.robots_loader import ROBOTS, getModelPath
 from planar_chains import random_chain
 
@@ -22,6 +22,7 @@ from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
 from exoid.view.report.blocks import replay_blocks
 from exoid.view.scenes.leg_geometry import STEEL
 from exoid.view.scenes.page import _viewer_file as viewer_file
+from exoid.view.scenes.skeleton import Skeleton
 
 RNG = np.random.default_rng(6)
 TIME = np.arange(90) / 60.0
@@ -52,7 +53,7 @@ def leg(request):
 
 def body_paths(leg, drawn):
     """Path of each moving body, from the torso outwards."""
-    return list(drawn.legs[0].joint_paths), [f"{mount}/body" for mount in drawn.legs[0].joint_paths]
+    return mounts(drawn), [f"{mount}/body" for mount in mounts(drawn)]
 
 
 def motion(leg, time=TIME):
@@ -169,7 +170,7 @@ def test_torque_arrows_grow_and_turn_with_the_measured_torque():
     assert "measured torque" in [layer.label for layer in drawn.layers]
     for frame in (3, 17, 31):
         found = places(drawn, frame / 30.0)
-        for j, mount in enumerate(drawn.legs[0].joint_paths):
+        for j, mount in enumerate(mounts(drawn)):
             tau, scale = recording.tau[2 * frame, j], found[f"{mount}/torque/arrow"][:3, :3]
             assert np.linalg.norm(scale[:, 0]) ** 2 == pytest.approx(abs(tau) / largest, rel=2e-3)
             (_, _, _), (_, _, head) = meshes(objects(drawn)[f"{mount}/torque/arrow"])
@@ -177,7 +178,7 @@ def test_torque_arrows_grow_and_turn_with_the_measured_torque():
             axis = found[f"{mount}/axis"] @ meshes(objects(drawn)[f"{mount}/axis"])[0][2]
             arm = tip[:3, 3] - axis[:3, 3]
             moment = np.cross(arm, tip[:3, 1]) @ leg.chain.plane.lateral  # a cone points along its y
-            positive = found[mount][:3, :3] @ drawn.legs[0].skeleton.axes[j] @ leg.chain.plane.lateral
+            positive = found[mount][:3, :3] @ Skeleton(leg).axes[j] @ leg.chain.plane.lateral
             assert np.sign(moment) == np.sign(tau) * np.sign(positive)
 
 
@@ -187,7 +188,7 @@ def test_without_recorded_torque_the_arrows_hold_the_leg_against_gravity():
     assert "torque against gravity" in [layer.label for layer in drawn.layers]
     gravity = leg.gravity([0.5, 0.0, 0.0])[0]
     found = places(drawn)
-    for j, mount in enumerate(drawn.legs[0].joint_paths):
+    for j, mount in enumerate(mounts(drawn)):
         squared = np.linalg.norm(found[f"{mount}/torque/arrow"][:3, 0]) ** 2
         assert squared == pytest.approx(abs(gravity[j]) / np.abs(gravity).max(), rel=1e-3, abs=1e-5)
 
@@ -198,7 +199,7 @@ def test_an_estimate_shows_its_links_beside_those_of_cad():
     drawn = scene(estimate, recording=data.test)
     p = len(data.leg.parameter_names)
     lifted = exoid.lift.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
-    for mount, row in zip(drawn.legs[0].joint_paths, lifted.link_parameters, strict=True):
+    for mount, row in zip(mounts(drawn), lifted.link_parameters, strict=True):
         ((_, material, place),) = meshes(objects(drawn)[f"{mount}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], row[1:4] / row[0], atol=1e-5)
         assert material["color"] == int(IDENTIFIED[1:], 16)
@@ -211,8 +212,8 @@ def test_published_legs_stand_beside_cad_by_their_joints():
     legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
     identified = [exoid.load_leg("bleex", side, "identified") for side in ("right", "left")]
     drawn = scene(*legs, identified=identified)
-    for leg, standing in zip(identified[::-1], drawn.legs, strict=True):
-        ((_, _, place),) = meshes(objects(drawn)[f"{standing.joint_paths[0]}/body/mass identified"])
+    for leg, hip in zip(identified[::-1], mounts(drawn)[::3], strict=True):
+        ((_, _, place),) = meshes(objects(drawn)[f"{hip}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], leg.model.inertias[1].lever, atol=1e-5)
 
 
@@ -250,7 +251,7 @@ def test_a_recording_of_one_leg_leaves_the_other_as_posed():
     (animation,) = [c for c in drawn.commands if c["type"] == "set_animation"]
     assert all(a["path"].startswith("/exoid/left leg") for a in animation["animations"])
     rotation, _ = right.forward_kinematics([0.0, -0.5, 0.0])
-    found = places(drawn, 0.5)[f"{drawn.legs[1].joint_paths[1]}/body"]
+    found = places(drawn, 0.5)[f"{mounts(drawn)[4]}/body"]
     np.testing.assert_allclose(found[:3, :3], rotation[0, 1], atol=1e-4)
 
 
@@ -258,13 +259,13 @@ def test_a_recording_of_one_leg_leaves_the_other_as_posed():
 def test_links_fixed_by_locked_joints_are_drawn():
     """A thigh that carries the moving knee, and the fingers of a hand."""
     knee = Leg.from_urdf(Path(__file__).parents[2] / "urdf" / "bleex.urdf", ("left_knee", "left_ankle"))
-    hip = objects(scene(knee))[f"/exoid/{scene(knee).legs[0].root.rsplit('/')[-1]}/shape"]
-    root = knee.description.parse()
-    count = sum(len(root.findall(f"link[@name='{name}']/visual")) for name in ("torso", "left_thigh"))
+    hip = objects(scene(knee))[f"{root(scene(knee))}/shape"]
+    robot_ = knee.description.parse()
+    count = sum(len(robot_.findall(f"link[@name='{name}']/visual")) for name in ("torso", "left_thigh"))
     assert len(meshes(hip)) == count
     panda = robot("panda", [f"panda_joint{k}" for k in range(1, 8)])
     drawn = scene(panda, meshes=folder_of_panda())
-    hand = meshes(objects(drawn)[f"{drawn.legs[0].joint_paths[-1]}/body/shape"])
+    hand = meshes(objects(drawn)[f"{mounts(drawn)[-1]}/body/shape"])
     assert len(hand) >= 4  # the last link, the hand and two fingers, each with a part for every colour of its file
     assert len({material["color"] for _, material, _ in hand}) >= 3
     assert drawn.notes == ()
@@ -375,8 +376,7 @@ def test_a_urdf_in_millimetres_is_refused():
 
 def test_the_same_leg_is_drawn_twice_if_given_twice():
     leg = exoid.load_leg("cuhk")
-    first, second = scene(leg, leg).legs
-    assert first.root != second.root
+    assert len({path.split("/")[2] for path in mounts(scene(leg, leg))}) == 2
 
 
 def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path):

@@ -61,6 +61,7 @@ def test_both_legs_in_a_file_without_a_network(browser, tmp_path):
         assert page.evaluate("document.title") == "bleex, left leg, right leg"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(400, 800), (1600, 500)])
 def test_the_leg_fills_windows_of_any_shape(browser, tmp_path, size):
     scene(exoid.load_leg("bleex", "right")).save(tmp_path / "leg.html")
@@ -74,6 +75,7 @@ def test_the_leg_fills_windows_of_any_shape(browser, tmp_path, size):
         assert page.problems == []
 
 
+@pytest.mark.slow
 def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
     scene(estimate).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri()) as page:
@@ -89,6 +91,7 @@ def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
         np.testing.assert_array_equal(page.screenshot()[:, LEGEND:], before)
 
 
+@pytest.mark.slow
 def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, data, estimate):
     predicted = predict_motion(estimate, data.test)
     scene(estimate, recording=data.test, ghost=predicted, ghost_label="predicted").save(tmp_path / "leg.html")
@@ -124,6 +127,7 @@ def scrubbed(page, time):
     return page.screenshot()
 
 
+@pytest.mark.slow
 def test_a_page_can_start_at_a_time(browser, tmp_path, data):
     scene(data.leg, recording=data.test).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
@@ -133,6 +137,7 @@ def test_a_page_can_start_at_a_time(browser, tmp_path, data):
         assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
 
 
+@pytest.mark.slow
 def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, data):
     """A translucent one in the colour of the model."""
     apart = exoid.Recording(
@@ -149,19 +154,12 @@ def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, data):
         assert (picture[seen] @ [-1, 0, 1] > without[seen] @ [-1, 0, 1]).mean() > 0.9  # bluer
 
 
-def test_a_served_page_follows_poses_from_python(browser):
-    drawn = scene(exoid.load_leg("cuhk"))
-    with drawn.serve(0) as server, browser.page(server.url) as page:
+@pytest.mark.slow
+def test_a_served_page_shows_the_leg(browser):
+    with scene(exoid.load_leg("cuhk")).serve(0) as server, browser.page(server.url) as page:
         page.wait_for(READY)
-        before = page.screenshot("cuhk")
-        assert_leg_is_drawn(before, CAD)
-        server.pose({"left_hip": 0.9})
-        body = "window.exoid.viewer.scene_tree.find(['exoid', 'left leg', 'left_hip', 'body']).object.quaternion.y"
-        page.wait_for(f"Math.abs(Math.abs({body}) - Math.sin(0.45)) < 1e-3")
-        moved = np.abs(page.screenshot().astype(int) - before).max(axis=-1) > 30
-        assert moved.mean() > 0.01
-        assert page.problems == []
-        assert all(request.startswith(server.url) for request in page.requests)
+        assert_leg_is_drawn(page.screenshot("cuhk"), CAD)
+        assert_quiet(page, server.url)
 
 
 def framed(scenes):
@@ -177,6 +175,7 @@ def reported(scenes):
     ).html()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("write", [framed, reported])
 def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
     scenes = [scene(exoid.load_leg("bleex", "right")), scene(exoid.load_leg("cuhk"))]
@@ -195,8 +194,9 @@ def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
         assert_quiet(page, url)
 
 
-def test_errors_within_a_frame_are_detected(browser, tmp_path):
-    """The test above can fail."""
+@pytest.mark.slow
+def test_errors_and_requests_within_a_frame_are_detected(browser, tmp_path):
+    """The tests above can fail."""
     broken = EmbeddedPage("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
     (tmp_path / "page.html").write_text(Page("x", [], [Section("y", [broken])]).html(), "utf-8")
     with browser.page((tmp_path / "page.html").as_uri()) as page:
@@ -207,6 +207,7 @@ def test_errors_within_a_frame_are_detected(browser, tmp_path):
         assert ["lost"] in page.problems
 
 
+@pytest.mark.slow
 def test_a_seven_joint_arm_with_meshes(browser, tmp_path):
     from example_robot_data.robots_loader import ROBOTS, getModelPath  # noqa: PLC0415
 
@@ -233,6 +234,7 @@ def test_a_seven_joint_arm_with_meshes(browser, tmp_path):
         assert_quiet(page, url)
 
 
+@pytest.mark.slow
 def test_a_scene_that_breaks_says_so(browser, tmp_path):
     """The tests above can fail: they see an error in the page, and so does its reader."""
     page_text = (
@@ -245,11 +247,3 @@ def test_a_scene_that_breaks_says_so(browser, tmp_path):
         page.wait_for("document.querySelector('#legend summary').textContent !== ''")
         assert page.problems
         assert "cannot show" in page.evaluate("document.querySelector('#legend summary').textContent")
-
-
-def test_a_request_that_would_leave_the_machine_is_detected(browser, tmp_path):
-    (tmp_path / "page.html").write_text("<img src='http://example.com/a.png'>", "utf-8")
-    with browser.page((tmp_path / "page.html").as_uri()) as page:
-        assert "http://example.com/a.png" in page.requests
-        page.wait_for("document.images[0].complete")
-        assert UNRESOLVED in page.problems

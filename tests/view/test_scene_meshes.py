@@ -105,19 +105,6 @@ def test_a_mesh_takes_no_material_from_outside_of_its_folder(tmp_path):
     assert not {hexadecimal(RED), hexadecimal(BLUE)} & {mesh.colour for mesh in found}
 
 
-def test_a_dae_whose_materials_do_not_exist_is_read_by_assimp(tmp_path):
-    """Its triangles are lost in trimesh; exporters of CAD programs write such files."""
-    write(tmp_path / "shank.dae", two_boxes())
-    text = (tmp_path / "shank.dae").read_text(encoding="utf-8")
-    broken = re.sub(r"<library_effects>.*</library_effects>", "", text, flags=re.DOTALL)
-    assert broken != text
-    (tmp_path / "shank.dae").write_text(broken, encoding="utf-8")
-    assert not trimesh.load_scene(tmp_path / "shank.dae").geometry
-    (found,) = read_mesh(str(tmp_path / "shank.dae"), [1.0, 1.0, 1.0])
-    np.testing.assert_allclose(np.ptp(found.points, axis=0), [0.1, 0.2, 0.6], atol=1e-6)
-    assert found.colour is None
-
-
 def test_a_mesh_of_many_triangles_is_simplified_and_keeps_its_shape(tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
     ball.export(tmp_path / "ball.stl")
@@ -132,7 +119,7 @@ def test_a_mesh_of_many_triangles_is_simplified_and_keeps_its_shape(tmp_path):
 def test_triangles_of_vertices_that_do_not_exist_are_refused(index, monkeypatch, tmp_path):
     """Found by mutated PLY files."""
     bad = trimesh.Trimesh(np.eye(3), [[0, 1, 2], [0, 1, index]], process=False)
-    monkeypatch.setattr("exoid.view.scenes.meshes._by_trimesh", lambda _: [bad])
+    monkeypatch.setattr("exoid.view.scenes.meshes._read", lambda _: [bad])
     with pytest.raises(ExoidError, match="cannot be read as a mesh: triangles of vertices that do not exist"):
         read_mesh(str(tmp_path / "a.ply"), [1.0, 1.0, 1.0])
 

@@ -18,7 +18,6 @@ from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
 from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import (
-    plot_coverage,
     plot_excitation,
     plot_friction_fit,
     plot_prediction,
@@ -143,17 +142,9 @@ def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPredict
 def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
     """Draw the angles and velocities that the recordings cover."""
     q, v = (np.concatenate(parts) for parts in zip(*((p.q, p.v) for p in predictions), strict=True))
-    labels, limits = estimate.model.leg.joint_labels, estimate.model.leg.limits
-    for joint, label in enumerate(labels):
+    for joint, label in enumerate(estimate.model.leg.joint_labels):
         yield Picture(
             on_axes(plot_excitation, q[:, joint], v[:, joint], joint, label),
             f"{label} velocity over {label} angle of all recordings",
             figure="excitation",
-        )
-    for joint in range(len(labels) - 1):
-        both = slice(joint, joint + 2)
-        yield Picture(
-            on_axes(plot_coverage, q[:, both], labels[both], (limits.lower[both], limits.upper[both])),
-            f"Angles of {labels[joint]} and {labels[joint + 1]} against each other",
-            figure="coverage",
         )

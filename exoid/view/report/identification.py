@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -35,7 +35,6 @@ def identification_report(
     estimate: Estimate,
     recordings: Sequence[Recording] = (),
     held_out: Sequence[Recording] = (),
-    other_values: Mapping[str, Mapping[str, float]] | None = None,
     cutoff: float | None = None,
 ) -> Page:
     """Report an estimate: its parameters, their uncertainty, its fit, and advice on what to record next.
@@ -44,7 +43,6 @@ def identification_report(
         estimate: The estimate.
         recordings: Recordings that it was fitted to; none for a report of the prediction of others.
         held_out: Recordings that it was not fitted to, to test the prediction.
-        other_values: Values by parameter name, by label, for comparison; None for those of the leg's URDF.
         cutoff: Cut-off frequency of the torques of held-out recordings [Hz]; None for the estimate's own preparation.
 
     Returns:
@@ -55,14 +53,11 @@ def identification_report(
     """
     if not (recordings or held_out):
         raise BadArgumentError("a report without recordings", remedy="pass those that the estimate was made from")
-    if other_values is None:
-        leg = estimate.model.leg
-        other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
     fitted = [predict_recording(estimate, recording) for recording in recordings]
     tested = [predict_recording(estimate, recording, cutoff) for recording in held_out]
     found = ordered([*estimate.findings, *(finding for each in tested for finding in each.validation.findings)])
     contents: dict[str, Iterable[Block]] = {
-        "Parameters": parameter_blocks(estimate, other_values),
+        "Parameters": parameter_blocks(estimate),
         "Findings": finding_blocks(found),
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),

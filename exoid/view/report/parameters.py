@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.comparison import Comparison
-from exoid.estimate.text import below_parameters, compared_table, parameter_rows
+from exoid.estimate.text import below_parameters, parameter_table
 from exoid.experiments.excitation import assess
 from exoid.signals import Recording
 from exoid.tools.tables import with_error
@@ -30,10 +30,12 @@ IDENTIFIABILITY = {
 """Text of each class of identifiability."""
 
 
-def parameter_blocks(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
-    """Draw parameters beside other values by label and name, those of each unit, and the correlation matrix."""
+def parameter_blocks(estimate: Estimate) -> Iterator[Block]:
+    """Draw parameters beside those of the URDF, those of each unit, and the strongest correlations."""
+    leg = estimate.model.leg
+    other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
     caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
-    yield compared_table(caption, parameter_rows(estimate), other_values)
+    yield parameter_table(estimate, caption)
     yield Text([sentence(line) for line in below_parameters(estimate)])
     for unit in dict.fromkeys(estimate.units):
         names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]

@@ -10,10 +10,9 @@ from exoid.view.colours import WEARER, WEIGHT
 
 from .commands import Drawing, Layer, child_path, moving, set_object, set_transform
 from .leg_geometry import LegGeometry
-from .placeholders import segment_ends
 from .replay import LegTrajectory, Replay, at_frames
 from .transforms import align_z, homogeneous
-from .visual import Material, Visual, cylinder, ellipsoid, torus
+from .visual import Material, Visual, cylinder, torus
 
 ARC = np.deg2rad(250.0)
 """Angle that a circular arrow spans [rad]."""
@@ -83,25 +82,16 @@ def draw_torques(geometry: LegGeometry, trajectory: LegTrajectory) -> Drawing:
 
 
 def draw_wearer(geometry: LegGeometry, replay: Replay, found: Interaction) -> Drawing:
-    """Draw the limb of the wearer, translucent, and its torque beside those of the actuators, on its own scale."""
-    names, skeleton = geometry.leg.joint_names, geometry.skeleton
+    """Draw the torque of the wearer beside those of the actuators, on its own scale."""
+    names = geometry.leg.joint_names
     if not {*names} <= {*found.joint_names}:
         return Drawing()
     known = np.nan_to_num(found.torque[:, [found.joint_names.index(name) for name in names]])
     torque = np.nan_to_num(at_frames(replay.time, found.time, known, gap=0.03))  # zero where none is known
     largest = float(np.abs(torque).max())
     drawing, paths = _around_axes(geometry, "wearer", torque, largest, WEARER, beside=0.05)
-    scale = f"radius of {TORQUE_RADIUS * skeleton.reach:.2g} m = {largest:.3g} N·m" if largest else ""
-    drawing += Drawing(layers=[Layer("torque of the wearer", (WEARER,), paths, scale=scale)])
-    flesh, limbs = Material(WEARER, opacity=0.25, finish="flat"), []
-    for body, joint in enumerate(geometry.joint_paths(geometry.root), 1):
-        limbs.append(f"{joint}/body/limb")
-        visuals = [ellipsoid(0.075 * skeleton.reach, flesh)]
-        for end in segment_ends(skeleton, body):
-            length = float(np.linalg.norm(end))
-            visuals.append(cylinder(0.06 * skeleton.reach, length, flesh).placed(homogeneous(0.5 * end, align_z(end))))
-        drawing += Drawing([set_object(limbs[-1], visuals, shadows=False)])
-    return drawing + Drawing(layers=[Layer("wearer", (WEARER,), tuple(limbs))])
+    scale = f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} N·m" if largest else ""
+    return drawing + Drawing(layers=[Layer("torque of the wearer", (WEARER,), paths, scale=scale)])
 
 
 def _around_axes(

@@ -98,9 +98,8 @@ def scene(
         title or _title(geometries),
         tuple(commands),
         _merge([(_leg_name(geometry), view.drawing.layers) for geometry, view in zip(geometries, views, strict=True)]),
-        camera(np.vstack([view.visible for view in views]), direction),
+        camera(np.vstack([view.seen for view in views]), direction),
         0.0 if replay is None else replay.duration,
-        tuple(view.posable for view in views),
         tuple(note for geometry in geometries for note in geometry.notes)
         + tuple(note for view in views for note in view.drawing.notes),
         tuple(

@@ -22,7 +22,7 @@ from .commands import ROOT, Drawing, Layer, child_path, moving, set_object
 from .leg_geometry import LegGeometry
 from .readings import Readings
 from .replay import Replay, at_frames
-from .standing import Standing, level_points
+from .standing import Standing
 from .transforms import align_z
 
 LENGTH = 0.6
@@ -102,8 +102,7 @@ def foot_readings(geometry: LegGeometry, loads: Loads) -> Iterator[Readings]:
     measured, predicted = loads.values()
     for link in dict.fromkeys([*measured, *predicted]):
         body = link_frame(geometry.leg.model, geometry.leg.description, link).body
-        corners, known = level_points(geometry, link)[:, :2], measured.get(link) or predicted[link]
-        outline = np.vstack([corners.min(axis=0), corners.max(axis=0)])
+        known = measured.get(link) or predicted[link]
         yield Readings(
             link,
             geometry.root if body < 0 else f"{geometry.joint_paths(geometry.root)[body]}/body",
@@ -113,5 +112,5 @@ def foot_readings(geometry: LegGeometry, loads: Loads) -> Iterator[Readings]:
             predicted[link].force[:, 2] if link in predicted else None,
             True,
             ("mm CoP", "N"),
-            sole=(1e3 * outline, 1e3 * known.centre[:, 1]),
+            foot=True,
         )

@@ -19,7 +19,7 @@ from exoid.leg.reduction.planar_machine import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
-from .placeholders import FRAME, body_placeholder, torso_placeholder
+from .placeholders import FRAME, body_placeholder
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
 from .urdf_visuals import read_visuals
@@ -87,6 +87,11 @@ class LegGeometry:
         for path, placement in zip(self.joint_paths(root), self.skeleton.placements, strict=True):
             yield set_transform(path, placement)
 
+    def pose(self, q: FloatArray) -> Iterator[Command]:
+        """Commands that move the joints to angles [rad], (n,)."""
+        for path, transform in zip(self.joint_paths(self.root), self.skeleton.joint_transforms(q)[0], strict=True):
+            yield set_transform(f"{path}/body", transform)
+
     def draw_bodies(self, root: str, material: Material | None = None) -> Iterator[Command]:
         """Commands that draw the bodies; all of one material if that is given."""
         for path, visuals in zip(
@@ -129,24 +134,17 @@ class LegGeometry:
             rings = [ring.placed(body.transform @ turn) for turn in turns]
             yield set_object(f"{path}/body/inertia {inertias.label}", [body, *rings], shadows=False)
 
-    def bounding_points(self, q: FloatArray) -> FloatArray:
+    def bounding_points(self, q: FloatArray, *, ellipsoids: bool = False) -> FloatArray:
         """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""
-        corners = [[visual.bounding_points for visual in visuals] for visuals in self.visuals]
-        return self._at_angles(corners, q)
-
-    def ellipsoid_points(self, q: FloatArray) -> FloatArray:
-        """Points of the torso's frame on the ellipsoids of inertia at some of the angles (F, n) [rad], (k, 3)."""
-        some = q[:: -(-len(q) // 300)]  # enough frames for the camera
-        bodies = zip(*(inertias.bodies for inertias in self.inertias), strict=True)
-        surfaces = [[_surface_points(inertia_ellipsoid(inertia, CAD)) for inertia in body] for body in bodies]
-        return self._at_angles([[], *surfaces], some)
-
-    def _at_angles(self, points: Sequence[Sequence[FloatArray]], q: FloatArray) -> FloatArray:
-        """Place points of each body, the torso first, at angles (F, n) [rad], (k, 3)."""
         placements = self.skeleton.body_placements(q)
+        corners = [[visual.bounding_points for visual in visuals] for visuals in self.visuals]
+        for inertias in self.inertias if ellipsoids else ():
+            for of_body, inertia in zip(corners[1:], inertias.bodies, strict=True):
+                place = inertia_ellipsoid(inertia, inertias.colour).transform  # its columns are the semi-axes
+                of_body.append(place[:3, 3] + np.vstack([place[:3, :3].T, -place[:3, :3].T]))
         placed = [
             np.einsum("fij,kj->fki", placements[:, body, :3, :3], each) + placements[:, body, np.newaxis, :3, 3]
-            for body, of_body in enumerate(points)
+            for body, of_body in enumerate(corners)
             if of_body
             for each in [np.vstack(of_body)]
         ]
@@ -161,7 +159,7 @@ def _visuals(skeleton: Skeleton, folder: Path | None) -> tuple[tuple[tuple[Visua
     for body, placements in enumerate(skeleton.links):
         visuals = [visual.placed(where) for name, where in placements.items() for visual in by_link.get(name, ())]
         if not visuals:
-            visuals = body_placeholder(skeleton, body, joint_colour(body - 1)) if body else torso_placeholder(skeleton)
+            visuals = body_placeholder(skeleton, body, joint_colour(body - 1)) if body else []
         bodies.append(tuple(visuals))
     return tuple(bodies), notes
 
@@ -181,13 +179,6 @@ def _name(leg: Leg) -> str:
         if all(name.startswith(side) for name in leg.joint_names):
             return f"{side.removesuffix('_')} leg"
     return Path(leg.description.name).stem
-
-
-def _surface_points(drawn: Visual) -> FloatArray:
-    """Points on an ellipsoid, in the frame in which it is drawn [m], (26, 3): along its axes and between them."""
-    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
-    directions = steps / np.linalg.norm(steps, axis=1, keepdims=True)
-    return np.asarray(directions @ drawn.transform[:3, :3].T + drawn.transform[:3, 3])
 
 
 def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:

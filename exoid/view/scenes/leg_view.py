@@ -20,7 +20,6 @@ from .leg_geometry import LegGeometry
 from .placeholders import FRAME
 from .readings import Readings
 from .replay import LegTrajectory, Replay
-from .scene import PosableLeg
 from .standing import Standing
 from .transforms import align_z, quaternions
 from .urdf_visuals import PLAIN
@@ -35,8 +34,7 @@ class LegView(NamedTuple):
 
     drawing: Drawing  # the leg, its forces and their motion
     points: FloatArray  # points whose convex hull contains the leg [m], (k, 3)
-    posable: PosableLeg  # the leg, for poses that are set later
-    visible: FloatArray  # points whose convex hull contains the leg and its ellipsoids [m], (k, 3)
+    seen: FloatArray  # points whose convex hull contains the leg and its ellipsoids [m], (k, 3)
     floor: float | None  # height of the ground [m] where the base moves, else None
     feet: tuple[Readings, ...]  # numbers of feet on the ground
 
@@ -52,7 +50,6 @@ def view_leg(
     """Draw a leg in a pose, or replaying a recording; its base moves where a recording tells how."""
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
     base = None if replay is None else Standing.of(geometry, replay)
-    posable = PosableLeg(geometry.skeleton, geometry.root, geometry.joint_paths(geometry.root))
     torso = geometry.skeleton.torso_placement(trajectory.pitch)
     if base is None:
         down = align_z(geometry.leg.gravity_of_tilted_torso(trajectory.pitch))
@@ -60,7 +57,7 @@ def view_leg(
     else:
         down = np.swapaxes(base.rotation, 1, 2) @ align_z((0.0, 0.0, -1.0))
         drawing = moving(geometry.root, base.position, base.rotation)
-    drawing += Drawing([*geometry.place_joints(geometry.root), *posable.pose(trajectory.q[0])])
+    drawing += Drawing([*geometry.place_joints(geometry.root), *geometry.pose(trajectory.q[0])])
     points, (leg, *others) = geometry.bounding_points(trajectory.q), _bodies(geometry)
     drawing += leg
     ghost = None if replay is None else replay.ghost_angles(geometry.leg)
@@ -79,9 +76,9 @@ def view_leg(
     if replay is not None and interaction is not None:
         drawing += draw_wearer(geometry, replay, interaction)
     # The camera stays on the leg: arrows of forces, which may be long, do not count.
-    seen = np.vstack([points, geometry.ellipsoid_points(trajectory.q)])
+    seen = np.vstack([points, geometry.bounding_points(trajectory.q, ellipsoids=True)])
     points, seen = (_placed(each, torso, base) for each in (points, seen))
-    return LegView(drawing, points, posable, seen, None if base is None else base.floor, feet)
+    return LegView(drawing, points, seen, None if base is None else base.floor, feet)
 
 
 def _placed(points: FloatArray, torso: FloatArray, base: Standing | None) -> FloatArray:

@@ -73,7 +73,7 @@ def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:
     import trimesh  # noqa: PLC0415
 
     by_colour: dict[str | None, list[Trimesh]] = {}
-    for mesh in _by_trimesh(file) or [_by_assimp(file)]:
+    for mesh in _read(file):
         if not np.isfinite(mesh.vertices).all():
             raise ValueError("vertices that are not finite numbers")
         if not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
@@ -87,26 +87,15 @@ def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:
     return parts
 
 
-def _by_trimesh(file: str) -> list[Trimesh]:
-    """Meshes of a file, each in its place; none where trimesh does not know the format, or finds no triangles."""
+def _read(file: str) -> list[Trimesh]:
+    """Meshes of a file, each in its place."""
     import trimesh  # noqa: PLC0415
 
-    if Path(file).suffix[1:].lower() not in trimesh.exchange.load.mesh_formats():
-        return []
     meshes = trimesh.load_scene(file, process=False).dump()
-    return [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
-
-
-def _by_assimp(file: str) -> Trimesh:
-    """Mesh of a file without colours, of more formats; trimesh drops parts of a DAE whose materials do not exist."""
-    import coal  # noqa: PLC0415
-    import trimesh  # noqa: PLC0415
-
-    read = coal.MeshLoader().load(file, np.ones(3))
-    triangles = [tuple(read.tri_indices(i)[k] for k in range(3)) for i in range(read.num_tris)]
-    if not triangles:
+    found = [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    if not found:
         raise ValueError("no triangles")
-    return trimesh.Trimesh(np.array(read.vertices()), np.array(triangles), process=False)
+    return found
 
 
 def _colour(mesh: Trimesh) -> str | None:

@@ -186,10 +186,8 @@ function play(viewer, scene) {
   script.textContent = await unpack("viewer");
   document.head.append(script);
   const scene = JSON.parse(await unpack("scene"));
-  const live = document.documentElement.dataset.live;
   const viewer = new MeshCat.Viewer(element("meshcat-pane"));
-  const draw = command => viewer.handle_command(command);
-  scene.commands.forEach(draw);
+  scene.commands.forEach(command => viewer.handle_command(command));
 
   const shadow = finder(viewer)("/Lights/SpotLight/<object>").object.shadow;
   shadow.normalBias = 0.02;
@@ -205,7 +203,7 @@ function play(viewer, scene) {
 
   const player = scene.duration > 0 ? play(viewer, scene) : null;
   const frame = fitCamera(viewer, scene.camera);
-  const updates = [showNames(viewer, scene, Boolean(live))];
+  const updates = [showNames(viewer, scene)];
   if (player) updates.push(player.update);
   if (player && scene.joints.some(joint => joint.measured)) updates.push(showPlot(scene, player.seek, frame));
   frame();
@@ -216,11 +214,6 @@ function play(viewer, scene) {
     requestAnimationFrame(update);
   })();
 
-  if (live) {
-    const source = new EventSource("events");
-    source.onmessage = message => JSON.parse(message.data).forEach(draw);
-    source.addEventListener("end", () => source.close());
-  }
   window.exoid = { viewer, scene };
 })().catch(error => {
   const legend = element("legend");

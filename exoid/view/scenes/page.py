@@ -19,7 +19,7 @@ from exoid.tools.extras import install_extra
 from exoid.view.colours import MEASURED, PREDICTED, WEARER, WEIGHT
 
 
-def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
+def write_page(scene: Mapping[str, Any]) -> str:
     """Render the page of a scene."""
     data = json.dumps(scene, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     pieces = {
@@ -30,8 +30,7 @@ def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
         "VIEWER": _packed(_viewer_file("dist/main.min.js")),
         "SCENE": _packed(data),
     }
-    page = re.sub(r"@([A-Z]+)@", lambda match: pieces[match[1]], _own_file("page.html"))
-    return page.replace("<html ", '<html data-live="1" ', 1) if live else page
+    return re.sub(r"@([A-Z]+)@", lambda match: pieces[match[1]], _own_file("page.html"))
 
 
 @lru_cache(maxsize=4)

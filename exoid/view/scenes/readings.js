@@ -9,8 +9,8 @@ function at(series, time) {
   return series[before] + (place - before) * (series[after] - series[before]);
 }
 
-// Names of the joints beside them, with angle and torque; poses from a server have no numbers.
-function showNames(viewer, scene, live) {
+// Names of the joints beside them, with angle and torque.
+function showNames(viewer, scene) {
   const node = finder(viewer), names = element("names");
   const labels = scene.joints.map(joint => {
     const label = make("span", names);
@@ -24,7 +24,7 @@ function showNames(viewer, scene, live) {
     if (!shown) return;
     scene.joints.forEach((joint, i) => {
       const numbers = [[at(joint.angle, time), joint.unit], [at(joint.torque, time), joint.torque_unit]]
-        .filter(([value]) => value !== null && !live)
+        .filter(([value]) => value !== null)
         .map(([value, unit]) => `${round(value, 1)} ${unit}`);
       labels[i].textContent = [joint.name, ...numbers].join("\n");
       const object = node(joint.path).object;
@@ -56,36 +56,15 @@ function curve(svg, className, series, height) {
   svg.append(made);
 }
 
-// Sole of a foot from above, its toes to the right, with the centre of pressure while it rests.
-function showSole(figure, foot) {
-  const [[back, right], [front, left]] = foot.sole.corners, svg = document.createElementNS(SVG, "svg");
-  svg.setAttribute("class", "sole");
-  svg.setAttribute("viewBox", `${back - 5} ${-left - 5} ${front - back + 10} ${left - right + 10}`);
-  svg.setAttribute("role", "img");
-  svg.setAttribute("aria-label", `Sole of ${foot.name} from above with the centre of pressure`);
-  const [sole, dot] = ["rect", "circle"].map(tag => svg.appendChild(document.createElementNS(SVG, tag)));
-  for (const [name, value] of Object.entries({ x: back, y: -left, width: front - back, height: left - right, rx: 8 })) sole.setAttribute(name, value);
-  dot.setAttribute("r", 8);
-  figure.append(svg);
-  const label = make("small", figure), way = (value, words) => `${round(Math.abs(value), 0)} mm ${words[value < 0 ? 0 : 1]}`;
-  return time => {
-    const force = at(foot.torque, time) ?? at(foot.predicted, time), x = at(foot.angle, time), y = at(foot.sole.sideways, time);
-    dot.style.display = force > 0 ? "" : "none";
-    dot.setAttribute("cx", x);
-    dot.setAttribute("cy", -y);
-    label.textContent = force > 0 ? `centre of pressure ${way(x, ["back", "forward"])}, ${way(y, ["right", "left"])}` : "in the air";
-  };
-}
-
 // Measured and predicted torque over time, feet first, with a line at the time of the playback; a click goes to a time.
 function showPlot(scene, seek, frame) {
   const plot = element("plot"), joints = scene.joints.filter(joint => joint.measured);
   const key = make("p", plot);
   make("b", key, "measured").style.borderColor = "var(--measured)";
   if (joints.some(joint => joint.predicted)) make("b", key, scene.predicted).style.borderColor = "var(--predicted)";
-  const feet = joints.filter(joint => joint.sole).sort((a, b) => a.path < b.path ? -1 : 1), many = joints.length > 4;
+  const feet = joints.filter(joint => joint.foot).sort((a, b) => a.path < b.path ? -1 : 1), many = joints.length > 4;
   plot.classList.toggle("many", many);  // two columns: left and right
-  const charts = [feet, joints.filter(joint => !joint.sole)].flatMap(group => {
+  const charts = [feet, joints.filter(joint => !joint.foot)].flatMap(group => {
     const box = make("div", plot);
     box.style.setProperty("--rows", Math.ceil(group.length / 2));
     return group.map(joint => [joint, box]);
@@ -113,20 +92,19 @@ function showPlot(scene, seek, frame) {
     const range = make("small", figure);
     make("span", range, `${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
     make("span", range, `${scene.duration.toFixed(1)} s`);
-    return { joint, number, now, dots: joint.sole ? showSole(figure, joint) : null };
+    return { joint, number, now };
   });
   let shown = false;
   const set = toggle("show-plot", on => { shown = on; plot.hidden = !on; frame(); });
   set(window.innerWidth >= (many ? 1200 : 1000));
   return time => {
     if (!shown) return;
-    for (const { joint, number, now, dots } of charts) {
+    for (const { joint, number, now } of charts) {
       now.setAttribute("x1", time);
       now.setAttribute("x2", time);
       const predicted = at(joint.predicted, time), measured = at(joint.torque, time);
       const both = [measured, predicted].filter(value => value !== null).map(value => round(value, 1));
       number.textContent = `${both.join(" / ")} ${joint.torque_unit}`;
-      if (dots) dots(time);
     }
   };
 }

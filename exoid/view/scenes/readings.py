@@ -28,7 +28,7 @@ class Readings(NamedTuple):
     predicted: FloatArray | None  # the same as an estimate predicts it, (F,), not a number where not known; or None
     measured: bool  # whether it is plotted over time
     units: tuple[str, str]  # units of angle and torque
-    sole: tuple[FloatArray, FloatArray] | None = None  # corners of a foot's sole [mm], (2, 2); centre sidewards, (F,)
+    foot: bool = False  # whether it is a foot
 
     def to_json(self) -> dict[str, Any]:
         """Describe the numbers as data for the page."""
@@ -42,7 +42,7 @@ class Readings(NamedTuple):
             "torque": _numbers(self.torque),
             "predicted": None if self.predicted is None else _numbers(self.predicted),
             "measured": self.measured,
-            "sole": self.sole and {"corners": self.sole[0].round(1).tolist(), "sideways": _numbers(self.sole[1])},
+            "foot": self.foot,
         }
 
 

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import html
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from exoid._typing import FloatArray
 from exoid.tools.files import write_whole
 
-from .commands import Command, Layer, set_transform
+from .commands import Command, Layer
 from .page import write_page
 from .readings import Readings
 from .server import SceneServer
-from .skeleton import Skeleton, pose_angles
 
 
 class Camera(NamedTuple):
@@ -26,20 +23,6 @@ class Camera(NamedTuple):
     half_width: float  # half the size of the volume across the picture [m]
     half_height: float  # half its size upwards [m]
     half_depth: float  # half its size towards the camera [m]
-
-
-@dataclass(frozen=True, eq=False)
-class PosableLeg:
-    """A leg in a scene whose joints can be moved."""
-
-    skeleton: Skeleton  # bodies and joints
-    root: str  # path of the torso
-    joint_paths: tuple[str, ...]  # path of each joint's frame; its body is the child "body"
-
-    def pose(self, q: FloatArray) -> list[Command]:
-        """Commands that move the joints to angles [rad], (n,)."""
-        transforms = self.skeleton.joint_transforms(q)[0]
-        return [set_transform(f"{path}/body", each) for path, each in zip(self.joint_paths, transforms, strict=True)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,7 +37,6 @@ class Scene:
         layers: Objects that can be hidden.
         camera: Camera position.
         duration: Duration of the replay [s]; 0 for legs that stand still.
-        legs: Legs in the scene.
         notes: One sentence for each visual that could not be drawn.
         readings: Angle and torque of each joint at each frame, centre of pressure and force of each foot.
         predicted_label: Name of predicted torques and forces.
@@ -65,7 +47,6 @@ class Scene:
     layers: tuple[Layer, ...]
     camera: Camera
     duration: float = 0.0
-    legs: tuple[PosableLeg, ...] = ()
     notes: tuple[str, ...] = ()
     readings: tuple[Readings, ...] = ()
     predicted_label: str = "predicted"
@@ -116,25 +97,9 @@ class Scene:
 
         Example:
             >>> with exoid.view.scene(exoid.load_leg("bleex")).serve() as server:  # doctest: +SKIP
-            ...     server.pose({"left_knee": -0.5})
+            ...     server.wait()
         """
-        self.html()  # a page that cannot be made is refused before anybody asks for it
-        return SceneServer(lambda: write_page(self.to_json(), live=True), self.pose, port)
-
-    def pose(self, angles: Mapping[str, float]) -> list[Command]:
-        """Commands that move joints to angles, and all other joints to zero.
-
-        Args:
-            angles: Angles by joint name [rad].
-
-        Returns:
-            Drawing commands.
-
-        Raises:
-            ExoidError: There is no such joint.
-        """
-        poses = pose_angles([leg.skeleton.leg for leg in self.legs], angles)
-        return [command for leg, q in zip(self.legs, poses, strict=True) for command in leg.pose(q)]
+        return SceneServer(self.html(), port)
 
     def to_json(self) -> dict[str, Any]:
         """Describe the scene as data for its page.

@@ -57,11 +57,7 @@ class Standing:
             rotation = scipy.spatial.transform.Slerp(recording.time, turns)(replay.time).as_matrix()
             position = np.column_stack([np.interp(replay.time, recording.time, x) for x in pose.position.T])
         elif any(rests.any() for rests in contacts.values()):
-            flat = {link: rests for link, rests in contacts.items() if leg.contact_kind(link) == "flat"}
-            if any(rests.any() for rests in flat.values()):
-                rotation, position = _carried(leg, q, flat, soles)
-            else:
-                rotation, position = _carried_on_points(leg, q, contacts, soles, recording.base)
+            rotation, position = _carried(leg, q, contacts, soles, recording.base)
         else:
             return None
         standing = cls(position, rotation, 0.0, soles, sides, contacts)
@@ -98,57 +94,40 @@ def level_points(geometry: LegGeometry, link: str) -> FloatArray:
 
 
 def _carried(
-    leg: Leg, q: FloatArray, contacts: Mapping[str, BoolArray], soles: Mapping[str, float]
-) -> tuple[FloatArray, FloatArray]:
-    """Rotation and position of a base whose resting feet stay where they are, on ground at z = 0."""
-    # Each foot rests where it was put down. In the air, and before the first contact, the base stands still.
-    level = {link: level_rotation(leg, link) for link in contacts}
-    inside = {link: link_placements(leg, q, link) for link in contacts}
-    first = next(f for f in range(len(q)) if any(rests[f] for rests in contacts.values()))
-    rotation, position = np.empty((len(q), 3, 3)), np.empty((len(q), 3))
-    held, anchor = "", np.zeros(3)
-    for f in range(first, len(q)):
-        if f > first:
-            rotation[f], position[f] = rotation[f - 1], position[f - 1]
-        resting = [link for link, rests in contacts.items() if rests[f]]
-        if not resting:
-            held = ""
-            continue
-        if held not in resting:
-            held = resting[0]
-            anchor = np.array([0.0, 0.0, -soles[held]])
-            if f > first:  # where the foot was one frame earlier
-                before = position[f - 1] + rotation[f - 1] @ inside[held].translation[f - 1]
-                anchor[:2] = before[:2]
-        rotation[f] = level[held] @ inside[held].rotation[f].T
-        position[f] = anchor - rotation[f] @ inside[held].translation[f]
-    rotation[:first], position[:first] = rotation[first], position[first]
-    return rotation, position
-
-
-def _carried_on_points(
     leg: Leg, q: FloatArray, contacts: Mapping[str, BoolArray], soles: Mapping[str, float], imu: BaseMotion | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Rotation and position of a base whose resting feet keep their points; three of them turn it, fewer move it."""
-    inside = {link: link_placements(leg, q, link).translation for link in contacts}
+    """Rotation and position of a base whose resting feet keep their points, on ground at z = 0."""
+    # Each point stays where it was put down. A flat foot has three, which turn the base; so do three point feet, and
+    # fewer move it only. In the air, and before the first contact, the base stands still.
     upright = np.eye(3) if imu is None else align_z(imu.specific_force[0]).T
     rotation, position = np.tile(upright, (len(q), 1, 1)), np.zeros((len(q), 3))
+    points = {link: _points(leg, q, link) for link in contacts}
     anchors: dict[str, FloatArray] = {}
-    for f in range(len(q)):
-        turn, place = (rotation[f - 1], position[f - 1]) if f else (upright, position[0])
-        resting = {link: inside[link][f] for link, rests in contacts.items() if rests[f]}
-        put_down = {link: place + turn @ inside[link][max(f - 1, 0)] for link in resting}
-        anchors = {
-            link: anchors.get(link, put_down[link] * [1.0, 1.0, 0.0] - [0.0, 0.0, soles[link]]) for link in resting
-        }
+    first = next(f for f in range(len(q)) if any(rests[f] for rests in contacts.values()))
+    for f in range(first, len(q)):
+        before = max(f - 1, first)
+        turn, place = rotation[before], position[before]
+        resting = [link for link, rests in contacts.items() if rests[f]]
+        put_down = {link: place + points[link][before] @ turn.T for link in resting}
+        on_ground = {link: at * [1.0, 1.0, 0.0] - [0.0, 0.0, soles[link]] for link, at in put_down.items()}
+        anchors = {link: anchors.get(link, at) for link, at in on_ground.items()}
         if resting:
-            at, to = (np.array([each[link] for link in resting]) for each in (resting, anchors))
-            if len(resting) >= 3:
+            at, to = np.vstack([points[link][f] for link in resting]), np.vstack([anchors[link] for link in resting])
+            if len(at) >= 3:
                 found, _ = scipy.spatial.transform.Rotation.align_vectors(to - to.mean(axis=0), at - at.mean(axis=0))
                 turn = found.as_matrix()
             place = to.mean(axis=0) - turn @ at.mean(axis=0)
         rotation[f], position[f] = turn, place
+    rotation[:first], position[:first] = rotation[first], position[first]
     return rotation, position
+
+
+def _points(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+    """Points of a link that keep their height, in the frame of the base, (F, k, 3): three of a flat foot, or one."""
+    level = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    own = level[: 3 if leg.contact_kind(link) == "flat" else 1] @ level_rotation(leg, link)
+    rotation, position = link_placements(leg, q, link)
+    return np.asarray(np.einsum("fij,kj->fki", rotation, own) + position[:, np.newaxis])
 
 
 def _floor(geometry: LegGeometry, q: FloatArray, standing: Standing) -> float:
