@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -117,8 +117,7 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
 
     With d = β₂ − β₁ on the common names and C = C₁ + C₂, each d_i / √C_ii follows Student's t with the degrees of
     freedom of Welch and Satterthwaite, and dᵀ C⁻¹ d Hotelling's T², if both legs are the same. A prior that both were
-    given errs in both alike: of its variance σ² only (g₂ − g₁) σ² (g₂ − g₁)ᵀ is left, g = ∂β/∂p being how far each
-    follows it. Parameters that were held fixed in both are not tested.
+    given counts as two independent ones, and a note says so. Parameters that were held fixed in both are not tested.
 
     Two estimators of one recording, or recordings that overlap, have errors that depend on each other in a way that
     the estimates do not say. The error of a difference is then at most the sum of both errors, and C at most
@@ -151,35 +150,20 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
         raise BadArgumentError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
-    if shared:
-        sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
-        C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
-        # of dependent errors: the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)
-        largest = np.sqrt(np.diag(C1)) + np.sqrt(np.diag(C2))
-        dof, least = np.minimum(first.dof_each[one], second.dof_each[other]), min(first.dof, second.dof)
-        note = (
-            f"both estimates were made from {sources}: their errors depend on each other, so ± is the largest error "
-            "that the difference can have, the sum of both, and p-values are upper bounds"
-        )
-        notes = (note, *_told(first, second, ()))
-        return wald(names, units, difference, 2.0 * (C1 + C2), dof, least, held=held, notes=notes, std=largest)
-    own = _own(first)[np.ix_(one, one)], _own(second)[np.ix_(other, other)]
-    spread = (
-        {name: x[one] for name, x in _spread(first).items()},
-        {name: x[other] for name, x in _spread(second).items()},
+    C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
+    dof1, dof2, least = first.dof_each[one], second.dof_each[other], min(first.dof, second.dof)
+    notes = _notes(first, second)
+    if not shared:
+        dof = welch(np.diag(C1), np.diag(C2), dof1, dof2)
+        return wald(names, units, difference, C1 + C2, dof, least, held=held, notes=notes)
+    sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
+    note = (
+        f"both estimates were made from {sources}: their errors depend on each other, so ± is the largest error "
+        "that the difference can have, the sum of both, and p-values are upper bounds"
     )
-    priors = second.prior_knowledge.prior.values
-    of_both = [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
-    common = [name for name in of_both if all(name in of_one for of_one in spread)]
-    # what is shared cancels as far as both follow it
-    moves = [spread[1][name] - spread[0][name] for name in common]
-    moves += [x for of_one in spread for name, x in of_one.items() if name not in common]
-    C = own[0] + own[1] + sum(np.multiply.outer(x, x) for x in moves)
-    v1, v2 = (np.diag(each) for each in own)
-    dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
-    dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
-    told = _told(first, second, [name for name in of_both if name not in common])
-    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, notes=told)
+    # of dependent errors: the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)
+    std, C, dof = np.sqrt(np.diag(C1)) + np.sqrt(np.diag(C2)), 2.0 * (C1 + C2), np.minimum(dof1, dof2)
+    return wald(names, units, difference, C, dof, least, held=held, notes=(note, *notes), std=std)
 
 
 def wald(
@@ -205,38 +189,23 @@ def wald(
     return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes, dof=dof)
 
 
-def _own(estimate: EstimateData) -> FloatArray:
-    """Covariance without what the errors of priors put into it, where that is known."""
-    spread = _spread(estimate)
-    if not spread:
-        return estimate.covariance
-    sizes, vectors = np.linalg.eigh(estimate.covariance - sum(np.multiply.outer(x, x) for x in spread.values()))
-    return np.asarray(vectors * np.clip(sizes, 0.0, None) @ vectors.T)
-
-
-def _spread(estimate: EstimateData) -> dict[str, FloatArray]:
-    """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
-    pairs = estimate.prior_knowledge.prior.values.items()
-    if estimate.prior_gains is None:
-        return {}
-    return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
-
-
-def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -> tuple[str, ...]:
-    """Say what differs in what both were told, and which priors count twice."""
+def _notes(first: EstimateData, second: EstimateData) -> tuple[str, ...]:
+    """Say what differs in what was known before, and which priors count twice."""
     held, held_too = first.prior_knowledge.known, second.prior_knowledge.known
     unlike = [f"{name} ({x:.6g} and {held_too[name]:.6g})" for name, x in held.items() if held_too.get(name, x) != x]
-    told, urdfs = [], [each.model.leg.description for each in (first, second)]
+    priors = second.prior_knowledge.prior.values
+    of_both = [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
+    notes, urdfs = [], [each.model.leg.description for each in (first, second)]
     if urdfs[0].sha256 != urdfs[1].sha256:
-        told.append(f"the URDFs {' and '.join(urdf.name for urdf in urdfs)} differ: these may be two machines")
+        notes.append(f"the URDFs {' and '.join(urdf.name for urdf in urdfs)} differ: these may be two machines")
     if unlike:
-        told.append(f"{', '.join(unlike)} held at different values: that was assumed, not found, and may move others")
-    if unknown:
-        told.append(
-            f"both were given the same prior of {', '.join(unknown)}, whose error is counted as if it were two: "
+        notes.append(f"{', '.join(unlike)} held at different values: that was assumed, not found, and may move others")
+    if of_both:
+        notes.append(
+            f"both were given the same prior of {', '.join(of_both)}, whose error is counted as if it were two: "
             "differences may be surer than stated"
         )
-    return tuple(told)
+    return tuple(notes)
 
 
 def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:

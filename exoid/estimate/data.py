@@ -104,7 +104,7 @@ class EstimateData(ParameterTable):
             object.__setattr__(self, "torque_delays", np.zeros(joints))
         freeze(self, {"values": (count,), "covariance": (count, count)})
         freeze(self, {"residual_rms": (joints,), "torque_delays": (joints,)})
-        self.evidence.check(count, joints, len(self.prior_knowledge.prior.values))
+        self.evidence.check(count, joints)
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
         positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
         if not (positive and self.condition_number >= 1.0):
@@ -122,11 +122,6 @@ class EstimateData(ParameterTable):
     def influence(self) -> Influence | None:
         """Influence of each recording, where there are several."""
         return self.evidence.influence
-
-    @property
-    def prior_gains(self) -> FloatArray | None:
-        """Gain of each parameter with the value of each prior; see :class:`Evidence`."""
-        return self.evidence.prior_gains
 
     @property
     def supports(self) -> tuple[Support, ...]:

@@ -69,8 +69,6 @@ class Evidence:
             see so many times worse than the best, (P,).
         noise: Noise of the residuals of each joint, n of them.
         influence: Influence of each recording, where there are several.
-        prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); None without priors, and where
-            the estimator does not follow the rows, as ``ml``.
         ranges: Ranges of the motion that was fitted.
         torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,).
         cutoff_source: How the cut-off of the preparation was chosen.
@@ -85,26 +83,24 @@ class Evidence:
     collinearity: FloatArray | None = None
     noise: tuple[JointNoise, ...] | None = None
     influence: Influence | None = None
-    prior_gains: FloatArray | None = None
     ranges: MotionRanges | None = None
     torque_spread: FloatArray | None = None
     cutoff_source: str | None = None
     supports: tuple[Support, ...] = ()
     bounded: tuple[str, ...] = ()
 
-    def check(self, parameters: int, joints: int, priors: int) -> None:
+    def check(self, parameters: int, joints: int) -> None:
         """Check sizes and forbid changes.
 
         Args:
             parameters: Number of parameters P.
             joints: Number of joints n.
-            priors: Number of priors K.
 
         Raises:
             ExoidError: An array has another shape, or is not finite.
         """
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys((one.name for one in fields(self)[:4]), (parameters,))
-        shapes |= {"prior_gains": (parameters, priors), "torque_spread": (joints,)}
+        shapes["torque_spread"] = (joints,)
         freeze(self, {name: shape for name, shape in shapes.items() if getattr(self, name) is not None})
         if self.noise is not None and len(self.noise) != joints:
             raise BadArgumentError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")

@@ -30,22 +30,6 @@ from .nonlinear import NonlinearParameters
 
 SCHEMA = "exoid-estimate-2"
 
-FIRST_SCHEMA = "exoid-estimate-1"
-"""Schema of exoid 0.2, in which evidence stood beside the values."""
-
-MOVED = {
-    "dof_each": "degrees_of_freedom_each",
-    "parameter_scale": "sizes",
-    "reference_scale": "calm_sizes",
-    "collinearity": "collinearity",
-    "noise": "noise",
-    "torque_spread": "torque_spread",
-}
-"""Entries of evidence by their key in the first schema, where they have a name each."""
-
-RANGES = {"lowest": "lowest_angle", "highest": "highest_angle", "speed": "speed", "acceleration": "acceleration"}
-"""Ranges of the motion by their key in the first schema."""
-
 OPTIONAL = ("segments", "payloads", "moving_base", "wrenches")
 """Keys of a recording that are left out of a file where there is nothing to say."""
 
@@ -68,7 +52,7 @@ def estimate_text(estimate: EstimateData) -> str:
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     """Read an estimate; see :meth:`Estimate.load`."""
-    data = read_json(path, "estimate", (SCHEMA, FIRST_SCHEMA), WRITTEN)
+    data = read_json(path, "estimate", SCHEMA, WRITTEN)
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:
@@ -174,7 +158,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         if data["actuators"] is None
         else actuators_from_data(data["actuators"], leg, transmissions=False),
         columns=data.get("columns", {}),
-        evidence=_evidence(_moved(data, model) if data["schema"] == FIRST_SCHEMA else data["evidence"]),
+        evidence=_evidence(data["evidence"]),
     )
 
 
@@ -185,27 +169,6 @@ def _evidence(data: Mapping[str, Any]) -> Evidence:
         return found
     change = found.influence.change
     return replace(found, influence=found.influence._replace(change=np.where(np.isnan(change), np.inf, change)))
-
-
-def _moved(data: Mapping[str, Any], model: TorqueModel) -> dict[str, Any]:
-    """Evidence of a file of the first schema, whose entries had names and were empty for nothing."""
-    found: dict[str, Any] = {key: data[key] or None for key in ("prior_gains", "cutoff_source")}
-    for new, old in MOVED.items():
-        names = model.joint_names if old in ("noise", "torque_spread") else model.names
-        found[new] = [data[old][name] for name in names] if data[old] else None
-    found["torque_spread"] = found["torque_spread"] if any(found["torque_spread"]) else None
-    found["ranges"] = data["ranges"] and {
-        new: [data["ranges"][joint][old] for joint in model.joint_names] for new, old in RANGES.items()
-    }
-    found["influence"] = data["influence"] and {
-        "recordings": [one["recording"] for one in data["influence"]],
-        **{
-            key: [[one[key][name] for name in model.names] for one in data["influence"]]
-            for key in ("change", "share", "expected")
-        },
-    }
-    found |= {"ranges": found["ranges"] or None, "influence": found["influence"] or None}
-    return {**found, "bounded": data["bounded"], "supports": data.get("supports", [])}
 
 
 def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:

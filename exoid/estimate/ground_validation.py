@@ -10,7 +10,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
-from exoid.leg.leg import Leg
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
@@ -148,15 +147,6 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
         variance = np.einsum("njr,nr->nj", loop**2, variance)
     joints = slice(measured.shape[1] - len(model.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
-
-
-def wrench_torques(leg: Leg, recording: Recording) -> FloatArray:
-    """Rows of the torques that hold measured wrenches, Σ Jᵀ w [N·m], (N, b + n)."""
-    rows = np.zeros((len(recording), leg.base_rows + len(leg.joint_names)))
-    for link, wrench in recording.wrenches.items():
-        jacobian = leg.frame_jacobian(recording.q, link, wrench.point)
-        rows += np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
-    return rows
 
 
 def wrench_variance(

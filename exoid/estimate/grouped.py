@@ -61,7 +61,7 @@ class GroupedEstimate(Report, ParameterTable):
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
         count = len(self.names)
         freeze(self, {"values": (count,), "covariance": (count, count)})
-        self.evidence.check(count, 0, 0)
+        self.evidence.check(count, 0)
 
     def __getitem__(self, group: str) -> Estimate:
         """Look the estimate of a group up.

@@ -6,7 +6,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
@@ -82,17 +81,14 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     steps = math.ceil(1.0 / (recording.sample_rate * STEP))
     for sample in range(length):
         out[sample] = q
-        now, later = torque[first + sample], torque[first + sample + 1]
+        rows = first + sample
+        now, later, held = torque[rows], torque[rows + 1], np.minimum(rows, samples - 1)
+        base = carried.rows(held) if isinstance(carried, BaseKinematics) else carried
+        heat = None if recording.temperature is None else recording.temperature[held]
+        around = Surroundings(base, recording.payloads, heat)
         for step in range(steps):
             ends = [now + (later - now) * (step + share) / steps for share in (0.0, 0.5, 1.0)]
-            around = [_between(carried, first + sample, (step + share) / steps) for share in (0.0, 0.5, 1.0)]
-            heat = (
-                None
-                if recording.temperature is None
-                else recording.temperature[np.minimum(first + sample, samples - 1)]
-            )
-            base = [Surroundings(each, recording.payloads, heat) for each in around]
-            q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), base)
+            q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), around)
         if not (np.abs(v) < FASTEST).all():
             raise ExoidError(
                 f"the model's motion diverges within {(sample + 1) / recording.sample_rate:.3g} s",
@@ -105,50 +101,39 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
 
 
 class Surroundings(NamedTuple):
-    """What acts on the leg from outside at one time."""
+    """What acts on the leg from outside, held from one sample to the next."""
 
     base: MovingBase | None  # motion of the base, of B samples if it moves; None if it is upright and still
     payloads: tuple[Payload, ...]  # payloads on the leg
     temperature: FloatArray | None = None  # temperatures [°C], (B, n); None without
 
 
-def _between(base: MovingBase | None, samples: NDArray[np.intp], share: float) -> MovingBase | None:
-    """Motion of the base between samples and those that follow, by linear interpolation."""
-    if not isinstance(base, BaseKinematics):
-        return base
-    here, there = (
-        np.hstack([base.angular_velocity[k], base.angular_acceleration[k], base.specific_force[k]])
-        for k in (np.minimum(samples + ahead, len(base) - 1) for ahead in (0, 1))
-    )
-    return BaseKinematics(*np.split(here + share * (there - here), 3, axis=1))
-
-
 def _step(
-    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, base: list[Surroundings]
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, around: Surroundings
 ) -> tuple[FloatArray, FloatArray]:
-    """Take a step from each of B states, (B, n), with torques, base and payloads at its start, middle and end."""
-    a1 = _acceleration(estimate, q, v, tau[0], base[0])
+    """Take a step from each of B states, (B, n), with torques at its start, middle and end."""
+    a1 = _acceleration(estimate, q, v, tau[0], around)
     v2 = v + 0.5 * dt * a1
-    a2 = _acceleration(estimate, q + 0.5 * dt * v, v2, tau[1], base[1])
+    a2 = _acceleration(estimate, q + 0.5 * dt * v, v2, tau[1], around)
     v3 = v + 0.5 * dt * a2
-    a3 = _acceleration(estimate, q + 0.5 * dt * v2, v3, tau[1], base[1])
+    a3 = _acceleration(estimate, q + 0.5 * dt * v2, v3, tau[1], around)
     v4 = v + dt * a3
-    a4 = _acceleration(estimate, q + dt * v3, v4, tau[2], base[2])
+    a4 = _acceleration(estimate, q + dt * v3, v4, tau[2], around)
     return q + dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
 
 
 def _acceleration(
-    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, base: Surroundings
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, around: Surroundings
 ) -> FloatArray:
     """Solve M a = τ − b, with M and b from torques with no acceleration and with 1 rad/s² of each joint, (B, n)."""
     count, n = q.shape
     units = np.repeat(np.vstack([np.zeros(n), np.eye(n)]), count, axis=0)
     motion = np.tile(q, (n + 1, 1)), np.tile(v, (n + 1, 1)), units
-    carried = base.base
-    if isinstance(carried, BaseKinematics):
-        carried = carried.rows(np.tile(np.arange(count), n + 1))
-    heat = None if base.temperature is None else np.tile(base.temperature, (n + 1, 1))
-    torques = estimate.torque(*motion, carried, base.payloads, heat).reshape(n + 1, count, n)
+    base = around.base
+    if isinstance(base, BaseKinematics):
+        base = base.rows(np.tile(np.arange(count), n + 1))
+    heat = None if around.temperature is None else np.tile(around.temperature, (n + 1, 1))
+    torques = estimate.torque(*motion, base, around.payloads, heat).reshape(n + 1, count, n)
     b = torques[0]
     M = (torques[1:] - b).transpose(1, 2, 0)
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -19,16 +19,19 @@ from .nonlinear import NonlinearParameters
 from .parameter import ParameterTable
 
 HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
-"""Of :func:`parameter_rows`."""
+"""Of :func:`number_rows`."""
 
 
 def report(estimate: EstimateData) -> list[DataTable | str]:
     """Describe an estimate by a title, a table of its parameters, and what the reader should know."""
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
-    leg = estimate.model.leg
-    given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
-    parameters = compared_table("", parameter_rows(estimate), {"URDF": given})
-    return [title, parameters, *below_parameters(estimate), fit_table(estimate), *_closing_lines(estimate)]
+    return [
+        title,
+        parameter_table(estimate),
+        *below_parameters(estimate),
+        fit_table(estimate),
+        *_closing_lines(estimate),
+    ]
 
 
 def below_parameters(estimate: EstimateData) -> Iterator[str]:
@@ -39,22 +42,14 @@ def below_parameters(estimate: EstimateData) -> Iterator[str]:
     yield from reasons(estimate)
 
 
-def compared_table(
-    caption: str, rows: Sequence[tuple[str, ...]], other_values: Mapping[str, Mapping[str, float]]
-) -> DataTable:
-    """Make a table of parameters with other values beside them."""
-    compared = [
-        (*row, *(f"{values[row[0]]:.4g}" if row[0] in values else "–" for values in other_values.values()))
-        for row in rows
-    ]
-    return DataTable(caption, (*HEADERS, *other_values), compared)
-
-
-def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
-    """Write each parameter, then each fitted setting of a term, as a row of a table."""
-    nonlinear = estimate.nonlinear
+def parameter_table(estimate: EstimateData, caption: str = "") -> DataTable:
+    """Make a table of the parameters, then of fitted settings of terms, with the URDF's values beside them."""
+    leg, nonlinear = estimate.model.leg, estimate.nonlinear
+    given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     settings = number_rows(nonlinear, nonlinear.interval(estimate.dof))
-    return [*number_rows(estimate, estimate.interval()), *settings]
+    rows = [*number_rows(estimate, estimate.interval()), *settings]
+    compared = [(*row, f"{given[row[0]]:.4g}" if row[0] in given else "–") for row in rows]
+    return DataTable(caption, (*HEADERS, "URDF"), compared)
 
 
 def number_rows(of: ParameterTable | NonlinearParameters, intervals: FloatArray) -> list[tuple[str, ...]]:

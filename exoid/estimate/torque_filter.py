@@ -29,33 +29,25 @@ class TorqueFilter(NamedTuple):
     comparable: bool = True
 
     @classmethod
-    def of(cls, estimate: EstimateData, cutoff: float | None, preparation: Preparation | None) -> TorqueFilter:
+    def of(cls, estimate: EstimateData, cutoff: float | None) -> TorqueFilter:
         """Choose the filter of a validation.
 
         Args:
             estimate: The estimate.
             cutoff: Cut-off frequency that was given [Hz]; None for none.
-            preparation: Preparation that was given; None for none.
 
         Returns:
-            The filter: the given one, or the estimate's own.
+            The low-pass of the cut-off, or the estimate's own preparation.
 
         Raises:
-            ExoidError: The cut-off is not positive, or both are given.
+            ExoidError: The cut-off is not positive.
         """
-        if cutoff is not None and preparation is not None:
-            raise BadArgumentError(
-                "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
-            )
         own = estimate.preparation
         where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
         chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
-        if cutoff is None and preparation is None:
+        if cutoff is None:
             return cls(own, "of the estimate", chosen)
-        given = ZeroPhase(cutoff) if cutoff is not None else preparation
-        assert given is not None
-        low_passes = isinstance(own, ZeroPhase) and isinstance(given, ZeroPhase)
-        return cls(given, "given", chosen, given == own or low_passes)
+        return cls(ZeroPhase(cutoff), "given", chosen, isinstance(own, ZeroPhase))
 
     @property
     def cutoff(self) -> float | None:

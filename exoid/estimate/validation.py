@@ -21,7 +21,7 @@ from exoid.tools.tables import DataTable, Report, with_parts
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import LEVEL, Compared, compare_on_ground, stands, wrench_torques, wrench_variance
+from .ground_validation import LEVEL, Compared, compare_on_ground, stands, wrench_variance
 from .late_velocity import without_late_velocity
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
@@ -190,7 +190,6 @@ def validate(
     recordings: Recording | Iterable[Recording],
     *,
     cutoff: float | None = None,
-    preparation: Preparation | None = None,
     actuators: Mapping[str, Drive | Coupling] | Actuators | None = None,
 ) -> Validation:
     """Predict the torque of one or several recordings and compare.
@@ -205,7 +204,6 @@ def validate(
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
         cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
-        preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
         actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
 
     Returns:
@@ -213,8 +211,7 @@ def validate(
         recordings and of each, with findings and a verdict.
 
     Raises:
-        ExoidError: There is no recording, or one lacks a joint or the torque or is too short for the filter; or both
-            cutoff and preparation are given.
+        ExoidError: There is no recording, or one lacks a joint or the torque or is too short for the filter.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -225,7 +222,7 @@ def validate(
         'predicts'
     """
     estimate, several = to_predict(estimate, recordings, actuators)
-    chosen = TorqueFilter.of(estimate, cutoff, preparation)
+    chosen = TorqueFilter.of(estimate, cutoff)
     parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
         return parts[0]
@@ -260,8 +257,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     found = [*found, *shifted_torques(estimate)]
     found += [] if ranges is None else extrapolations(estimate, ranges)
     joints = slice(estimate.model.leg.base_rows, None)
-    # Joints whose residual errors of the force plates may explain, and what the plates' white noise does to it.
-    loaded = np.sqrt(np.mean(wrench_torques(estimate.model.leg, chosen_joints)[:, joints] ** 2, axis=0)) > alone.rmse
+    # White noise of force plates is no growth of the residual.
     by_plates = wrench_variance(estimate, chosen_joints, preparation, chosen_joints.q).mean(axis=0)[joints]
     growth = np.ones_like(alone.rmse)
     if chosen.comparable:
@@ -269,12 +265,12 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
         independent = len(time) * preparation.independent_fraction(rate)
         coverage = np.where(estimate.trained, alone.coverage, np.nan)
-        found += narrow_bands(estimate, coverage, independent, loaded)
-        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, loaded)
+        found += narrow_bands(estimate, coverage, independent)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage)
     found += unmeasured_torques(estimate, chosen_joints.measured)
     passive = chosen_joints.measured & ~chosen_joints.driven
     found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage)
-    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive, loaded)
+    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive)
     return replace(alone, findings=ordered([replace(one, recording=name) for one in found]))
 
 

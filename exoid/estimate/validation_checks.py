@@ -21,7 +21,6 @@ GROWN, NEGLIGIBLE = 2.0, 0.02  # a residual over the training's is large, unless
 NARROW, SIGNIFICANT = 0.85, 1e-3  # share inside a 95 % band that is too narrow, where chance is less probable than this
 WIDE = 0.75  # RMS half width of a band, in standard deviations of the torque, that is too wide to mean something
 LATE = 0.5  # correlation of the residual with the time derivative of a torque that is late
-PLATES = "check the force plates: their clock, their axes and the centre of pressure; then signs and units"
 
 
 def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
@@ -78,15 +77,10 @@ def unmeasured_torques(estimate: EstimateData, measured: BoolArray) -> Iterator[
 
 
 def poor_predictions(
-    estimate: EstimateData,
-    nrmse: FloatArray,
-    growth: FloatArray,
-    passive: BoolArray,
-    loaded: BoolArray,
+    estimate: EstimateData, nrmse: FloatArray, growth: FloatArray, passive: BoolArray
 ) -> Iterator[Finding]:
     """Find joints whose torque is predicted badly: by itself, or in comparison with the training."""
-    each = zip(estimate.joint_names, nrmse, growth, passive, loaded, strict=True)
-    for joint, error, grown, is_passive, is_loaded in each:
+    for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, passive, strict=True):
         value: float = float(grown)
         severity: Severity = "warning"
         if not np.isfinite(error) and grown > GROWN and is_passive:
@@ -102,19 +96,17 @@ def poor_predictions(
         elif error > POOR:
             value, severity = float(error), "error" if error > USELESS else "warning"
             worse = "; a constant torque would predict it better" if error > USELESS else ""
-            what = "torque less that of the measured wrenches" if is_loaded else "torque"
-            message = f"the estimate leaves {error:.0%} of the {what} unexplained{worse}"
-            remedy = "check signs, units and joints of this recording, and whether the leg has changed (exoid check)"
+            message = f"the estimate leaves {error:.0%} of the leg's torque unexplained{worse}"
+            remedy = "check signs, units, joints and force plates, and whether the leg has changed (exoid check)"
         elif grown > GROWN and error > NEGLIGIBLE:
             message = f"the residual is {grown:.3g} times that of the training"
             remedy = "identify from motions like this one, or compare terms of friction (exoid select)"
         else:
             continue
-        remedy = PLATES if is_loaded else remedy
         yield Finding("large-residual", joint, value, "1", severity, message, remedy)
 
 
-def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, loaded: BoolArray) -> Iterator[Finding]:
+def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float) -> Iterator[Finding]:
     """Find joints whose torque leaves its 95 % band too often."""
     # The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
     # times the share of effective samples in the training.
@@ -124,8 +116,7 @@ def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, l
             message = (
                 f"only {share:.0%} of the torque is inside the 95 % band: the model errs by more than in the training"
             )
-            remedy = "identify from motions like this one, or check whether the leg has changed"
-            remedy = PLATES if loaded[k] else remedy
+            remedy = "identify from motions like this one, or check force plates and whether the leg has changed"
             yield Finding("narrow-band", joint, share, "1", "warning", message, remedy)
 
 
@@ -155,15 +146,13 @@ def late_torques(
     predicted: FloatArray,
     residual: FloatArray,
     coverage: FloatArray,
-    loaded: BoolArray,
 ) -> Iterator[Finding]:
     """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt."""
     # Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
     if len(time) < 3:
         return
     rate = np.gradient(predicted, time, axis=0)
-    each = zip(joints, predicted.T, rate.T, residual.T, coverage, loaded, strict=True)
-    for joint, torque, slope, error, share, is_loaded in each:
+    for joint, torque, slope, error, share in zip(joints, predicted.T, rate.T, residual.T, coverage, strict=True):
         product, power = float(slope @ error), float(slope @ slope)
         size = np.sqrt(power * float(error @ error))
         matters = float(error.std()) > NEGLIGIBLE * float((error + torque).std())
@@ -171,6 +160,5 @@ def late_torques(
             delay = -product / power
             when = "after" if delay > 0.0 else "before"
             message = f"the torque comes {1e3 * abs(delay):.3g} ms {when} the predicted one"
-            remedy = "correct the time stamps of this recording (exoid check)"
-            remedy = "put torques and force plates on one clock" if is_loaded else remedy
+            remedy = "correct the time stamps of this recording, and of force plates (exoid check)"
             yield Finding("torque-delay", joint, delay, "s", "warning", message, remedy)

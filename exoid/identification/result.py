@@ -167,7 +167,6 @@ class Result:
                 collinearity=self.collinearity.indices[places],
                 noise=noise,
                 influence=None if self.influence is None else self.influence.at(places),
-                prior_gains=None if standing else self._prior_gains(group, len(values)),
                 ranges=checkup.ranges,
                 torque_spread=checkup.torque_spread,
                 cutoff_source=self.cutoff_source,
@@ -214,16 +213,6 @@ class Result:
             warnings=(*common, *single),
             notes=(*notes, *agreement.notes),
         )
-
-    def _prior_gains(self, group: int, count: int) -> FloatArray | None:
-        """How far the parameters of one group follow its priors, (P, K); None where that is not known."""
-        problem, fit = self.fitted.problem, self.fitted.fit
-        names = problem.layout.names_of(group)
-        mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
-        if not mine or fit.uncertainty is not None:  # ml minimises something else
-            return None
-        gains = fit.solution.prior_gains(problem.names, problem.prior_knowledge)
-        return gains[problem.layout.places[group]][:count, mine]
 
 
 def _reference_scale(fitted: Fitted) -> FloatArray:

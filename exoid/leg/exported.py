@@ -119,7 +119,7 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
         """Error of this file."""
         return UnreadableInputError(what, file=str(sidecar), remedy=REMEDY)
 
-    data = read_json(sidecar, "sidecar", (SCHEMA,), REMEDY)
+    data = read_json(sidecar, "sidecar", SCHEMA, REMEDY)
     if not _is_complete(data):
         raise refusal("a field of the sidecar is missing or of the wrong type")
     if data["urdf"]["sha256"] != description.sha256:

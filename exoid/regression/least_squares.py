@@ -174,12 +174,6 @@ class Solution(NamedTuple):
     Vt: FloatArray = np.ones((0, 0))  # its right singular vectors, (p, p)
     free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)  # indices of the p parameters that are not known
 
-    def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
-        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
-        places = [list(names).index(name) for name in prior_knowledge.prior.values]
-        std = np.array([std for _, std in prior_knowledge.prior.values.values()])
-        return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
-
 
 def solve(
     r_factor: RFactor,

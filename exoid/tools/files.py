@@ -54,15 +54,15 @@ def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> byt
     return content
 
 
-def read_json(path: str | os.PathLike[str], what: str, schemas: Collection[str], remedy: str) -> dict[str, Any]:
-    """Read a file that exoid wrote, of one of some schemas."""
+def read_json(path: str | os.PathLike[str], what: str, schema: str, remedy: str) -> dict[str, Any]:
+    """Read a file of a schema that exoid wrote."""
     content = read_bounded(path, LARGEST_JSON, remedy)
     try:
         data = json.loads(content.decode("utf-8"))
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
         raise UnreadableInputError(f"no {what}: not JSON ({error})", file=str(path), remedy=remedy) from error
-    if not isinstance(data, dict) or data.get("schema") not in schemas:
-        raise UnreadableInputError(f"no {what} of schema {min(schemas)!r}", file=str(path), remedy=remedy)
+    if not isinstance(data, dict) or data.get("schema") != schema:
+        raise UnreadableInputError(f"no {what} of schema {schema!r}", file=str(path), remedy=remedy)
     return data
 
 

@@ -25,7 +25,7 @@ from exoid.estimate.validation_checks import (
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
-from exoid.signals import Preparation, Recording
+from exoid.signals import Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
@@ -240,7 +240,6 @@ def interaction(
     *,
     strides: ArrayLike | None = None,
     cutoff: float | None = None,
-    preparation: Preparation | None = None,
     actuators: Mapping[str, Drive | Coupling] | Actuators | None = None,
 ) -> Interaction:
     """Compute the torque between wearer and exoskeleton at each joint, with a band, and test whether anything acts.
@@ -254,7 +253,6 @@ def interaction(
         recordings: Motions with torques, or with currents and drives.
         strides: Times at which strides begin [s], of one recording; None for touch-downs or the period of the motion.
         cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
-        preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
         actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
 
     Returns:
@@ -262,7 +260,7 @@ def interaction(
 
     Raises:
         ExoidError: There is no recording, or one lacks a joint or any torque, is too short for the filter, or stands on
-            the ground throughout by unknown wrenches; or both cutoff and preparation are given.
+            the ground throughout by unknown wrenches.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -273,7 +271,7 @@ def interaction(
     estimate, several = to_predict(estimate, recordings, actuators)
     if strides is not None and len(several) > 1:
         raise BadArgumentError("strides of several recordings", remedy="pass one recording at a time with its strides")
-    chosen = TorqueFilter.of(estimate, cutoff, preparation)
+    chosen = TorqueFilter.of(estimate, cutoff)
     parts = tuple(_of_recording(estimate, each, chosen, strides) for each in several)
     if len(parts) == 1:
         return parts[0]

@@ -254,8 +254,6 @@ def test_logs_that_say_nothing_are_refused(estimate, worn, what):
         exoid.interaction(estimate, LOGS[what](worn[1]))
 
 
-def test_options_that_exclude_each_other_are_refused(estimate, worn):
-    with pytest.raises(BadArgumentError):
-        exoid.interaction(estimate, worn[1], cutoff=5.0, preparation=exoid.signals.FiniteDifference())
+def test_strides_of_several_recordings_are_refused(estimate, worn):
     with pytest.raises(BadArgumentError):
         exoid.interaction(estimate, [worn[1], worn[1]], strides=[1.0, 2.0])
