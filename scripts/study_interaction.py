@@ -2,7 +2,6 @@
 
     python scripts/study_interaction.py --seeds 16            # torque of active and passive wearers, some minutes
     python scripts/study_interaction.py --parts --seeds 4     # what the error comes of
-    python scripts/study_interaction.py --limb --seeds 16     # X, Y, J of a passive limb, and of sandbags
     python scripts/study_interaction.py --unworn --seeds 40   # false alarms; friction of other forms, fast motion
 
 BLEEX and CUHK-EXO on the rig, with friction that sticks. Each seed is one training of 60 s without a wearer (five
@@ -10,7 +9,7 @@ harmonics of 0.3 Hz under a servo) and one worn log: "active", a wearer who walk
 exoskeleton carries its own weight; "passive", a limb that the servo moves. Cuffs have 1000 N·m/rad and
 30 N·m·s/rad. Sensors: angles 2e-5 rad and 16 bits; torques 0.5, 0.4 and 0.2 N·m; controller and log at 500 Hz. The
 rig logs the torque of the interval before a sample: half an interval is taken out. NRMSE is the RMS error over the
-standard deviation of the true torque. In the rows "torques late" of --limb, nothing is taken out.
+standard deviation of the true torque.
 """
 
 from __future__ import annotations
@@ -26,8 +25,7 @@ from study_bands import FORMS
 from study_bands import log as log_of_form
 
 import exoid
-from exoid.control.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
-from exoid.rig import Run, Wearer, plant_with_payloads, sandbags
+from exoid.rig import Run, Wearer
 from exoid.tools.tables import make_table, to_text
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
@@ -47,15 +45,6 @@ from worn_rig import (
 )
 
 LEGS = ("bleex", "cuhk")
-
-CUFFS = (
-    ("limb, cuffs known", (1000.0, 30.0), 0.0),
-    ("limb, cuffs ± 20 %", (1000.0, 30.0), 0.2),
-    ("limb, cuffs 20 % too stiff, taken for exact", (1200.0, 36.0), 0.0),
-    ("limb, cuffs 20 % too stiff ± 20 %", (1200.0, 36.0), 0.2),
-    ("limb, cuffs 20 % too soft ± 20 %", (800.0, 24.0), 0.2),
-)
-"""Stated stiffness and damping of the cuffs, and their relative standard deviation."""
 
 WHO = ("leg", "wearer", "joint")
 OWN = ("RMS [N·m]", "error [N·m]", "NRMSE", "largest", "noise alone", "unfiltered", "CAD", "in band [%]", "worn [%]")
@@ -137,37 +126,6 @@ def parts(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     return rows
 
 
-def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
-    """Error and coverage of the parameters of a passive limb and of sandbags, one row a parameter."""
-    one, rows = machine(name), []
-    leg, bags = one.plant.leg, sandbags()
-    before, worn = alone(one, seeds), passive(one, seeds, Wearer.build(leg))
-    loads = alone(replace(one, plant=plant_with_payloads(one.plant, bags)), seeds, draw=3)
-    limb, sand = limb_parameters(leg), limb_parameters(leg, bodies=bags)
-    found: dict[str, list[LimbComparison]] = {}
-    for k in seeds:
-        of_limb = log(worn, k)
-        first, rigid, weighed = (exoid.identify(leg, log(run, k), one.terms) for run in (before, worn, loads))
-        late = [exoid.identify(leg, run.recording(k), one.terms) for run in (before, loads)]
-        for kind, cuffs, std in CUFFS:
-            found.setdefault(kind, []).append(identify_limb(first, of_limb, *cuffs, cuff_std=std, expected=limb))
-        found.setdefault("limb as if rigid", []).append(compare_limb(first, rigid, limb))
-        found.setdefault("sandbags", []).append(compare_limb(first, weighed, sand))
-        found.setdefault("sandbags, torques late", []).append(compare_limb(*late, sand))
-    for kind, each in found.items():
-        truth, names = each[0].expected, each[0].names
-        error = np.array([one_.values - truth for one_ in each])
-        scale = np.array([abs(truth[names.index(n.replace("Y", "X"))]) for n in names])
-        scale = np.where(scale > 0.0, scale, abs(truth[0]))  # sandbags have no foot
-        inside = np.array([one_.inside for one_ in each]).mean(axis=0)
-        std = np.mean([one_.std for one_ in each], axis=0) / scale
-        sizes = np.sqrt((error**2).mean(axis=0)) / scale, error.mean(axis=0) / scale, std, inside
-        for j, parameter in enumerate(names):
-            rows.append((name, kind, parameter, f"{truth[j]:.4g}", *(f"{100 * x[j]:.2f}" for x in sizes)))
-        rows.append((name, kind, "all", "", "", "", "", f"{100 * inside.mean():.1f}"))
-    return rows
-
-
 def unworn(seeds: int) -> list[tuple[str, ...]]:
     """False alarms on the rig, and with friction of other forms at once and twice the speed of the training."""
     rows = []
@@ -205,7 +163,6 @@ def main() -> None:
     """Read the options and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=16)
-    parser.add_argument("--limb", action="store_true", help="parameters of the limb instead")
     parser.add_argument("--parts", action="store_true", help="parts of the error instead")
     parser.add_argument("--unworn", action="store_true", help="false alarms instead")
     options = parser.parse_args()
@@ -215,9 +172,6 @@ def main() -> None:
     elif options.parts:
         headers = (*WHO, "error [N·m]", "exact sensors", "true parameters", "both", "noise alone")
         rows = [row for name in LEGS for row in parts(name, seeds)]
-    elif options.limb:
-        headers = ("leg", "kind", "parameter", "truth", "error [%]", "bias [%]", "std [%]", "in 95 % interval [%]")
-        rows = [row for name in LEGS for row in limbs(name, seeds)]
     else:
         print("Both torques behind the filter of the estimate")
         headers, rows = (*WHO, *OWN), [row for name in LEGS for row in torques(name, seeds)]

@@ -1,4 +1,4 @@
-"""How well do observers read the torque of a wearer on line, and do they raise alarms where nobody is?
+"""How well does the observer read the torque of a wearer on line, and does it raise alarms where nobody is?
 
     python scripts/study_observer.py --seed 100  # many minutes; --runs 4 --minutes 2 is quicker
 
@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 import exoid
 from exoid import Leg
-from exoid.control import KalmanObserver, MomentumObserver, SensorNoise
-from exoid.control.observers import TorqueObserver
+from exoid.control import MomentumObserver, SensorNoise
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from observing import WornLog, estimate_of, nrmse, passive_run, slow_tachometer, sticking_run, worn_run
@@ -40,13 +40,9 @@ HELD = 0.5 / RATE
 """The rig logs the torque of the interval before each sample: it is half a sample late."""
 
 
-def observers(leg: Leg, noise: SensorNoise, bandwidth: float) -> list[TorqueObserver]:
-    """Both observers with the model of an estimate."""
-    estimate = estimate_of(leg, zero=0.0)
-    return [
-        MomentumObserver(estimate, bandwidth, RATE, noise=noise, torque_delay=HELD),
-        KalmanObserver(estimate, bandwidth, RATE, noise=noise, torque_delay=HELD),
-    ]
+def observer_of(leg: Leg, noise: SensorNoise, bandwidth: float) -> MomentumObserver:
+    """Observer with the model of an estimate."""
+    return MomentumObserver(estimate_of(leg, zero=0.0), bandwidth, RATE, noise=noise, torque_delay=HELD)
 
 
 def worn(leg: Leg, kind: str, runs: int, seed: int) -> None:
@@ -54,45 +50,41 @@ def worn(leg: Leg, kind: str, runs: int, seed: int) -> None:
     rigs = {"active": worn_run, "passive": passive_run}[kind]
     periods = np.linspace(*STRIDES, runs)
     run = rigs(leg, periods, 8.0, seed)
-    for observer in observers(leg, SensorNoise.of(run.recording(0)), BANDWIDTH):
-        found, late = [], np.rint(observer.delay * RATE).astype(int)
-        for k in range(runs):
-            truth, read = run.interaction[..., k], observer.run(run.recording(k)).torque
-            aligned = [
-                float(nrmse(x[d:], y[: len(y) - d], 1000)) for x, y, d in zip(read.T, truth.T, late, strict=True)
-            ]
-            sizes = truth[1000:].std(axis=0), np.sqrt(((read - truth)[1000:] ** 2).mean(axis=0))
-            found.append((nrmse(read, truth, 1000), aligned, *sizes))
-        error, aligned, size, left = np.swapaxes(np.array(found), 0, 1)
-        worst = error.argmax(axis=0), np.arange(error.shape[1])
-        print(
-            f"{leg.description.name:12} {kind:8} {type(observer).__name__:17} {len(found):2} wearers   "
-            f"delay {1e3 * observer.delay.max():.1f} ms   NRMSE {error.max(axis=0).round(3)}   "
-            f"median {np.median(error, axis=0).round(3)}   aligned {aligned.max(axis=0).round(3)}   "
-            f"error where largest {left[worst].round(3)} of {size[worst].round(2)} N·m",
-            flush=True,
-        )
+    observer = observer_of(leg, SensorNoise.of(run.recording(0)), BANDWIDTH)
+    found, late = [], np.rint(observer.delay * RATE).astype(int)
+    for k in range(runs):
+        truth, read = run.interaction[..., k], observer.run(run.recording(k)).torque
+        aligned = [float(nrmse(x[d:], y[: len(y) - d], 1000)) for x, y, d in zip(read.T, truth.T, late, strict=True)]
+        sizes = truth[1000:].std(axis=0), np.sqrt(((read - truth)[1000:] ** 2).mean(axis=0))
+        found.append((nrmse(read, truth, 1000), aligned, *sizes))
+    error, aligned, size, left = np.swapaxes(np.array(found), 0, 1)
+    worst = error.argmax(axis=0), np.arange(error.shape[1])
+    print(
+        f"{leg.description.name:12} {kind:8} {len(found):2} wearers   "
+        f"delay {1e3 * observer.delay.max():.1f} ms   NRMSE {error.max(axis=0).round(3)}   "
+        f"median {np.median(error, axis=0).round(3)}   aligned {aligned.max(axis=0).round(3)}   "
+        f"error where largest {left[worst].round(3)} of {size[worst].round(2)} N·m",
+        flush=True,
+    )
 
 
 def unworn(leg: Leg, minutes: float, seed: int) -> None:
     """Print alarms of unworn rigs, and how near readings came to them."""
     rigs = max(1, round(3.0 * minutes))
     run = sticking_run(leg, rigs, 20.5, seed)
-    for observer in observers(leg, SensorNoise.of(run.recording(0)), CALM):
-        for stiction in (1.2, 0.0):
-            tried = type(observer)(
-                observer.source, CALM, RATE, noise=observer.noise, torque_delay=HELD, stiction=stiction
-            )
-            alarms, largest = np.zeros((2, len(leg.joint_names)))
-            for k in range(rigs):
-                found = tried.run(run.recording(k))
-                alarms += found.alarms
-                over = (np.abs(found.torque) - found.stiction) / found.std
-                largest = np.maximum(largest, over[found.settling :].max(axis=0))
-            print(
-                f"{leg.description.name:12} {type(observer).__name__:17} stiction {stiction:3.1f}   "
-                f"alarms {alarms.astype(int)}   largest {largest.round(2)} std of {tried.threshold.min():.2f}"
-            )
+    observer = observer_of(leg, SensorNoise.of(run.recording(0)), CALM)
+    for stiction in (1.2, 0.0):
+        tried = replace(observer, stiction=stiction)
+        alarms, largest = np.zeros((2, len(leg.joint_names)))
+        for k in range(rigs):
+            found = tried.run(run.recording(k))
+            alarms += found.alarms
+            over = (np.abs(found.torque) - found.stiction) / found.std
+            largest = np.maximum(largest, over[found.settling :].max(axis=0))
+        print(
+            f"{leg.description.name:12} stiction {stiction:3.1f}   "
+            f"alarms {alarms.astype(int)}   largest {largest.round(2)} std of {tried.threshold.min():.2f}"
+        )
 
 
 def delays(leg: Leg) -> None:

@@ -29,7 +29,7 @@ import pinocchio as pin
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, adaptive, default_gains, feedforward_pd, mean_pose, self_tuning
+from exoid.control import ControlModel, default_gains, feedforward_pd, mean_pose, self_tuning
 from exoid.control.law import AnyLaw
 from exoid.online import RecursiveEstimator, load_change
 from exoid.rig import Plant, plant_with_payloads
@@ -150,7 +150,7 @@ class Loop(NamedTuple):
 def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 6.0) -> dict[str, Loop]:
     """Strap the payload on while a controller with soft gains walks; its errors from so much later on.
 
-    Adaptive controllers begin with the parameters of the leg without the payload; those that knew, with the payload's.
+    Self-tuning begins with the parameters of the leg without the payload.
     Noise of sensors and drives is the same for all controllers from the change on.
     """
     at = scene(where)
@@ -163,8 +163,6 @@ def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 
         "feedforward, uninformed": feedforward_pd(light, kp, kd, rate=at.rate),
         "feedforward that knew": feedforward_pd(heavy, kp, kd, rate=at.rate),
         "self-tuning": tuning,
-        "adaptive": adaptive(light, kp, kd, rate=at.rate),
-        "adaptive that knew": adaptive(heavy, kp, kd, rate=at.rate),
     }
     found = {}
     for name, law in laws.items():
@@ -183,20 +181,15 @@ def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 
 
 
 def print_loop(found: dict[str, Loop], at: Scene) -> None:
-    """Print errors, and their ratios to those of the controllers that knew."""
+    """Print errors, and their ratios to those of the controller that knew."""
     print(f"{'':24}{'rms [deg]':>24}{'peak [deg]':>24}   mean over seeds, {', '.join(at.leg.joint_labels)}")
     for name, one in found.items():
         cells = ["".join(f"{x:8.3f}" for x in values.mean(axis=1)) for values in (one.rms, one.peak)]
         print(f"{name:24}{cells[0]:>24}{cells[1]:>24}")
-    for name, knew in (
-        ("self-tuning", "feedforward that knew"),
-        ("adaptive", "feedforward that knew"),
-        ("adaptive", "adaptive that knew"),
-    ):
-        for kind in ("rms", "peak"):
-            ratio = getattr(found[name], kind) / getattr(found[knew], kind)
-            each = "".join(f"{x:7.2f}" for x in np.quantile(ratio, 0.95, axis=1))
-            print(f"{name} over {knew}, {kind}, P95 of {ratio.shape[1]}:{each}")
+    for kind in ("rms", "peak"):
+        ratio = getattr(found["self-tuning"], kind) / getattr(found["feedforward that knew"], kind)
+        each = "".join(f"{x:7.2f}" for x in np.quantile(ratio, 0.95, axis=1))
+        print(f"self-tuning over feedforward that knew, {kind}, P95 of {ratio.shape[1]}:{each}")
     errors = np.abs(found["self-tuning"].mass)
     print(f"payload of {PAYLOAD.mass} kg, 5 s later: P95 of the errors {np.quantile(errors, 0.95):.3f} kg")
 

@@ -52,7 +52,6 @@ class LawOptions(NamedTuple):
     kp: Annotated[Text, Option(metavar="A,B", help="--law: stiffness [N·m/rad]; default as exoid track.")] = None
     kd: Annotated[Text, Option(metavar="A,B", help="--law: damping [N·m·s/rad]; default kp/10.")] = None
     rate: Annotated[Number, Option(metavar="HZ", help="--law: rate; 100, or 500 for sensitivity_amplification.")] = None
-    period: Annotated[Number, Option(metavar="S", help="--law lqr: period of the gait; default 10.")] = None
     role: Roles = None
     limit: Annotated[Text, Option(metavar="A,B", help="--law: largest torque [N·m]; default the URDF's.")] = None
     slew: Annotated[Text, Option(metavar="A,B", help="--law: largest change of it [N·m/s]; default none.")] = None

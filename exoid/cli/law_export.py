@@ -14,24 +14,20 @@ from exoid.errors import BadArgumentError, NotSupportedError, nearest
 from exoid.estimate.text import provenance
 
 from .export_options import LawOptions, Target
-from .motions import gait, gait_or_rest
+from .motions import gait_or_rest
 from .numbers import joint_values, parse_gains
 from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.codegen import CSource
     from exoid.control.law import AnyLaw
-    from exoid.control.observers import TorqueObserver
     from exoid.estimate import Estimate
 
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 """Names of the laws for a leg with a wearer."""
 
-OBSERVERS: dict[str, type[TorqueObserver]] = {
-    "momentum_observer": control.MomentumObserver,
-    "kalman_observer": control.KalmanObserver,
-}
-"""Observers, which give the torque of the wearer in place of a command."""
+OBSERVER = "momentum_observer"
+"""Name of the observer, which gives the torque of the wearer in place of a command."""
 
 
 def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSource:
@@ -39,24 +35,21 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     name, default = str(target.law), Safety()
     patience = default.patience if options.patience is None else options.patience
-    gains = ("kp", "kd", "period", "role")
+    gains = ("kp", "kd", "role")
     foreign = {
         "gravity_support": (*gains, "amplification", "bandwidth"),
         "sensitivity_amplification": (*gains, "share"),
-        **dict.fromkeys(OBSERVERS, (*gains, "limit", "slew", "share", "amplification")),
-        "lqr": ("share", "amplification", "bandwidth"),
-    }.get(name, ("period", "share", "amplification", "bandwidth"))
+        OBSERVER: (*gains, "limit", "slew", "share", "amplification"),
+    }.get(name, ("share", "amplification", "bandwidth"))
     safety = Safety(options.safe or default.safe, patience=patience)
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
     law = (
-        _observer(estimate, name, options)
-        if name in OBSERVERS
-        else _limited(_law(estimate, name, options), estimate, options)
+        _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
     )
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
     if target.ros2 is not None:
         return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
-    drives, without = with_form_in_c(None if name in OBSERVERS else estimate.actuators)
+    drives, without = with_form_in_c(None if name == OBSERVER else estimate.actuators)
     warnings = (*warnings, *without)
     return write_c(
         str(target.c), law, precision=precision, safety=safety, provenance=lines, warnings=warnings, actuators=drives
@@ -75,31 +68,29 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=rate)
     known = (*control.LAWS, *WORN)
     if name not in known:
-        all_of_them = (*known, *OBSERVERS)
+        all_of_them = (*known, OBSERVER)
         remedy = f"{nearest(name, all_of_them)}use one of {', '.join(all_of_them)}"
         raise BadArgumentError(f"--law {name}: no such controller", remedy=remedy)
-    reference, period, _ = (
-        gait(model.leg, options.period, None, options.role) if name == "lqr" else gait_or_rest(model.leg, options.role)
-    )
+    reference, period, _ = gait_or_rest(model.leg, options.role)
     usual = control.default_gains(model, control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(options.kp, options.kd, labels, usual)
     if name == "impedance":
         return control.impedance(model, kp, kd, rate=rate)
-    source = estimate if name == "adaptive" else model  # adaptive control needs the covariance of the estimate
-    return control.standard_laws(source, kp, kd, reference, period, rate=rate, names=[name])[name]
+    return control.standard_laws(model, kp, kd, reference, period, rate=rate, names=[name])[name]
 
 
-def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObserver:
+def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserver:
     """Observer with measured velocities, whose channels are aligned where they are read."""
     if estimate.torque_delays.any():
         lags = zip(estimate.leg.joint_labels, estimate.torque_delays.tolist(), strict=True)
         raise NotSupportedError(
-            f"{name}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
+            f"{OBSERVER}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
             "and C has no form for lags",
             remedy="where the machine's software takes them out, write the observer in Python: "
-            f"exoid.codegen.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
+            "exoid.codegen.write_c(path, MomentumObserver(est, ..., torque_delay=0.0))",
         )
-    return OBSERVERS[name](estimate, _or(options.bandwidth, 8.0), _or(options.rate, 100.0), torque_delay=0.0)
+    bandwidth, rate = _or(options.bandwidth, 8.0), _or(options.rate, 100.0)
+    return control.MomentumObserver(estimate, bandwidth, rate, torque_delay=0.0)
 
 
 def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:

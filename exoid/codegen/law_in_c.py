@@ -24,13 +24,11 @@ class InputInC(NamedTuple):
         name: Name in C.
         what: Comment with the unit.
         source: Whether it is measured or belongs to the reference; the watchdog looks after both.
-        scalar: Whether it is one number instead of one for each joint.
     """
 
     name: str
     what: str
     source: Literal["reading", "target"] = "target"
-    scalar: bool = False
 
 
 REFERENCE = (

@@ -154,9 +154,5 @@ def _plausible(law: LawInC, source: str, prefix: str) -> str:
     """Condition that the measurements, or the reference, are plausible."""
     joints = f"{prefix.upper()}_JOINTS"
     measured = [f"{prefix}_plausible(in->{name}, {joints})" for name in ("q", "v")] if source == "reading" else []
-    others = [
-        f"{prefix}_plausible(&in->{each.name}, 1)" if each.scalar else f"{prefix}_plausible(in->{each.name}, {joints})"
-        for each in law.inputs
-        if each.source == source
-    ]
+    others = [f"{prefix}_plausible(in->{each.name}, {joints})" for each in law.inputs if each.source == source]
     return " && ".join((*measured, *others))

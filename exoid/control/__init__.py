@@ -2,8 +2,6 @@
 
 from . import ground as ground
 from . import wearer as wearer
-from .adaptive import adaptive
-from .admittance import admittance
 from .closed_loop import simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
@@ -19,10 +17,9 @@ from .laws import (
     transparent,
 )
 from .limited import Limited
-from .lqr import Weights, lqr
+from .lqr import lqr
 from .model import ControlModel, default_gains
-from .observers import KalmanObserver, MomentumObserver, SensorNoise
-from .parameter_change import ExpectedChange
+from .observers import MomentumObserver, SensorNoise
 from .replay import LawReplay, replay_law
 from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
@@ -37,9 +34,7 @@ __all__ = [
     "SMOOTH",
     "ControlModel",
     "Driven",
-    "ExpectedChange",
     "FrictionCompensation",
-    "KalmanObserver",
     "Law",
     "LawReplay",
     "Limited",
@@ -50,9 +45,6 @@ __all__ = [
     "State",
     "StatefulLaw",
     "Tracking",
-    "Weights",
-    "adaptive",
-    "admittance",
     "command_table",
     "compare_laws",
     "computed_torque",

@@ -1,4 +1,4 @@
-"""Linear-quadratic regulation about a trajectory, by Pinocchio's analytical derivatives of the dynamics."""
+"""Linear-quadratic regulation about a reference, by Pinocchio's analytical derivatives of the dynamics."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.codegen import MOTION, Dialect, InputInC, LawInC
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.codegen import MOTION, Dialect, LawInC
+from exoid.errors import NotSupportedError
 from exoid.leg.joint_numbers import for_joints
 from exoid.leg.model import configuration
-from exoid.rig import Reference, Target
+from exoid.rig import Target
 from exoid.tools.numbers import checked
 
 from .c_description import describe
@@ -22,55 +22,16 @@ from .friction import AHEAD, FrictionCompensation, model_to_compensate
 from .law import RATE, State, acceleration, refuse_rate
 from .model import ControlModel, ModelSource
 
-INSTANTS = 64
-"""Number of instants of a period at which poses are taken."""
-
-
-class Weights(NamedTuple):
-    """Acceptable deviations, by Bryson's rule (Bryson and Ho 1975): each cost is (deviation / acceptable deviation)².
-
-    Attributes:
-        angle: Acceptable angle error [rad], a number or (n,).
-        velocity: Acceptable velocity error [rad/s]; inf for no cost.
-        torque: Acceptable torque in addition to the feedforward [N·m].
-    """
-
-    angle: ArrayLike = np.deg2rad(2.0)
-    velocity: ArrayLike = np.inf
-    torque: ArrayLike = 10.0
-
-    def matrices(self, n: int) -> tuple[FloatArray, FloatArray]:
-        """Make the cost matrices.
-
-        Args:
-            n: Number of joints.
-
-        Returns:
-            Q, (2n, 2n), and R, (n, n).
-
-        Raises:
-            ExoidError: A deviation is not positive, or does not fit n joints.
-        """
-        angle, velocity, torque = (for_joints(x, n, "weights") for x in self)
-        for name, values in (("angle", angle), ("velocity", velocity), ("torque", torque)):
-            checked(values, f"acceptable {name}", above=0.0, infinite=name == "velocity")
-        return np.diag(np.concatenate([angle, velocity]) ** -2.0), np.diag(torque**-2.0)
-
-
-TIME = InputInC("time", "time since the reference began, less any number of periods [s]", scalar=True)
-
 STEP = """\
-    {{real}} friction[{{N}}], nearest;
-    int instant, k;
-    nearest = {{function("fmod")}}({{function("rint")}}({{p}}_instants * in->time / {{p}}_period), {{p}}_instants);
-    instant = (int)(nearest < {{number(0)}} ? nearest + {{p}}_instants : nearest);
+    {{real}} friction[{{N}}];
+    int k;
     {{p}}_inverse_dynamics(in->q_d, in->v_d, in->a_d, tau);
 {{friction}}
     for (j = 0; j < {{N}}; ++j) {
         tau[j] += friction[j];
         for (k = 0; k < {{N}}; ++k) {
-            tau[j] += {{p}}_gain[instant][j][k] * (in->q_d[k] - in->q[k]);
-            tau[j] += {{p}}_gain[instant][j][{{N}} + k] * (in->v_d[k] - in->v[k]);
+            tau[j] += {{p}}_gain[j][k] * (in->q_d[k] - in->q[k]);
+            tau[j] += {{p}}_gain[j][{{N}} + k] * (in->v_d[k] - in->v[k]);
         }
     }
 """
@@ -78,65 +39,54 @@ STEP = """\
 
 @dataclass(frozen=True, eq=False)
 class LQR:
-    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K(t) (x_d − x), x = (θ, θ̇)."""
+    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K (x_d − x), x = (θ, θ̇)."""
 
     model: ControlModel  # model of the feedforward
-    gains: FloatArray  # gain K at equally spaced instants of the period [N·m/rad, N·m·s/rad], (instants, n, 2n)
-    period: float  # period of the gains [s]
+    gain: FloatArray  # gain K [N·m/rad, N·m·s/rad], (n, 2n)
     friction: FrictionCompensation | None = AHEAD  # friction compensation; None for none
     rate: float = RATE  # sampling rate [Hz]
-
-    def gain_at(self, time: float) -> FloatArray:
-        """Look up the gain of the nearest instant."""
-        count = len(self.gains)
-        return np.asarray(self.gains[round(count * time / self.period) % count])
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class."""
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
-        torque = torque + self.gain_at(state.time) @ np.concatenate([target.q - state.q, target.v - state.v])
+        torque = torque + self.gain @ np.concatenate([target.q - state.q, target.v - state.v])
         return np.asarray(torque if self.friction is None else torque + self.friction.torque(self.model, state, target))
 
     def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the law in C: the gain is that of the nearest instant of the period."""
+        """Describe the law in C."""
         return describe(
             self.model,
             self.friction,
             self.rate,
             dialect,
-            equation="tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} "
-            "+ K(t) (x_d - x), x = (q, v)",
+            equation="tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} + K (x_d - x), x = (q, v)",
             step=STEP,
             calls=("inverse_dynamics",),
-            inputs=(*MOTION, TIME),
-            tables={
-                "gain": (self.gains, f"K at {len(self.gains)} instants of the period [N m/rad, N m s/rad]"),
-                "instants": (float(len(self.gains)), "number of instants"),
-                "period": (self.period, "period [s]"),
-            },
+            inputs=MOTION,
+            tables={"gain": (self.gain, "K [N m/rad, N m s/rad]")},
         )
 
 
 def lqr(
     source: ModelSource,
-    reference: Reference,
-    period: float,
+    pose: ArrayLike,
     *,
-    weights: Weights | None = None,
+    angle_deg: ArrayLike = 2.0,
+    torque: ArrayLike = 10.0,
     friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
 ) -> LQR:
-    """Make an :class:`LQR` controller about a reference.
+    """Make an :class:`LQR` controller, with one gain for all poses.
 
-    At each of some poses along the reference, the leg is linearised at rest and sampled at the controller's rate:
-    x⁺ = A x + B u. The cost is Σ xᵀ Q x + uᵀ R u. K = (R + Bᵀ S B)⁻¹ Bᵀ S A, with S from the discrete algebraic Riccati
-    equation of the pose.
+    The leg is linearised at rest in a pose and sampled at the controller's rate: x⁺ = A x + B u. The cost is
+    Σ xᵀ Q x + uᵀ R u, each part (deviation / acceptable deviation)² by Bryson's rule (Bryson and Ho 1975).
+    K = (R + Bᵀ S B)⁻¹ Bᵀ S A, with S from the discrete algebraic Riccati equation.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
-        reference: Reference of one leg.
-        period: Period of the reference, or its duration [s].
-        weights: Acceptable deviations; None for 2° and 10 N·m.
+        pose: Angles [rad], (n,), such as :func:`exoid.control.mean_pose` of a reference.
+        angle_deg: Acceptable angle error [deg], a number or (n,).
+        torque: Acceptable torque in addition to the feedforward [N·m], likewise.
         friction: Friction compensation; None for none.
         rate: Sampling rate [Hz].
 
@@ -144,47 +94,26 @@ def lqr(
         The controller.
 
     Raises:
-        ExoidError: The reference is not that of one such leg; weights, period or rate are not positive; or no gain
-            stabilises.
+        ExoidError: The pose is not that of such a leg; deviations or rate are not positive; or no gain stabilises.
 
     Warns:
         UserWarning: The friction coefficients are negative.
     """
     refuse_rate(rate)
     model = model_to_compensate(source, friction)
-    poses = poses_along(reference, period)
-    if poses.shape[1] != model.n:
-        raise BadArgumentError(
-            f"a reference of {poses.shape[1]} joints for a leg of {model.n}", remedy="give one of this leg"
-        )
-    costs = (weights or Weights()).matrices(model.n)
-    gains = np.array([_optimal_gain(model, pose, costs, rate) for pose in poses])
-    return LQR(model, gains, period, friction, rate)
-
-
-def poses_along(reference: Reference, period: float) -> FloatArray:
-    """Take angles of a reference at :data:`INSTANTS` equally spaced instants."""
-    checked(period, "the period of the reference [s]", above=0.0)
-    angles = [np.asarray(reference.at(period * k / INSTANTS).q) for k in range(INSTANTS)]
-    if angles[0].ndim != 2 or angles[0].shape[1] != 1:
-        raise BadArgumentError(f"a reference of shape {angles[0].shape}", remedy="give that of one leg, (n, 1)")
-    return np.array(angles)[:, :, 0]
-
-
-def _optimal_gain(
-    model: ControlModel, pose: FloatArray, costs: tuple[FloatArray, FloatArray], rate: float
-) -> FloatArray:
-    """Gain that is optimal about a pose."""
-    at_rest = np.zeros(model.n)
-    A, B = discretise(linearise(model, pose, at_rest, at_rest), 1.0 / rate)
-    Q, R = costs
+    n, at_rest = model.n, np.zeros(model.n)
+    about = for_joints(checked(pose, "the pose"), n, "angles of the pose")
+    acceptable = (np.deg2rad(angle_deg), torque)
+    deviations = [for_joints(checked(x, "an acceptable deviation", above=0.0), n, "deviations") for x in acceptable]
+    A, B = discretise(linearise(model, about, at_rest, at_rest), 1.0 / rate)
+    Q, R = np.diag(np.append(deviations[0] ** -2.0, at_rest)), np.diag(deviations[1] ** -2.0)
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
         raise NotSupportedError(
             f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
         ) from error
-    return np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A))
+    return LQR(model, np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)), friction, rate)
 
 
 class Linear(NamedTuple):

@@ -1,4 +1,4 @@
-"""Indirect adaptive control: PD with a feedforward whose model is refreshed from a recursive estimate."""
+"""Indirect adaptive control: PD with a feedforward whose parameters follow a recursive estimate."""
 
 from __future__ import annotations
 
@@ -7,27 +7,37 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import UnreadableInputError
+from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate
+from exoid.leg.leg import Leg
+from exoid.leg.lift import check_physical, lift
+from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 from exoid.online.advance import advance
 from exoid.online.settings import Settings
 from exoid.online.solution import belief, estimate_of, started
 from exoid.online.state import State as OnlineState
 from exoid.online.state import begin as begin_online
+from exoid.regression.least_squares import scaled_lstsq
 from exoid.rig import Target
+from exoid.signals import FiniteDifference
 from exoid.tools.numbers import checked
+from exoid.torques import Armature, Coulomb, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques.motion import random_motion
 
-from .known_leg import as_estimate
-from .law import RATE, State, acceleration, refuse_rate
+from .friction import WIDTH
+from .law import RATE, State, acceleration
 from .laws import pd
-from .model import ControlModel, ModelSource
-from .parameter_change import ExpectedChange, regular
-from .parameter_cone import FLOOR, ParameterCone
-from .slotine_li import SlotineLiModel
+from .model import ControlModel, ModelSource, completed
 from .tracking_law import TrackingLaw
+
+TIME_CONSTANT = 0.3
+"""Time constant with which parameters approach the estimate [s]: as long as the estimate is late."""
+
+SLEW, BOUND = 3.0, 5.0
+"""Largest rate [1/s] and distance of a parameter from its first value, in standard deviations of the prior."""
 
 
 class SelfTuningMemory(NamedTuple):
@@ -43,35 +53,23 @@ class SelfTuningMemory(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SelfTuning:
-    """τ = Kp e + Kd ė + Y(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`."""
+    """τ = Kp e + Kd ė + W(θ_d, θ̇_d, θ̈_d) β̂, with β̂ of a recursive estimate: a :class:`exoid.control.StatefulLaw`."""
 
     # Measured motion and held torque go through a recursive estimator. After every block, of 0.1 s or so, β̂ approaches
     # the posterior
     #
-    #     β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)    over the `ParameterCone`,
+    #     β* = argmin ‖R β − z‖² + (β − β₀)ᵀ P₀⁻¹ (β − β₀)
     #
-    # where [R z] is what the estimator knows, and P₀ the covariance of the initial estimate and of the expected
-    # changes. So parameters that the motion does not excite stay at β₀ (self-tuning regulators with certainty
-    # equivalence: K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
+    # or the physically possible links nearest to it, where [R z] is what the estimator knows, and P₀ the covariance of
+    # the first estimate and of the expected changes. So parameters that the motion does not excite stay at β₀
+    # (self-tuning regulators with certainty equivalence: K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
     #
-    # β̂ moves along straight lines inside the cone, a convex set, so M(q; β̂) is positive definite at every sample. Its
-    # distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
-    # for parameters of the leg.
+    # β̂ moves along straight lines inside a convex set, so the links are possible at every sample. Its distance from β₀
+    # and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque for parameters.
 
     feedback: TrackingLaw  # PD feedback
-    model: SlotineLiModel  # linear model, initial values and P₀ of the adapted parameters
-    cone: ParameterCone  # set of the parameters
-    source: Estimate  # initial estimate, with the parameters of the recursive one; other terms keep their coefficients
-    covariance: FloatArray  # P₀ of all of these, (R, R)
+    source: Estimate  # first estimate β₀, whose covariance is P₀
     settings: Settings  # of the recursive estimator
-    time_constant: float  # time constant with which β̂ approaches β* [s]
-    slew: float  # largest rate of each parameter, in standard deviations of P₀ [1/s]
-    bound: float  # largest distance of each parameter from β₀, in standard deviations of P₀
-
-    def __post_init__(self) -> None:
-        """Check the settings."""
-        for name in ("time_constant", "slew", "bound"):
-            checked(getattr(self, name), name, above=0.0)
 
     @property
     def rate(self) -> float:
@@ -81,27 +79,26 @@ class SelfTuning:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters of the feedforward, (P,)."""
-        return self.model.names
+        return self.source.names
 
     def begin(self, state: State) -> SelfTuningMemory:
-        """Begin with the initial values."""
-        n, count = self.model.n, state.q.reshape(self.model.n, -1).shape[1]
-        values = np.tile(self.model.values[:, None], count).reshape(-1, *state.q.shape[1:])
+        """Begin with the first values."""
+        n = self.settings.n
+        count = state.q.reshape(n, -1).shape[1]
+        values = np.tile(self.source.values[:, None], count).reshape(-1, *state.q.shape[1:])
         unknown = np.full((3, n, count), np.nan)
-        nothing = np.zeros((0, 3, n, count))
-        return SelfTuningMemory(values, values, (self._start,) * count, nothing, unknown, unknown[0])
+        return SelfTuningMemory(values, values, (self._start,) * count, np.zeros((0, 3, n, count)), unknown, unknown[0])
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
         """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
-        n, shape = self.model.n, state.q.shape
+        n, shape = self.settings.n, state.q.shape
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
-        share = min(1.0, 1.0 / (self.rate * self.time_constant))
-        way = self._shortened(share * (memory.aim.reshape(values.shape) - values), self.slew / self.rate)
-        values = values + way
-        q, v, a = (x.reshape(n, -1) for x in (target.q, target.v, acceleration(target)))
-        ahead = np.einsum("bnp,pb->nb", self.model.regressor(q, v, v, a), values) + self.model.fixed(q, v, a)
-        torque = self.feedback.torque(state, target) + ahead.reshape(shape)
+        share = min(1.0, 1.0 / (self.rate * TIME_CONSTANT))
+        values = values + self._shortened(share * (memory.aim.reshape(values.shape) - values), SLEW / self.rate)
+        q, v, a = (x.reshape(n, -1).T for x in (target.q, target.v, acceleration(target)))
+        W = self._ahead.regressor(q, v, a)
+        torque = self.feedback.torque(state, target) + np.einsum("bnp,pb->nb", W, values).reshape(shape)
         return torque, memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
@@ -110,7 +107,7 @@ class SelfTuning:
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
         """Complete the previous sample by the torque that was held behind it; a complete block goes on."""
-        n = self.model.n
+        n = self.settings.n
         held = memory.requested if state.last is None else state.last.reshape(n, -1)
         now = np.array([state.q.reshape(n, -1), state.v.reshape(n, -1), held])
         if not np.isfinite(now[:2]).all():
@@ -119,8 +116,7 @@ class SelfTuning:
             )
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
-            moved = 0.5 * (before[2] + held) - self.model.fixed(before[0], before[1], np.zeros_like(held))
-            complete = np.array([before[0], before[1], moved])
+            complete = np.array([before[0], before[1], 0.5 * (before[2] + held)])
             pending = np.concatenate([pending, complete[None]])
         memory = memory._replace(pending=pending, before=now)
         return memory if len(pending) < self.settings.block else self._refreshed(memory)
@@ -138,46 +134,43 @@ class SelfTuning:
         return memory._replace(online=tuple(online), aim=aim, pending=memory.pending[:0])
 
     def _posterior(self, online: OnlineState) -> FloatArray:
-        """β* of one leg, (P,)."""
-        table = np.vstack([belief(self.settings, online)[:, self._order], self._prior])
-        factor = np.asarray(np.linalg.qr(table, mode="r"))
-        others = len(self.source.names) - len(self.names)
-        root, z = factor[others:-1, others:-1], factor[others:-1, -1]
-        found = self.cone.nearest(np.linalg.solve(root, z), root)
-        return np.asarray(self.model.values + self._shortened((found - self.model.values)[:, None], self.bound)[:, 0])
+        """β* of one leg, within its bounds, (P,)."""
+        factor = np.asarray(np.linalg.qr(np.vstack([belief(self.settings, online), self._prior]), mode="r"))
+        inverse, leg = np.linalg.inv(factor[:-1, :-1]), self.settings.model.leg
+        found = inverse @ factor[:-1, -1]
+        found[self.settings.model.nonnegative] = np.maximum(found[self.settings.model.nonnegative], 0.0)
+        bodies = slice(len(leg.parameter_names))
+        if not check_physical(leg, found[bodies]):
+            found[bodies] = lift(leg, found[bodies], inverse[bodies] @ inverse[bodies].T).values
+        way = self._shortened((found - self.source.values)[:, None], BOUND)
+        return np.asarray(self.source.values + way[:, 0])
 
     def _shortened(self, way: FloatArray, most: float) -> FloatArray:
-        """Shorten changes (P, B) so that none exceeds so many standard deviations."""
-        longest = np.abs(way / self._std[:, None]).max(axis=0)
+        """Shorten changes (P, B) so that none exceeds so many standard deviations of the prior."""
+        longest = np.abs(way / self._known.std[:, None]).max(axis=0)
         return np.asarray(way * np.minimum(1.0, most / np.maximum(longest, 1e-300)))
 
     @cached_property
-    def _places(self) -> NDArray[np.intp]:
-        """Places of the adapted parameters among those of the estimate, (P,)."""
-        return places_of(self.model.names, self.source.names)
+    def _ahead(self) -> TorqueModel:
+        """Model of the feedforward, its sign as smooth as in other controllers."""
+        model = self.settings.model
+        terms = (replace(term, smoothing=WIDTH) if type(term) is Coulomb else term for term in model.terms)
+        return replace(model, terms=tuple(terms))
 
     @cached_property
-    def _order(self) -> list[int]:
-        """Columns [R z] with the adapted parameters behind the others."""
-        count = len(self.source.names)
-        return [*sorted({*range(count)} - {*self._places.tolist()}), *self._places.tolist(), count]
+    def _known(self) -> OnlineState:
+        """What is known before the first sample, as rows of a recursive estimator."""
+        return started(self.settings, begin_online(self.settings), self.source)
 
     @cached_property
     def _prior(self) -> FloatArray:
-        """[L  L β₀] with Lᵀ L = P₀⁻¹, its columns in that order, (R, R + 1)."""
-        root = np.linalg.cholesky(np.linalg.inv(self.covariance)).T
-        begin = self.source.values.copy()
-        begin[self._places] = self.model.values
-        return np.asarray(np.column_stack([root, root @ begin])[:, self._order])
-
-    @cached_property
-    def _std(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.diagonal(self.model.covariance)))
+        """[L  L β₀] with Lᵀ L = P₀⁻¹, (P + 1, P + 1)."""
+        return np.asarray(self._known.information.R[-1])
 
     @cached_property
     def _start(self) -> OnlineState:
         """State of the recursive estimator before the first sample."""
-        loose = replace(self.source, covariance=100.0 * self.covariance)  # so that the prior counts once
+        loose = replace(self.source, covariance=100.0 * self.source.covariance)  # so that the prior counts once
         return started(self.settings, begin_online(self.settings), loose)
 
 
@@ -186,13 +179,8 @@ def self_tuning(
     kp: ArrayLike,
     kd: ArrayLike,
     *,
-    change: ExpectedChange | None = None,
-    time_constant: float = 0.3,
-    slew: float = 3.0,
-    bound: float = 5.0,
-    cutoff: float | None = None,
-    memory: float = 20.0,
-    false_alarms: float = 0.1,
+    payload: float = 1.0,
+    friction: float = 0.3,
     rate: float = RATE,
 ) -> SelfTuning:
     """Make a self-tuning controller from a model of the leg.
@@ -201,20 +189,16 @@ def self_tuning(
         source: An estimate, whose covariance is part of the prior; or a leg, or a plant of one rig.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad], likewise.
-        change: Standard deviations of what may change; None for a payload of 1 kg on each link, and 30 % of friction.
-        time_constant: Time constant with which the parameters approach the estimate [s].
-        slew: Largest rate of each parameter, in standard deviations of what may change [1/s].
-        bound: Largest distance of each parameter from its first value, likewise.
-        cutoff: −3 dB frequency of the estimator's filter [Hz]; None for 8 Hz, or what the rate permits.
-        memory: Time constant with which the estimator forgets [s].
-        false_alarms: Rate of false alarms of its change detection [1/h]; 0 for no detection.
+        payload: Standard deviation of the mass that may be strapped to each link [kg].
+        friction: Standard deviation of the change of each friction coefficient, relative to the coefficient.
         rate: Sampling rate [Hz].
 
     Returns:
         The controller; limit its torque by :class:`exoid.control.Limited`.
 
     Raises:
-        ExoidError: A setting is out of range, no parameter may change, or the source has no control model.
+        ExoidError: A setting is out of range, or the source has no control model, or terms such as load friction, which
+            a recursive estimate does not have.
 
     Example:
         >>> import exoid
@@ -222,42 +206,63 @@ def self_tuning(
         >>> law.names
         ('X1', 'Y1', 'J1', 'X2', 'Y2', 'J2')
     """
-    refuse_rate(rate)
-    estimate = as_estimate(source, 1.0)  # N·m, the torque's error at first where a source has no residuals
-    model = replace(SlotineLiModel.of(estimate, change or ExpectedChange()), model=ControlModel.of(source))
-    cone = ParameterCone.of(model.model.leg, model.positive)
-    covariance = estimate.covariance.copy()
-    places = places_of(model.names, estimate.names)
-    held = places[np.diagonal(model.covariance) == 0.0]  # what does not vary is correlated with nothing
-    covariance[held], covariance[:, held] = 0.0, 0.0
-    covariance[np.ix_(places, places)] = model.covariance
-    covariance = regular(covariance, estimate.values)
-    own = covariance[np.ix_(places, places)]
-    begin = cone.nearest(model.values, np.linalg.cholesky(np.linalg.inv(own)).T)
-    count = len(model.model.leg.parameter_names)
-    floor = np.append(FLOOR * begin[:count], np.zeros(len(begin) - count))
-    settings = Settings(
-        model=estimate.model,
-        rate=rate,
-        cutoff=min(8.0, rate / 12.5) if cutoff is None else cutoff,  # what the rate can carry
-        memory=memory,
-        false_alarms=false_alarms,
-    )
-    return SelfTuning(
-        feedback=pd(kp, kd, rate=rate),
-        model=replace(model, values=begin, covariance=own),
-        cone=cone.above(floor),
-        source=estimate,
-        covariance=covariance,
-        settings=settings,
-        time_constant=time_constant,
-        slew=slew,
-        bound=bound,
-    )
+    feedback = pd(kp, kd, rate=rate)
+    checked([payload, friction], "the expected changes", least=0.0)
+    model = ControlModel.of(source)  # warns of what an estimate leaves open
+    known = completed(source) if isinstance(source, Estimate) else exact_estimate(model)
+    count = len(known.model.leg.parameter_names)
+    covariance = known.covariance.copy()
+    # The variance of a parameter that the recordings do not determine says nothing of what may change.
+    unknown = [k for k, kind in enumerate(known.identifiability) if kind == "not"]
+    covariance[unknown], covariance[:, unknown] = 0.0, 0.0
+    covariance[:count, :count] += payload_covariance(known.model.leg, payload)
+    rubbing = np.flatnonzero(known.model.friction)
+    covariance[rubbing, rubbing] += (friction * known.values[rubbing]) ** 2
+    settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5))  # what the rate can carry
+    return SelfTuning(feedback, replace(known, covariance=covariance), settings)
 
 
-def places_of(names: tuple[str, ...], among: tuple[str, ...]) -> NDArray[np.intp]:
-    """Find parameters of a controller among those of an estimate; an offset is the constant of a spring."""
-    known = {name.replace("offset_", "b0_"): k for k, name in enumerate(among) if name.startswith("offset_")}
-    known |= {name: k for k, name in enumerate(among)}
-    return np.array([known[name] for name in names], dtype=np.intp)
+def payload_covariance(leg: Leg, payload: float) -> FloatArray:
+    """Covariance of changes of the leg's parameters by a mass [kg] on each link, distributed like its own, (p, p)."""
+    changes = []
+    directions = np.vstack([np.zeros(3), np.eye(3), -np.eye(3)]) * np.sqrt(3.5)  # seven places with unit variance
+    for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
+        centre = P[:3, 3] / P[3, 3]
+        squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
+        places = centre + directions @ (axes * np.sqrt(squares)).T
+        bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
+        collected = leg.reduction.collect[:, 10 * link : 10 * link + 10] @ np.transpose(bodies)
+        changes.append(payload / np.sqrt(len(places)) * collected)
+    change = np.hstack(changes)
+    return np.asarray(change @ change.T)
+
+
+def exact_estimate(model: ControlModel) -> Estimate:
+    """Write a model of plain springs, friction and rotors as an estimate without errors: the torques are the same."""
+    if model.others:
+        raise NotSupportedError(
+            f"self-tuning control of a model with {type(model.others[0].term).__name__}", remedy="pass the estimate"
+        )
+    labels = np.array(model.leg.joint_labels)
+    terms: list[Term] = [
+        Stiffness(degree=len(powers) - 1 - int(np.flatnonzero(powers)[0]), joints=(str(label),))
+        for label, powers in zip(labels, model.spring.T, strict=True)
+        if powers.any()
+    ]
+    plain = ((Coulomb, model.coulomb), (Viscous, model.viscous), (Armature, model.armature))
+    terms += [kind(joints=tuple(labels[values != 0.0].tolist())) for kind, values in plain if values.any()]
+    torques = TorqueModel(model.leg, tuple(terms))
+    q, v, a = random_motion(400, model.n, model.leg.closure)
+    width = next((float(term.smoothing) for term in terms if isinstance(term, Coulomb)), WIDTH)  # type: ignore[arg-type]
+    torque = model.inverse_dynamics(q.T, v.T, a.T) + model.friction(q.T, v.T, width)
+    values = scaled_lstsq(torques.regressor(q, v, a).reshape(-1, len(torques.names)), torque.T.ravel())
+    return Estimate(
+        model=torques,
+        values=values,
+        covariance=np.zeros((len(values), len(values))),
+        condition_number=1.0,
+        dof=float(len(q)),
+        residual_rms=np.ones(model.n),  # N·m, the torque's error at first
+        estimator="known",
+        preparation=FiniteDifference(),
+    )

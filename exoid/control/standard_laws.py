@@ -10,22 +10,26 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Payload, Plant, Reference, Sensors, plant_with_payloads
+from exoid.tools.numbers import checked
 
-from .adaptive import adaptive
 from .law import RATE, AnyLaw
 from .laws import computed_torque, feedforward_pd, gravity_friction_pd, pd
-from .lqr import lqr, poses_along
+from .lqr import lqr
 from .model import ControlModel, ModelSource
 from .self_tuning import self_tuning
 from .side_by_side import compare_laws
 from .tracking import Tracking
 
-LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "adaptive", "self_tuning")
+LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning")
 """Names of the standard controllers."""
 
 
 SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """A potentiometer behind a 13-bit converter, a tachometer, a current sensor; assumed."""
+
+
+INSTANTS = 64
+"""Number of equally spaced instants of a period over which poses are averaged."""
 
 
 def mean_pose(reference: Reference, period: float) -> FloatArray:
@@ -41,7 +45,11 @@ def mean_pose(reference: Reference, period: float) -> FloatArray:
     Raises:
         ExoidError: The period is not positive and finite, or the reference is that of several legs.
     """
-    return np.asarray(np.mean(poses_along(reference, period), axis=0))
+    checked(period, "the period of the reference [s]", above=0.0)
+    angles = np.array([reference.at(period * k / INSTANTS).q for k in range(INSTANTS)])
+    if angles.ndim != 3 or angles.shape[2] != 1:
+        raise BadArgumentError(f"a reference of shape {angles.shape[1:]}", remedy="give that of one leg, (n, 1)")
+    return np.asarray(angles[:, :, 0].mean(axis=0))
 
 
 def standard_laws(
@@ -54,11 +62,11 @@ def standard_laws(
     rate: float = RATE,
     names: Sequence[str] = LAWS,
 ) -> dict[str, AnyLaw]:
-    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and two adaptive controllers.
+    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and self-tuning control.
 
     Computed torque has the same stiffness as the others: Kp and Kd divided by the diagonal of the mass matrix at the
-    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`. The covariance of
-    an estimate is part of the metric of adaptive control, and of the prior of self-tuning control.
+    mean pose of the reference, where the gain of LQR is optimal too. The covariance of an estimate is part of the prior
+    of self-tuning control.
 
     Args:
         source: Source of the controllers' model.
@@ -76,15 +84,15 @@ def standard_laws(
         ExoidError: A name is unknown, or gains, rate or period are invalid.
     """
     model = ControlModel.of(source)
-    inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
+    pose = mean_pose(reference, period)
+    inertia = np.diagonal(model.mass_matrix(pose))
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], AnyLaw]] = {
         "pd": lambda: replace(pd(kp, kd, rate=rate), model=model),  # which names the joints in C
         "gravity_friction_pd": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
         "feedforward_pd": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
-        "lqr": lambda: lqr(model, reference, period, rate=rate),
-        "adaptive": lambda: adaptive(source, kp, kd, rate=rate),
+        "lqr": lambda: lqr(model, pose, rate=rate),
         "self_tuning": lambda: self_tuning(source, kp, kd, rate=rate),
     }
     unknown = [name for name in names if name not in LAWS]

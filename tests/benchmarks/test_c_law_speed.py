@@ -18,7 +18,6 @@ import exoid
 from exoid.codegen import write_c
 from exoid.control import (
     LAWS,
-    KalmanObserver,
     Limited,
     MomentumObserver,
     default_gains,
@@ -73,12 +72,11 @@ def steps(estimate, tmp_path_factory):
     gait = gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
     kp, kd = default_gains(estimate, np.zeros(3))
     rng, found = np.random.default_rng(0), {}
-    names = [name for name in LAWS if name not in ("adaptive", "self_tuning")]  # which have no form in C
+    names = [name for name in LAWS if name != "self_tuning"]  # which have no form in C
     laws = standard_laws(estimate, kp, kd, gait, 10.0, names=names)
     laws["sensitivity_amplification"] = sensitivity_amplification(estimate, 3.0)
     limited = {name: Limited(law, (150.0, 125.0, 90.0), 4000.0) for name, law in laws.items()}
     limited["momentum_observer"] = MomentumObserver(estimate, 8.0, 500.0, torque_delay=0.0)
-    limited["kalman_observer"] = KalmanObserver(estimate, 8.0, 500.0, torque_delay=0.0)
     for name, law in limited.items():
         source = write_c(folder / f"{name}.c", law)
         (folder / f"run_{name}.c").write_text(harness(source))

@@ -7,7 +7,7 @@ from turns import best_of_turns, show
 
 import exoid
 from exoid import published
-from exoid.control import State, computed_torque, feedforward_pd, gravity_friction_pd, lqr, pd
+from exoid.control import State, computed_torque, feedforward_pd, gravity_friction_pd, lqr, mean_pose, pd
 from exoid.experiments import healthy_gait
 from exoid.rig import Plant, Target
 
@@ -27,7 +27,7 @@ def steps():
         "gravity_friction_pd": gravity_friction_pd(PLANT, KP, KD),
         "feedforward_pd": feedforward_pd(PLANT, KP, KD),
         "computed_torque": computed_torque(PLANT, KP, KD),
-        "lqr": lqr(PLANT, healthy_gait(), 10.0),
+        "lqr": lqr(PLANT, mean_pose(healthy_gait(), 10.0)),
     }
     calls = {name: (lambda law=law: law.torque(state, target)) for name, law in laws.items()}
     return {"rnea": lambda: pin.rnea(LEG.model, data, Q, V, A), **calls}

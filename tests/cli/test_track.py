@@ -15,7 +15,7 @@ from exoid.leg.description import describe
 from exoid.rig import Plant
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
-NAMES = ["pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "adaptive", "self_tuning"]
+NAMES = ["pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning"]
 METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 

@@ -104,7 +104,7 @@ def record_type(source: CSource) -> np.dtype:
     real = np.float64 if source.dialect.real == "double" else np.float32
     n = (len(source.content.joints),)
     fields = [("q", real, n), ("v", real, n)]
-    fields += [(each.name, real) if each.scalar else (each.name, real, n) for each in source.content.inputs]
+    fields += [(each.name, real, n) for each in source.content.inputs]
     counters = ["reading", *(["target"] if any(each.source == "target" for each in source.content.inputs) else [])]
     return np.dtype([*fields, *((name, np.uint32) for name in counters)], align=True)
 
@@ -147,7 +147,7 @@ class CompiledLaw:
         return self.fresh(), 0
 
     def step(self, memory: tuple[bytes, int], state: State, target: Target) -> tuple[np.ndarray, tuple[bytes, int]]:
-        values = {"q": state.q, "v": state.v, "q_d": target.q, "v_d": target.v, "a_d": target.a, "time": state.time}
+        values = {"q": state.q, "v": state.v, "q_d": target.q, "v_d": target.v, "a_d": target.a}
         inputs = records(self.source, 1, {**values, "interaction": state.interaction})
         for counter in ("reading", "target"):
             if counter in inputs.dtype.names:

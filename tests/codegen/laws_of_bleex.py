@@ -10,25 +10,24 @@ from compiled import made_up
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.control import (
-    AHEAD,
     SHARP,
     ControlModel,
     FrictionCompensation,
     Limited,
     PassiveFriction,
     State,
-    admittance,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
     impedance,
     lqr,
+    mean_pose,
     pd,
     sensitivity_amplification,
     stateful,
 )
-from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise, TorqueObserver
+from exoid.control.observers import MomentumObserver, SensorNoise
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.rig import Target
 from exoid.torques import Cable, CouplingSpring, Stribeck
@@ -72,8 +71,7 @@ def laws() -> dict[str, object]:
         "gravity_support": Limited(gravity_support(source, (1.0, 0.6, 0.3), friction=PassiveFriction()), LIMIT),
         "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),
         "impedance": impedance(source, KP, KD),
-        "admittance": admittance(source, 0.5, 4.0, 10.0, reach=0.4),
-        "lqr": lqr(source, gait(), PERIOD, friction=AHEAD),
+        "lqr": lqr(source, mean_pose(gait(), PERIOD)),
     }
 
 
@@ -83,13 +81,9 @@ def gait():
 
 
 @cache
-def observers() -> dict[str, TorqueObserver]:
-    """Both observers, with measured velocities."""
-    noise = SensorNoise(0.05, 0.05)
-    return {
-        "momentum_observer": MomentumObserver(model(), 8.0, 200.0, noise=noise, torque_delay=0.0),
-        "kalman_observer": KalmanObserver(model(), 8.0, 200.0, noise=noise, torque_delay=0.0),
-    }
+def observer() -> MomentumObserver:
+    """The observer, with measured velocities."""
+    return MomentumObserver(model(), 8.0, 200.0, noise=SensorNoise(0.05, 0.05), torque_delay=0.0)
 
 
 def random_values(count: int, seed: int = 0) -> dict[str, np.ndarray]:
@@ -99,7 +93,7 @@ def random_values(count: int, seed: int = 0) -> dict[str, np.ndarray]:
     v, v_d = rng.normal(0.0, 3.0, (2, count, 3))
     v[::7, 0], v_d[::5, 1] = 0.0, 0.0
     values = {"q": q, "v": v, "q_d": q_d, "v_d": v_d, "a_d": rng.normal(0.0, 20.0, (count, 3))}
-    values |= {"interaction": rng.normal(0.0, 10.0, (count, 3)), "time": rng.uniform(-3.0, 30.0, count)}
+    values |= {"interaction": rng.normal(0.0, 10.0, (count, 3))}
     values["tau_m"] = values["interaction"]
     return {name: x.astype(np.float32).astype(np.float64) for name, x in values.items()}
 
@@ -108,9 +102,9 @@ def torques_in_python(law: object, values: dict[str, np.ndarray], *, last: np.nd
     """A law in Python, sample by sample; the torque before the first one is zero, as in C."""
     steps, found = stateful(law), []
     pushed = values.get("interaction", np.zeros_like(values["q"]))
-    columns = (values[name] for name in ("q", "v", "time", "q_d", "v_d", "a_d"))
+    columns = (values[name] for name in ("q", "v", "q_d", "v_d", "a_d"))
     last, memory = np.zeros(3) if last is None else last, steps.begin(State(values["q"][0], values["v"][0]))
-    for q, v, time, q_d, v_d, a_d, interaction in zip(*columns, pushed, strict=True):
-        last, memory = steps.step(memory, State(q, v, float(time), last, interaction), Target(q_d, v_d, a_d))
+    for q, v, q_d, v_d, a_d, interaction in zip(*columns, pushed, strict=True):
+        last, memory = steps.step(memory, State(q, v, 0.0, last, interaction), Target(q_d, v_d, a_d))
         found.append(last)
     return np.array(found)

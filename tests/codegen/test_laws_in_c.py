@@ -12,7 +12,7 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observers, random_values, torques_in_python
+from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observer, random_values, torques_in_python
 
 from exoid.codegen import Safety, c_source
 from exoid.control import default_gains, gravity_friction_pd, simulate_law
@@ -42,7 +42,7 @@ def library(tmp_path_factory):
     """All laws in both precisions, compiled once."""
     folder = tmp_path_factory.mktemp("laws")
     sources = [source_of(name, precision) for name in NAMES for precision in ("double", "float")]
-    sources += [c_source(one, name=f"{name}_double") for name, one in observers().items()]
+    sources.append(c_source(observer(), name="momentum_observer_double"))
     path = build(COMPILER, ("-O0", "-shared", "-fPIC"), write_all(sources, folder), folder / "laws.so")
     return {source.prefix: CompiledLaw(source, ctypes.CDLL(str(path))) for source in sources}
 
@@ -67,7 +67,7 @@ def test_a_law_computes_the_same_on_random_input(library, name, precision, toler
 def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
     resistances = {f"{symbol}_{joint}": 1.0 for joint in model().leg.joint_labels for symbol in ("c0", "d")}
     plant = Plant.build(model().leg, resistances)
-    wearer = Wearer.build(plant.leg) if name in ("admittance", "sensitivity_amplification") else None
+    wearer = Wearer.build(plant.leg) if name == "sensitivity_amplification" else None
     runs = [
         simulate_law(plant, law, gait(), 0.5, sensors=SENSORS, seed=1, wearer=wearer)
         for law in (laws()[name], library[f"{name}_double"])
@@ -87,7 +87,7 @@ def test_sanitizers_find_nothing_and_every_compiler_computes_the_same(library, t
         pytest.skip(f"needs {compiler}")
     flags = SANITIZERS if has_sanitizers(compiler, tmp_path) else ()
     rng, inputs = np.random.default_rng(1), {}
-    for name in (*NAMES, *observers()):
+    for name in (*NAMES, "momentum_observer"):
         rows = records(library[f"{name}_double"].source, 60, random_values(60, seed=2))
         for row in rows[::4]:
             spoil(row, rng)

@@ -12,16 +12,12 @@ from laws_of_bleex import model
 
 import exoid
 from exoid.codegen import Safety, c_source
-from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise
+from exoid.control.observers import MomentumObserver, SensorNoise
 
 NOISE = SensorNoise(1e-4, 1e-2, 0.1)
 OBSERVERS = {
     "observer": MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.0),
     "unfiltered": MomentumObserver(model(), (5.0, 8.0, 12.0), 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
-    "kalman": KalmanObserver(model(), 8.0, 200.0, noise=SensorNoise(0.05, 0.05), torque_delay=0.0),
-    "walking": KalmanObserver(
-        model(), (12.0, 9.0, 16.0), 100.0, noise=SensorNoise(0.5, 0.02), torque_delay=0.0, cutoff=np.inf
-    ),
 }
 
 
@@ -75,9 +71,8 @@ def test_a_moving_leg(library, name, precision, tolerance):
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ["observer", "kalman"])
-def test_recorded_readings(library, name):
-    law, observer, log = library[f"{name}_double"], OBSERVERS[name], exoid.datasets.bleex_swing().train
+def test_recorded_readings(library):
+    law, observer, log = library["observer_double"], OBSERVERS["observer"], exoid.datasets.bleex_swing().train
     values = {"q": log.q[:300], "v": np.gradient(log.q[:300], log.time[:300], axis=0), "tau_m": log.tau[:300]}
     tau, status, _ = law.run(records(law.source, 300, values))
     assert not status.any()
@@ -86,9 +81,8 @@ def test_recorded_readings(library, name):
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ["observer", "kalman"])
-def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library, name):
-    law, observer = library[f"{name}_double"], OBSERVERS[name]
+def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library):
+    law, observer = library["observer_double"], OBSERVERS["observer"]
     values, _ = motion(60, observer.rate)
     spoilt = {name: x.copy() for name, x in values.items()}
     spoilt["tau_m"][30, 2] = np.nan
@@ -102,8 +96,8 @@ def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(libr
 @needs_compiler
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e300])
 @pytest.mark.parametrize("field", ["q", "v", "tau_m"])
-def test_the_kalman_observer_is_finite_whatever_it_reads(library, field, wrong):
-    law = library["kalman_double"]
+def test_the_observer_is_finite_whatever_it_reads(library, field, wrong):
+    law = library["observer_double"]
     values, _ = motion(12, 200.0)
     rows = records(law.source, 12, values)
     rows[field][5, 1] = wrong

@@ -27,9 +27,9 @@ STRICT = ("-std=c++17", "-Wall", "-Wextra", "-Werror", "-pedantic")
 pytestmark = pytest.mark.skipif(CPP is None or COMPILER is None, reason="needs g++")
 
 NAMES = ("gravity_friction_pd", "lqr", "sensitivity_amplification")
-"""A law with limits, one with a time, and one with memory and without a reference."""
+"""A law with limits, one with accelerations, and one with memory and without a reference."""
 
-KINDS = {"gravity_friction_pd": ("q_d", "v_d"), "lqr": ("q_d", "v_d", "a_d", "time"), "sensitivity_amplification": ()}
+KINDS = {"gravity_friction_pd": ("q_d", "v_d"), "lqr": ("q_d", "v_d", "a_d"), "sensitivity_amplification": ()}
 
 OK, NOT_FINITE, STALE, TARGET_NOT_FINITE, TARGET_STALE = range(5)
 
@@ -63,17 +63,17 @@ def built(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def recorded():
-    """A recording of a swing as measurement, and what it was to be as reference; times are whole nanoseconds."""
+    """A recording of a swing as measurement, and what it was to be as reference."""
     recording = exoid.datasets.bleex_swing().train
-    q, time = np.asarray(recording.q)[:SAMPLES], np.round(np.asarray(recording.time)[:SAMPLES], 9)
+    q, time = np.asarray(recording.q)[:SAMPLES], np.asarray(recording.time)[:SAMPLES]
     v = np.gradient(q, time, axis=0)
-    return {"q": q, "v": v, "time": time, "q_d": q + 0.05, "v_d": 0.9 * v, "a_d": np.gradient(v, time, axis=0)}
+    return {"q": q, "v": v, "q_d": q + 0.05, "v_d": 0.9 * v, "a_d": np.gradient(v, time, axis=0)}
 
 
 def rows_of(name, values):
     """Rows of the program: measurement, reference, counter, and that both are written."""
     count = np.arange(1.0, SAMPLES + 1.0)
-    references = [values[kind].reshape(SAMPLES, -1) for kind in KINDS[name]]
+    references = [values[kind] for kind in KINDS[name]]
     ones = np.ones((SAMPLES, 2))
     return np.hstack([values["q"], values["v"], *references, count[:, None], ones])
 
@@ -228,7 +228,7 @@ def test_the_folder_is_written_whole_and_never_over_other_files(tmp_path):
     folder.mkdir()
     write_ros2(folder, law)
     write_ros2(folder, laws()["lqr"])  # over an unchanged export
-    assert "K(t)" in (folder / "README.md").read_text()
+    assert "K (x_d - x)" in (folder / "README.md").read_text()
     (folder / "notes.txt").write_text("mine")
     with pytest.raises(ExoidError, match=r"did not write, or that were changed: notes\.txt"):
         write_ros2(folder, law)
@@ -237,7 +237,7 @@ def test_the_folder_is_written_whole_and_never_over_other_files(tmp_path):
     yaml.write_text(yaml.read_text().replace("2.0", "5.0"))
     with pytest.raises(ExoidError, match=r"config/controllers\.yaml"):
         write_ros2(folder, law)
-    assert "K(t)" in (folder / "README.md").read_text()
+    assert "K (x_d - x)" in (folder / "README.md").read_text()
     assert [path.name for path in tmp_path.iterdir()] == ["leg"]
 
 

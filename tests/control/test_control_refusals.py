@@ -8,23 +8,19 @@ import numpy as np
 import pytest
 from controlled_legs import LEG, cuhk_plant, exact_estimate
 
-from exoid import load_leg
 from exoid.control import (
     ControlModel,
-    ExpectedChange,
     FrictionCompensation,
     Limited,
     PassiveFriction,
     SideBySide,
     State,
-    Weights,
-    adaptive,
-    admittance,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
     lqr,
+    mean_pose,
     pd,
     replay_law,
     self_tuning,
@@ -79,7 +75,6 @@ REFUSED = {
         for make in (
             lambda x: pd(1.0, 1.0, rate=x),
             lambda x: gravity_friction_pd(LEG, 1.0, 1.0, rate=x),
-            lambda x: lqr(LEG, GAIT, 2.0, rate=x),
         )
     ],
     "friction": [
@@ -102,27 +97,17 @@ REFUSED = {
     ],
     "target without acceleration": [
         *((lambda make: make(LEG, 1.0, 1.0).torque(REST, AIM), make) for make in (feedforward_pd, computed_torque)),
-        *((lambda make: _step(make(LEG, 1.0, 1.0), REST, AIM), make) for make in (adaptive, self_tuning)),
+        (lambda make: _step(make(LEG, 1.0, 1.0), REST, AIM), self_tuning),
     ],
     "LQR": [
-        *((lambda x: lqr(LEG, GAIT, x), bad) for bad in (0.0, NAN)),
-        *((lambda x: lqr(LEG, GAIT, 2.0, weights=x), bad) for bad in (Weights(angle=0.0), Weights(torque=INF))),
-        (lambda x: lqr(LEG, GAIT, 2.0, weights=x), Weights(angle=(1.0, 2.0, 3.0))),
-        (lambda x: lqr(LEG, GAIT.tile(x), 10.0), 2),
-        (lambda x: lqr(load_leg(x), GAIT, 10.0), "bleex"),
+        (lambda x: lqr(**{"source": LEG, "pose": (0.1, 0.2), **x}), bad)
+        for bad in ({"pose": (0.1, NAN)}, {"pose": (0.1, 0.2, 0.3)}, {"angle_deg": 0.0}, {"torque": INF}, {"rate": NAN})
     ],
-    "adaptive": [
-        (lambda x, make=make: make(**{"source": exact_estimate(), "kp": 20.0, "kd": 2.0, **x}), bad)
-        for make, own in (
-            (adaptive, ({"kp": 0.0}, {"kd": (1.0,) * 3}, {"time_constant": NAN}, {"dead_zone": -0.1}, {"still": INF})),
-            (self_tuning, ({"slew": -1.0}, {"bound": NAN}, {"cutoff": 60.0}, {"memory": 0.0})),
-        )
-        for bad in (
-            *({"kp": -1.0}, {"time_constant": 0.0}, {"rate": 0.0}),
-            *({"source": LEG, "change": ExpectedChange(0.0, 0.0)}, *own),
-        )
+    "mean pose": [(lambda x: mean_pose(*x), bad) for bad in ((GAIT, 0.0), (GAIT, NAN), (GAIT.tile(2), 10.0))],
+    "self-tuning": [
+        (lambda x: self_tuning(**{"source": exact_estimate(), "kp": 20.0, "kd": 2.0, **x}), bad)
+        for bad in ({"kp": -1.0}, {"rate": 0.0}, {"payload": -1.0}, {"friction": NAN}, {"payload": INF})
     ],
-    "expected change": [(lambda x: ExpectedChange(*x), bad) for bad in ((-1.0, 0.0), (NAN, 0.0), (1.0, INF))],
     "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
     "law": [
         (stateful, {}),
@@ -136,7 +121,6 @@ REFUSED = {
         (lambda x: simulate_many(PLANT.repeat(2), pd(1.0, 1.0), GAIT, 1.0, names=x), ("one",)),
         (lambda x: simulate_law(PLANT, pd(1.0, 1.0), GAIT, 1.0, settle=x), 1.0),
         *((lambda x: plant_step(*x), bad) for bad in ((0.0, 100.0), (100.0, NAN), (99.97, 100.0))),
-        (lambda make: simulate_law(PLANT, make(LEG, 0.5, 1.0), GAIT, 1.0), admittance),
     ],
     "replay": [
         (lambda law: replay_law(law, logged()), sensitivity_amplification(LEG, 2.0)),  # 500 Hz, the log has 100
@@ -191,7 +175,6 @@ def test_logs_with_gaps_or_missing_values_and_torques_that_are_not_finite_are_re
 
 
 @pytest.mark.parametrize("what", ["q", "v"])
-@pytest.mark.parametrize("make", [adaptive, self_tuning])
-def test_readings_that_are_not_finite_are_refused(make, what):
+def test_readings_that_are_not_finite_are_refused(what):
     with pytest.raises(UnreadableInputError):
-        _step(make(LEG, 1.0, 1.0), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))
+        _step(self_tuning(LEG, 1.0, 1.0), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))

@@ -25,11 +25,10 @@ from scipy.signal import lfilter
 
 import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
-from exoid.control import ControlModel, KalmanObserver, MomentumObserver, SensorNoise
-from exoid.control.observers.kalman_observer import random_walk
+from exoid.control import ControlModel, MomentumObserver, SensorNoise
 from exoid.control.observers.momentum import MomentumModel
 from exoid.control.observers.noise import threshold
-from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.rig import Plant
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
@@ -88,14 +87,13 @@ def first_velocity(observer, q):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 @pytest.mark.parametrize("case", ["derived", "tachometer", "no filter", "lags", "leg"])
-def test_a_log_at_once_is_the_same_as_sample_by_sample(kind, case, estimate):
+def test_a_log_at_once_is_the_same_as_sample_by_sample(case, estimate):
     log = WornLog(BLEEX, 0.5, seed=4, tachometer=0.01 if case in ("tachometer", "no filter") else None)
     lags = {"torque_delay": (0.0, 2.3e-3, -0.5e-3), "velocity_delay": 0.7e-3} if case == "lags" else {}
     cutoff = np.inf if case == "no filter" else None
     source = BLEEX if case == "leg" else estimate
-    observer = kind(source, (8.0, 10.0, 12.0), 1000.0, noise=NOISE, cutoff=cutoff, **lags)
+    observer = MomentumObserver(source, (8.0, 10.0, 12.0), 1000.0, noise=NOISE, cutoff=cutoff, **lags)
     recording = log.recording()
     found = observer.run(recording)
     speed = recording.v[0] if recording.v is not None else first_velocity(observer, recording.q)
@@ -122,7 +120,7 @@ def test_blocks_of_a_long_log_join(estimate, monkeypatch, worn):
     observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
     recording = worn.recording().slice(0, 500)
     whole = observer.run(recording)
-    monkeypatch.setattr("exoid.control.observers.observer.BLOCK", 37)
+    monkeypatch.setattr("exoid.control.observers.momentum_observer.BLOCK", 37)
     pieces = observer.run(recording)
     np.testing.assert_allclose(pieces.torque, whole.torque, rtol=0.0, atol=1e-12)
     np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-12)
@@ -153,10 +151,9 @@ def test_a_constant_torque_is_read_by_the_exact_exponential_at_every_rate(rate):
         assert not np.abs(read[:10]).max() > 1e-12
 
 
-@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 @pytest.mark.parametrize("cutoff", [None, 60.0, np.inf])
-def test_delay_and_response_are_those_of_a_reading(kind, cutoff):
-    observer = kind(BLEEX, 10.0, 1000.0, cutoff=cutoff, noise=NOISE, torque_delay=0.0)
+def test_delay_and_response_are_those_of_a_reading(cutoff):
+    observer = MomentumObserver(BLEEX, 10.0, 1000.0, cutoff=cutoff, noise=NOISE, torque_delay=0.0)
     for frequency in (0.5, 3.0, 15.0):
         w = 2.0 * np.pi * frequency
         recording = held_log(1000.0, lambda time, w=w: np.cos(w * time), 6000)
@@ -177,44 +174,6 @@ def test_gain_is_that_of_the_bandwidth():
     assert [abs(observer.response(f)[j]) for j, f in enumerate((5.0, 8.0, 16.0))] == pytest.approx([0.5**0.5] * 3, 1e-2)
 
 
-def test_a_kalman_observer_is_the_textbook_filter(estimate):
-    """Prediction and correction with explicit matrices, gains from iterating the Riccati equation."""
-    log = WornLog(BLEEX, 1.0, seed=5, tachometer=0.01)
-    recording = log.recording()
-    observer = KalmanObserver(estimate, (12.0, 9.0, 16.0), 1000.0, noise=log.sensors, cutoff=np.inf)
-    read = observer.run(recording).torque
-    terms, T = observer.terms.over(recording.q, recording.v), 1e-3
-    process, measurement = observer.noise_variances
-    for j, bandwidth in enumerate((12.0, 9.0, 16.0)):
-        walk = random_walk(bandwidth * T, process[j], measurement[j])
-        A, H = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
-        Q, R = np.diag([process[j] * T**2, walk]), measurement[j] * T**2
-        P = np.eye(2)
-        for _ in range(20000):
-            P = A @ P @ A.T + Q
-            gain = P @ H.T / (H @ P @ H.T + R)
-            P = P - gain @ H @ P
-        np.testing.assert_allclose(gain[:, 0], observer.gain[:, j], rtol=1e-6)
-        u = recording.tau[:, j] + terms.u[:, 0, j]
-        first = observer.begin(recording.q[0], recording.v[0], recording.tau[0])
-        x, u_before = np.array([first.p[0, j], 0.0]), first.u[0, j]
-        for k in range(200):
-            x = A @ x + [0.5 * T * (u[k] + u_before), 0.0]
-            x = x + observer.gain[:, j] * (terms.p[k, 0, j] - x[0])
-            u_before = u[k]
-            assert read[k, j] == pytest.approx(x[1], rel=1e-9, abs=1e-9)
-
-
-def test_a_kalman_observer_has_the_bandwidth_asked_for():
-    for tachometer in (1e-6, 0.01, 0.3):
-        noise = SensorNoise(TORQUE_NOISE, tachometer)
-        observer = KalmanObserver(BLEEX, 10.0, 1000.0, noise=noise, cutoff=np.inf)
-        np.testing.assert_allclose(np.abs(observer.filters.response(10.0, 1000.0)), np.sqrt(0.5), rtol=1e-6)
-    exact = KalmanObserver(BLEEX, 10.0, 1000.0, noise=SensorNoise(TORQUE_NOISE), cutoff=np.inf)
-    first_order = MomentumObserver(BLEEX, 10.0, 1000.0, noise=NOISE, cutoff=np.inf)
-    np.testing.assert_allclose(exact.response(4.0), first_order.response(4.0), rtol=0.02)
-
-
 # ------------------------------------------------------------------------------------------------- against truth
 
 
@@ -224,16 +183,14 @@ def test_torque_of_walking_wearers_is_read_to_a_quarter_within_25_ms(name, bandw
     leg = exoid.load_leg(name)
     run = worn_run(leg, np.array([1.1, 1.3]), 4.0)
     model = estimate_of(leg, zero=0.0)
-    for kind in (MomentumObserver, KalmanObserver):
-        observer = kind(model, bandwidth, 1000.0, torque_delay=HELD, noise=SensorNoise.of(run.recording(0)))
-        assert observer.delay.max() < 0.025
-        for k in range(2):
-            found = observer.run(run.recording(k))
-            assert nrmse(found.torque, run.interaction[..., k], 1000).max() < 0.25
-            late = round(float(observer.delay.mean()) * 1000.0)
-            aligned = nrmse(found.torque[late:], run.interaction[:-late, :, k], 1000)
-            assert aligned.max() < 0.2
-            assert found.detected[1000:].mean() > 0.3
+    observer = MomentumObserver(model, bandwidth, 1000.0, torque_delay=HELD, noise=SensorNoise.of(run.recording(0)))
+    assert observer.delay.max() < 0.025
+    for k in range(2):
+        found = observer.run(run.recording(k))
+        assert nrmse(found.torque, run.interaction[..., k], 1000).max() < 0.25
+        late = round(float(observer.delay.mean()) * 1000.0)
+        assert nrmse(found.torque[late:], run.interaction[:-late, :, k], 1000).max() < 0.2
+        assert found.detected[1000:].mean() > 0.3
 
 
 def test_all_channels_must_be_delayed_alike(estimate):
@@ -270,13 +227,12 @@ def test_a_torque_that_lags_is_aligned_by_the_delay_of_the_estimate(estimate):
 # --------------------------------------------------------------------------------------------- band and detection
 
 
-@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 @pytest.mark.parametrize("tachometer", [None, 0.01])
-def test_standard_deviation_is_that_of_readings_where_nobody_is(kind, tachometer):
+def test_standard_deviation_is_that_of_readings_where_nobody_is(tachometer):
     log = WornLog(BLEEX, 40.0, seed=7, size=0.0, tachometer=tachometer)
     truth = ControlModel.of_parameters(log.model, log.values)
     smooth = {"width": TERMS[0].smoothing, "stiction": 0.0}
-    observer = kind(truth, 10.0, 1000.0, noise=log.sensors, cutoff=30.0, **smooth)
+    observer = MomentumObserver(truth, 10.0, 1000.0, noise=log.sensors, cutoff=30.0, **smooth)
     found = observer.run(log.recording())
     ratio = np.sqrt(np.mean((found.torque / found.std)[observer.settling :] ** 2, axis=0))
     np.testing.assert_allclose(ratio, 1.0, atol=0.1)
@@ -336,8 +292,7 @@ def alarms_of(run, observer) -> np.ndarray:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
-def test_joints_that_stick_raise_no_alarm(kind, sticking):
+def test_joints_that_stick_raise_no_alarm(sticking):
     """The servo leaves torque on resting joints; without the band of stiction it counts as a wearer."""
     truth = Plant.build(
         BLEEX,
@@ -350,19 +305,18 @@ def test_joints_that_stick_raise_no_alarm(kind, sticking):
     noise = SensorNoise.of(sticking.recording(0))
     assert ((np.abs(sticking.v) < 1e-9).mean(axis=(0, 2)) > 0.001).all()
     with_band, without = (
-        kind(truth, 10.0, 1000.0, noise=noise, torque_delay=HELD, stiction=x, cutoff=20.0) for x in (1.2, 0.0)
+        MomentumObserver(truth, 10.0, 1000.0, noise=noise, torque_delay=HELD, stiction=x, cutoff=20.0)
+        for x in (1.2, 0.0)
     )
     assert not alarms_of(sticking, with_band).any()
     assert alarms_of(sticking, without).any()
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("kind", "rigs"), [(MomentumObserver, 30), (KalmanObserver, 9)])
-def test_minutes_without_wearer_raise_no_alarm(kind, rigs):
-    """Ten minutes, and three."""
-    run = sticking_run(BLEEX, rigs, 20.5, seed=1)
+def test_ten_minutes_without_wearer_raise_no_alarm():
+    run = sticking_run(BLEEX, 30, 20.5, seed=1)
     noise = SensorNoise.of(run.recording(0))
-    observer = kind(estimate_of(BLEEX, zero=0.0), 10.0, 1000.0, noise=noise, torque_delay=HELD)
+    observer = MomentumObserver(estimate_of(BLEEX, zero=0.0), 10.0, 1000.0, noise=noise, torque_delay=HELD)
     assert not alarms_of(run, observer).any()
 
 
@@ -499,7 +453,5 @@ def test_what_an_observer_needs_is_asked_for(estimate, worn):
     observer = MomentumObserver(estimate, 10.0, 1000.0, cutoff=np.inf, noise=NOISE)
     with pytest.raises(BadArgumentError):  # velocities
         observer.run(worn.recording())
-    with pytest.raises(NotIdentifiableError):  # noise
-        KalmanObserver(BLEEX, 10.0, 1000.0)
     with pytest.raises(BadArgumentError):
         SensorNoise(-1.0)

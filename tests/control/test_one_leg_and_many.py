@@ -13,8 +13,6 @@ from exoid.control import (
     FrictionCompensation,
     PassiveFriction,
     State,
-    adaptive,
-    admittance,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
@@ -26,7 +24,6 @@ from exoid.control import (
     sensitivity_amplification,
     stateful,
 )
-from exoid.experiments import Hold
 from exoid.rig import Target
 from exoid.torques import TorqueModel
 
@@ -47,20 +44,17 @@ LAWS = {
     "pd": lambda source: pd(20.0, 2.0),
     "feedforward": lambda source: feedforward_pd(source, 20.0, 2.0),
     "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
-    "lqr": lambda source: lqr(source, Hold(np.zeros((ControlModel.of(source).n, 1))), 10.0),
+    "lqr": lambda source: lqr(source, np.zeros(ControlModel.of(source).n)),
     "impedance": lambda source: impedance(source, 60.0, 5.0),
     "support": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
-    "admittance": lambda source: admittance(source, 0.5, 2.0, 5.0, reach=0.5),
     "amplification": lambda source: sensitivity_amplification(source, 5.0),
-    "adaptive": lambda source: adaptive(source, 20.0, 2.0),
     "self-tuning": lambda source: self_tuning(source, 20.0, 2.0),
     **{
         f"gravity, {name}": lambda source, friction=friction: gravity_friction_pd(source, 20.0, 2.0, friction=friction)
         for name, friction in FRICTIONS.items()
     },
 }
-ADAPTIVE = {"adaptive", "self-tuning"}
-CASES = [(source, name) for source in SOURCES for name in LAWS if source == "est" or name not in ADAPTIVE]
+CASES = [(source, name) for source in SOURCES for name in LAWS if source == "est" or name != "self-tuning"]
 
 
 def random_steps(n, columns=()):

@@ -11,7 +11,6 @@ from exoid.control import (
     ControlModel,
     Limited,
     State,
-    adaptive,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
@@ -60,14 +59,6 @@ def test_the_feedforward_of_the_right_model_explains_the_recorded_torque(run):
     assert (found.rms_difference < 0.1 * found.rms_recorded).all()
     wrong = replay_law(feedforward_pd(ControlModel.of(exact_estimate()).with_friction(3.0), 60.0, 6.0), run.recording)
     assert (wrong.rms_difference > 2.0 * found.rms_difference).all()
-
-
-def test_an_adaptive_controller_learns_nothing_from_the_log_of_another(run):
-    """Its own torque did not move the leg; with the log as target it stays at its estimate."""
-    law = adaptive(exact_estimate(), 60.0, 6.0)
-    found = replay_law(law, run.recording)
-    plain = replay_law(adaptive(exact_estimate(), 60.0, 6.0, still=100.0), run.recording)
-    assert np.abs(found.commanded - plain.commanded).max() < 0.05 * found.peak_torque.max()
 
 
 def test_a_slower_law_reads_the_log_at_its_own_rate(run):

@@ -10,7 +10,6 @@ from exoid.control import (
     ControlModel,
     PassiveFriction,
     State,
-    admittance,
     gravity_support,
     impedance,
     pd,
@@ -126,45 +125,6 @@ def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
     felt = np.einsum("kij,kj->ki", M, accelerations(run)) + 4.0 * run.v - 30.0 * error
     difference = np.sqrt(np.mean((run.interaction - felt)[late] ** 2, axis=0))
     assert (difference < 0.02 * run.rms_interaction).all()
-
-
-# ----------------------------------------------------------------------------------------- admittance
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mass", [0.4, 1.5])
-def test_the_wearer_moves_the_virtual_mass(mass):
-    """τ_wearer = m q̈ + D q̇ on a leg whose own inertia, weight and coupling are others."""
-    law = admittance(SMOOTH, mass, 1.0, rate=1000.0)
-    run = simulate_law(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT)
-    late = run.time > 0.6
-    felt, a, v = run.interaction[late], accelerations(run)[late], run.v[late]
-    for joint in range(2):
-        columns = np.column_stack([a[:, joint], v[:, joint]])
-        found, *_ = np.linalg.lstsq(columns, felt[:, joint], rcond=None)
-        assert found[0] == pytest.approx(mass, rel=0.03)
-        assert found[1] == pytest.approx(1.0, rel=0.1)
-        rest = felt[:, joint] - columns @ found
-        assert np.std(rest) < 0.1 * np.std(felt[:, joint])
-
-
-def test_the_virtual_mass_obeys_its_equation():
-    """Against the closed form of a mass, a damper and a spring under a constant push."""
-    law, push = admittance(SMOOTH, 0.5, 0.8, 20.0, rate=1000.0), np.array([2.0, -1.0])
-    state = State(POSE, np.zeros(2), interaction=push)
-    memory = law.begin(state)
-    for _ in range(700):
-        _, memory = law.step(memory, state, Target(POSE, np.zeros(2)))
-    decay, w = 0.8 / (2 * 0.5), np.sqrt(20.0 / 0.5 - (0.8 / (2 * 0.5)) ** 2)
-    shape = 1.0 - np.exp(-decay * 0.7) * (np.cos(w * 0.7) + decay / w * np.sin(w * 0.7))
-    np.testing.assert_allclose(memory.x, push / 20.0 * shape, rtol=1e-4)
-
-
-def test_a_sensor_that_drifts_does_not_carry_the_leg_beyond_its_reach():
-    law = admittance(SMOOTH, 0.5, 1.0, reach=0.3, rate=500.0)
-    loose = Wearer(LIMB, cuff_stiffness=0.0, cuff_damping=0.0)
-    run = simulate_law(SMOOTH, law, HOLD, 4.0, wearer=loose, sensors=Sensors(np.inf, interaction_offset=1.0))
-    assert 0.25 < np.abs(run.q - POSE).max() < 0.7  # the offset is also taken for a torque on the leg
 
 
 # -------------------------------------------------------------------------- sensitivity amplification

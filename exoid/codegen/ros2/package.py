@@ -32,9 +32,6 @@ CHANNELS = {
 }
 """Reference interface of each input of a law that is one number for each joint, and its field of a trajectory point."""
 
-TIME = "time"
-"""Input that is the time since the reference began; it comes last."""
-
 TEMPLATES = {
     "CMakeLists.txt": "",
     "README.md": "",
@@ -107,7 +104,7 @@ def _refuse(law: LawInC) -> None:
             remedy="write a control law for ROS 2; an observer has a form in C (--c)",
         )
     for each in law.inputs:
-        if each.name not in (*CHANNELS, TIME) or each.scalar != (each.name == TIME):
+        if each.name not in CHANNELS:
             raise NotSupportedError(
                 f"the law needs {each.name} ({each.what}), for which ROS 2 has no standard interface",
                 remedy="write it as C (--c), and call it in a controller of your own",
@@ -128,8 +125,7 @@ def _refuse(law: LawInC) -> None:
 def _values(law: LawInC, name: str, safety: Safety) -> dict[str, Any]:
     """Values of the templates."""
     inputs = [each.name for each in law.inputs]
-    arrays = [each for each in inputs if each != TIME]
-    kinds = [CHANNELS[each][0] for each in arrays]
+    kinds = [CHANNELS[each][0] for each in inputs]
     limits = np.minimum(per_joint(law.limit, "limit", len(law.joints)), ABSURD)
     return {
         "p": name,
@@ -141,12 +137,10 @@ def _values(law: LawInC, name: str, safety: Safety) -> dict[str, Any]:
         "rate": round(law.rate),
         "joints": law.joints,
         "references": inputs,
-        "arrays": arrays,
         "kinds": kinds,
         "channels": dict(CHANNELS.values()),
-        "fields": [CHANNELS[each][1] for each in arrays],
-        "timed": TIME in inputs,
-        "interfaces": [*(f"{joint}/{kind}" for kind in kinds for joint in law.joints), *({TIME} & {*inputs})],
+        "fields": [CHANNELS[each][1] for each in inputs],
+        "interfaces": [f"{joint}/{kind}" for kind in kinds for joint in law.joints],
         "limits": [repr(float(limit)) for limit in limits],
         "limit_text": ", ".join("none" if x >= ABSURD else f"{x:g} N·m" for x in limits),
         "patience": safety.steps(law.rate),

@@ -1,13 +1,11 @@
-"""Observers in C: what momentum and Kalman observer share, which is all but the filter behind the balance."""
+"""The momentum observer in C."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.codegen import ArrayInC, Dialect, InputInC, LawInC
 from exoid.codegen.templates import step_of
 from exoid.control.c_description import leg_in_c
@@ -17,23 +15,19 @@ from exoid.errors import NotSupportedError
 from .alignment import HISTORY
 
 if TYPE_CHECKING:
-    from .observer import TorqueObserver
+    from .momentum_observer import MomentumObserver
 
 MEASURED = InputInC("tau_m", "measured torques of the actuators [N m]", "reading")
 
-MEMORY = {"p": "last momentum [N m s]", "u": "last sum of the torques that change it [N m]"}
-"""Memory beside that of the filters."""
+MEMORY = {
+    "p": "last momentum [N m s]",
+    "u": "last sum of the torques that change it [N m]",
+    "filtered": "memory of the observer [N m]",
+}
+"""Memory beside that of the low-pass."""
 
 
-def observer_in_c(
-    observer: TorqueObserver,
-    dialect: Dialect,
-    *,
-    equation: str,
-    filtered: str,
-    tables: Mapping[str, tuple[FloatArray, str]],
-    memory: Mapping[str, str],
-) -> LawInC:
+def observer_in_c(observer: MomentumObserver, dialect: Dialect) -> LawInC:
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
     alignment, n = observer.alignment, observer.model.n
     if alignment.waiting > 0.0 or alignment.lags.any():
@@ -41,8 +35,12 @@ def observer_in_c(
             "channels that lag behind each other have no form in C",
             remedy="align them where they are read, and give the observer torque_delay=0.0 and velocity_delay=0.0",
         )
-    constants = {"rate": (np.array(float(observer.rate)), "sampling rate [Hz]"), **tables}
-    remembered = [ArrayInC(name, what, np.zeros(n)) for name, what in {**MEMORY, **memory}.items()]
+    constants = {
+        "rate": (np.array(float(observer.rate)), "sampling rate [Hz]"),
+        "b": (observer.filters.b[0], "gain of the observer, 1 - exp(-K T)"),
+        "pole": (-observer.filters.a[1], "exp(-K T)"),
+    }
+    remembered = [ArrayInC(name, what, np.zeros(n)) for name, what in MEMORY.items()]
     count = 2 + int(np.ceil(HISTORY * alignment.delay * observer.rate))
     low_pass = step_of("no_low_pass")
     if alignment.filters is not None:
@@ -53,8 +51,9 @@ def observer_in_c(
         remembered.append(ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))))
     return LawInC(
         observer.model.leg.joint_names,
-        equation,
-        step_of("observer").replace("{{filtered}}", filtered),
+        "torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of the wearer)), "
+        "p = M(q) v",
+        step_of("observer"),
         observer.rate,
         np.zeros(n),
         (MEASURED,),

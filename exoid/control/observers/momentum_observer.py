@@ -1,30 +1,78 @@
-"""Observer of the wearer's torque by generalised momentum, with a filter of first order."""
+"""Observer of the torque that acts on a leg from outside: balance of momentum, then a filter of first order."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
+from exoid.control.friction import WIDTH
+from exoid.control.law import refuse_rate
+from exoid.control.model import ControlModel, ModelSource
+from exoid.errors import BadArgumentError
+from exoid.estimate import Estimate
+from exoid.leg.joint_numbers import for_joints
+from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
-from .alignment import JointFilters
+from .alignment import Alignment, AlignmentMemory, JointFilters
 from .in_c import observer_in_c
-from .observer import TorqueObserver
+from .momentum import MomentumModel
+from .noise import NoiseBand, Residual, SensorNoise, parameter_variance
+from .readings import ObservedTorque, ObserverReading, observed_log, refuse_readings
+
+BLOCK = 4096
+"""Samples of a log worked on at once."""
+
+
+class ObserverMemory(NamedTuple):
+    """Memory of an observer between samples."""
+
+    samples: int  # samples read so far
+    q: FloatArray  # last angles [rad], (n,)
+    alignment: AlignmentMemory  # memory of the channels' filters
+    p: FloatArray  # last momentum [N·m·s] and its columns, (1 + K, n)
+    u: FloatArray  # last sum of actuator's and model's torque [N·m], and its columns, (1 + K, n)
+    filtered: FloatArray  # memory of the filter of the balance, of its columns, and of unknown friction, (m, 2 + K, n)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MomentumObserver(TorqueObserver):
-    """r = K (p − ∫ (τ + Cᵀv − G − springs − friction + r) dt) with p = M(q) v (De Luca and Mattone 2003).
+class MomentumObserver:
+    """r = K (p − ∫ (u + r) dt) with u = τ + Cᵀv − G − springs − friction and p = M(q) v (De Luca and Mattone 2003).
 
-    So ṙ = K (τ_wearer − r): the torque of the wearer, smoothed with time constant 1/K. The discrete filter is exact for
-    torques that are constant over each interval, r_k = e^{−KT} r_{k−1} + (1 − e^{−KT}) τ̄_k with τ̄ of
-    :class:`TorqueObserver`. It is stable for every K and rate, and its impulse response is positive, so that a bounded
-    error of friction stays within its filtered bound.
+    So ṙ = K (τ_wearer − r): the torque of the wearer, smoothed with time constant 1/K. No acceleration is needed. Over
+    an interval T, the mean torque from outside is, by the trapezoidal rule,
 
-    See :class:`TorqueObserver` for the settings.
+        τ̄_k = (p_k − p_{k−1}) / T − (u_k + u_{k−1}) / 2,    r_k = e^{−KT} r_{k−1} + (1 − e^{−KT}) τ̄_k.
+
+    The discrete filter is exact for torques that are constant over each interval, and stable for every K and rate. Its
+    impulse response is positive, so that a bounded error of friction stays within its filtered bound. Objects are
+    frozen; the memory is explicit.
+
+    Attributes:
+        source: Model: an estimate, whose covariance gives a band, a leg, a plant of one rig or a control model.
+        bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass [Hz], a
+            number or (n,).
+        rate: Sampling rate [Hz].
+        cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for the
+            bandwidth or 20 Hz, the larger, at most a fifth of the rate.
+        noise: Noise of the sensors. None if it is unknown: :meth:`run` then measures it in the log, and :meth:`step`
+            detects nothing.
+        false_alarms: False alarms per minute, all joints together, for noise alone.
+        torque_delay: Lag of measured torques behind angles [s], a number or (n,); None for the ``torque_delays`` of the
+            estimate. A torque that is held from one sample to the next lags by −T/2 where it is logged at the beginning
+            of its interval, and by T/2 at the end.
+        velocity_delay: Lag of measured velocities behind angles [s], likewise.
+        width: Width of the smooth sign of friction [rad/s].
+        stiction: Static friction over friction in slow motion: an assumption, as Coulomb friction does not show it.
+
+    Raises:
+        ExoidError: A number is out of range, or the model cannot be used.
 
     Example:
         >>> import exoid
@@ -34,6 +82,23 @@ class MomentumObserver(TorqueObserver):
         MomentumObserver(left_hip, left_knee, left_ankle: 16 Hz at 100 Hz, delay 20.5 ms)
     """
 
+    source: ModelSource
+    bandwidth: ArrayLike
+    rate: float
+    _: KW_ONLY
+    cutoff: float | None = None
+    noise: SensorNoise | None = None
+    false_alarms: float = 1e-3
+    torque_delay: ArrayLike | None = None
+    velocity_delay: ArrayLike = 0.0
+    width: float = WIDTH
+    stiction: float = 1.2
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        refuse_rate(self.rate)
+        _ = self.band, self.terms
+
     @property
     def gain(self) -> FloatArray:
         """Gain K = 2π times the bandwidth [1/s], (n,)."""
@@ -41,23 +106,210 @@ class MomentumObserver(TorqueObserver):
 
     @cached_property
     def filters(self) -> JointFilters:
-        """(1 − e^{−KT}) / (1 − e^{−KT} z⁻¹)."""
+        """(1 − e^{−KT}) / (1 − e^{−KT} z⁻¹) of each joint."""
         pole = np.exp(-self.gain / self.rate)
         none = np.zeros_like(pole)
         return JointFilters(np.stack([-np.expm1(-self.gain / self.rate), none]), np.stack([none + 1.0, -pole]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the observer in C."""
-        return observer_in_c(
-            self,
-            dialect,
-            equation="torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of "
-            "the wearer)), p = M(q) v",
-            filtered="        tau[j] = {{p}}_b[j] * mean + state->filtered[j];\n"
-            "        state->filtered[j] = {{p}}_pole[j] * tau[j];",
-            tables={
-                "b": (self.filters.b[0], "gain of the observer, 1 - exp(-K T)"),
-                "pole": (-self.filters.a[1], "exp(-K T)"),
-            },
-            memory={"filtered": "memory of the observer [N m]"},
+        """Describe the observer in C, with measured velocities: its torque, without band and detection."""
+        return observer_in_c(self, dialect)
+
+    @cached_property
+    def delay(self) -> FloatArray:
+        """Delay of slow torques from the leg to the reading, with that of the channels' low-pass [s], (n,)."""
+        pole = -self.filters.a[1]
+        samples = pole / (1.0 - pole) + 0.5  # half a sample, as the balance is a mean over an interval
+        return np.asarray(samples / self.rate + self.alignment.delay)
+
+    def response(self, frequency: float) -> FloatArray:
+        """Frequency response from the torque of the wearer to the reading at a frequency [Hz], complex, (n,)."""
+        gain = self.filters.response(frequency, self.rate) * np.sinc(frequency / self.rate)
+        late = 0.5 / self.rate + self.alignment.waiting
+        if self.alignment.filters is not None:
+            gain = gain * self.alignment.filters[0].response(frequency, self.rate)
+        return np.asarray(gain * np.exp(-2j * np.pi * frequency * late))
+
+    @property
+    def threshold(self) -> FloatArray:
+        """Threshold of detection in standard deviations, (n,)."""
+        return self.band.level
+
+    @cached_property
+    def settling(self) -> int:
+        """Samples at the beginning without detection: six delays, after which the beginning is forgotten."""
+        return int(np.ceil(6.0 * self.delay.max() * self.rate))
+
+    def begin(self, q: ArrayLike, v: ArrayLike | None = None, tau: ArrayLike | None = None) -> ObserverMemory:
+        """Make the memory at the first sample. Readings begin at zero.
+
+        Args:
+            q: Angles [rad], (n,).
+            v: Velocities [rad/s], (n,), if the leg moves, also where they are derived later; None if it rests.
+            tau: Torques [N·m], (n,); None for those that hold the leg.
+
+        Returns:
+            The memory.
+
+        Raises:
+            ExoidError: A reading has another shape or is not finite.
+
+        Warns:
+            UserWarning: The noise of the sensors is unknown, so that nothing is detected.
+        """
+        if self.noise is None:
+            warnings.warn(
+                "the noise of the sensors is unknown: nothing is detected. Give noise=SensorNoise(...), or "
+                "SensorNoise.of(recording)",
+                UserWarning,
+                stacklevel=2,
+            )
+        angle = np.array(q, dtype=np.float64)
+        first = _stacked(angle, np.zeros_like(angle) if v is None else v, angle if tau is None else tau)
+        refuse_readings(first, first[0, 0], self.rate, self.names)
+        if tau is None:
+            first[:, 2] = -self.terms.over(first[:, 0], first[:, 1]).u[:, 0]
+        aligned, alignment = self.alignment.begin(first[0])
+        now = self.terms.over(aligned[None, 0], aligned[None, 1])
+        now.u[:, 0] += aligned[2]
+        filtered = np.zeros((self.filters.order, now.p.shape[1] + 1, self.model.n))
+        filtered[:, -1] = self.filters.settled(now.unknown[0])
+        return ObserverMemory(0, angle, alignment, now.p[0], now.u[0], filtered)
+
+    def step(
+        self, memory: ObserverMemory, q: ArrayLike, v: ArrayLike | None, tau: ArrayLike
+    ) -> tuple[ObserverReading, ObserverMemory]:
+        """Read one sample.
+
+        Args:
+            memory: Memory.
+            q: Angles [rad], (n,).
+            v: Measured velocities [rad/s], (n,); None to derive them from the angles, at every sample.
+            tau: Torques of the actuators [N·m], (n,).
+
+        Returns:
+            The reading, and the memory for the next sample. The memory given is left as it is.
+
+        Raises:
+            ExoidError: A reading is not finite, an angle jumps, or velocities are needed.
+        """
+        rows = _stacked(np.asarray(q, dtype=np.float64), v, tau)
+        refuse_readings(rows, memory.q, self.rate, self.names)
+        found, after = self._read(memory, rows, derived=v is None)
+        return ObserverReading(*(x[0] for x in found)), after
+
+    def run(self, recording: Recording) -> ObservedTorque:
+        """Read a whole log: the same as :meth:`step` sample by sample, without a loop over samples.
+
+        Args:
+            recording: The log at the observer's rate, with torques; joints may stand in any order.
+
+        Returns:
+            Readings of all samples.
+
+        Raises:
+            ExoidError: The log has no torques or other joints, another rate, gaps or jumps, a base that moves, or
+                payloads.
+        """
+        recording = observed_log(self.source, recording, self.rate)
+        if self.noise is None:
+            return replace(self, noise=SensorNoise.of(recording)).run(recording)
+        q, v, derived = recording.q, recording.v, recording.v is None
+        rows = _stacked(q, v, recording.tau)
+        refuse_readings(rows, q[0], self.rate, self.names, "the log")
+        # the mean velocity over the delay of the channels
+        count = min(max(1, round(self.alignment.delay * self.rate)), len(q) - 1)
+        memory = self.begin(q[0], (q[count] - q[0]) * self.rate / count if v is None else v[0], rows[0, 2])
+        blocks = []
+        for start in range(0, len(rows), BLOCK):
+            found, memory = self._read(memory, rows[start : start + BLOCK], derived=derived)
+            blocks.append(found)
+        whole = ObserverReading(*map(np.concatenate, zip(*blocks, strict=True)))
+        return ObservedTorque(recording.time, *whole, joint_names=self.names, delay=self.delay, settling=self.settling)
+
+    def _read(
+        self, memory: ObserverMemory, rows: FloatArray, *, derived: bool
+    ) -> tuple[ObserverReading, ObserverMemory]:
+        """Readings (N, n) of consecutive samples (N, 3, n), and the memory after them."""
+        if derived and self.alignment.filters is None:
+            raise BadArgumentError(
+                "velocities are neither measured nor derived, as cutoff is inf", remedy="give velocities, or a cutoff"
+            )
+        aligned, alignment = self.alignment.run(memory.alignment, rows, derived=derived)
+        now = self.terms.over(aligned[:, 0], aligned[:, 1])
+        now.u[:, 0] += aligned[:, 2]
+        p, u = np.concatenate([memory.p[None], now.p]), np.concatenate([memory.u[None], now.u])
+        balance = np.diff(p, axis=0) * self.rate - 0.5 * (u[1:] + u[:-1])
+        read, filtered = self.filters.run(memory.filtered, np.concatenate([balance, now.unknown[:, None]], axis=1))
+        torque, moved, bound = read[:, 0], read[:, 1:-1], read[:, -1]
+        variance = self.band.variance(now.M, derived=derived)
+        if isinstance(self.source, Estimate):
+            variance = variance + parameter_variance(self.source, moved)
+        std, stiction = np.sqrt(variance), np.clip(bound, 0.0, None)
+        settled = memory.samples + np.arange(len(rows)) >= self.settling
+        detected = (np.abs(torque) > stiction + self.threshold * std) & settled[:, None]
+        after = ObserverMemory(memory.samples + len(rows), rows[-1, 0], alignment, p[-1], u[-1], filtered)
+        return ObserverReading(torque, std, stiction, detected), after
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Joints, (n,)."""
+        return self.model.leg.joint_names
+
+    @cached_property
+    def model(self) -> ControlModel:
+        """Model of the leg."""
+        return ControlModel.of(self.source)
+
+    @cached_property
+    def terms(self) -> MomentumModel:
+        """Momentum and torques of the model."""
+        estimate = self.source if isinstance(self.source, Estimate) else None
+        return MomentumModel(self.model, self.width, self.stiction, estimate)
+
+    @cached_property
+    def band(self) -> NoiseBand:
+        """Noise of the reading."""
+        residual = Residual.of(self.source, self.model.n)
+        return NoiseBand.of(self.alignment, self.filters, self.noise, residual, self.false_alarms)
+
+    @cached_property
+    def alignment(self) -> Alignment:
+        """Filters of the channels."""
+        n, delays = self.model.n, self.torque_delay
+        if delays is None:
+            delays = self.source.torque_delays if isinstance(self.source, Estimate) else 0.0
+        lags = checked([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)], "a delay", ndim=2)
+        cutoff = self.cutoff
+        if cutoff is None:
+            # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
+            # where it causes a bias: with 10 Hz, ten minutes of fast unworn motion raised alarms, with 20 Hz none.
+            cutoff = min(max(20.0, float(self.bandwidths.max())), 0.2 * self.rate)
+        if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
+            raise BadArgumentError(
+                f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
+                remedy="give a cut-off below half the rate, or inf for none",
+            )
+        return Alignment(n, self.rate, cutoff, lags)
+
+    @cached_property
+    def bandwidths(self) -> FloatArray:
+        """−3 dB frequency of each joint [Hz], (n,)."""
+        return checked(for_joints(self.bandwidth, self.model.n, "bandwidths"), "bandwidth [Hz]", above=0.0)
+
+    def __repr__(self) -> str:
+        """Write bandwidth, rate and delay in one line."""
+        bandwidth = ", ".join(f"{x:.3g}" for x in np.unique(self.bandwidths))
+        return (
+            f"MomentumObserver({', '.join(self.names)}: {bandwidth} Hz at {self.rate:g} Hz, "
+            f"delay {1e3 * self.delay.max():.3g} ms)"
         )
+
+
+def _stacked(q: FloatArray, v: ArrayLike | None, tau: ArrayLike | None) -> FloatArray:
+    """Angles, velocities (zeros where there are none) and torques, (N, 3, n)."""
+    parts = [np.atleast_2d(np.zeros_like(q) if x is None else np.asarray(x, dtype=np.float64)) for x in (q, v, tau)]
+    if len({part.shape for part in parts}) > 1:
+        shapes = ", ".join(str(part.shape[1:]) for part in parts)
+        raise BadArgumentError(f"readings of shapes {shapes}", remedy="give one value for each joint")
+    return np.stack(parts, axis=1)

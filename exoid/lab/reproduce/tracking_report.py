@@ -28,7 +28,6 @@ LABELS = {
     "feedforward_pd": "PD + feed-forward",
     "computed_torque": "computed torque",
     "lqr": "LQR",
-    "adaptive": "adaptive",
     "self_tuning": "self-tuning",
 }
 """Labels of the laws in figures."""

@@ -64,11 +64,6 @@ static JointTrajectory::SharedPtr trajectory_of(const Row & row, const std::vect
       channels[k]->push_back(row.reference[k * kJoints + j]);
     }
   }
-  if (kTimed) {
-    const double time = row.reference[kReferences - 1];
-    point.time_from_start.sec = static_cast<int>(time);
-    point.time_from_start.nanosec = static_cast<unsigned>((time - static_cast<int>(time)) * 1e9 + 0.5);
-  }
   return message;
 }
 

@@ -56,15 +56,15 @@ def assert_what_beats_it(laws):
     assert_within(laws["feedforward_pd"], 1.2, 0.5)
     assert_within(laws["computed_torque"], 4.0, 1.0)
     assert_within(laws["lqr"], 0.3, 0.2)
-    assert_within(laws["adaptive"], 0.8, 0.6)
+    assert_within(laws["self_tuning"], 1.2, 0.5)
 
 
 def assert_robust(wrong):
     for factor in ("0.5", "1.5"):
         assert_within(wrong[f"feedforward_pd F x{factor}"], 2.0, 1.0)
         assert_within(wrong[f"lqr F x{factor}"], 0.6, 0.4)
-        assert_within(wrong[f"adaptive F x{factor}"], 1.8, 1.2)
-    for name in ("lqr", "adaptive"):
+        assert_within(wrong[f"self_tuning F x{factor}"], 1.4, 0.6)
+    for name in ("lqr", "self_tuning"):
         assert_within(wrong[f"{name} +1.5kg"], 1.0, 1.0)
 
 
@@ -118,7 +118,6 @@ def test_the_figures_are_as_promised(tracking):
         "feedforward_pd",
         "computed_torque",
         "lqr",
-        "adaptive",
         "self_tuning",
     ]
     assert list(data["laws"]) == names
