@@ -26,7 +26,7 @@ from scipy.optimize import fsolve
 import exoid
 from exoid import published
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, SideBySide, sensitivity_amplification, simulate_many
+from exoid.control import ControlModel, sensitivity_amplification, simulate_many
 from exoid.control.tracking import Tracking
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
@@ -144,7 +144,7 @@ def run(
     try:
         runs = simulate_many(
             plant,
-            SideBySide(laws),
+            laws,
             Hold(pose[:, None]),
             seconds,
             sensors=Sensors(encoder_counts=np.inf, delay=delay),

@@ -13,7 +13,7 @@ import warnings
 import numpy as np
 
 import exoid
-from exoid.control import ControlModel, SideBySide, default_gains, mean_pose, simulate_many, standard_laws
+from exoid.control import ControlModel, default_gains, mean_pose, simulate_many, standard_laws
 from exoid.control.standard_laws import SENSORS
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, plan_excitation
@@ -58,7 +58,7 @@ def main() -> None:
         for name in LAWS:
             laws = [standard_laws(each, kp, 0.1 * kp, gait, PERIOD, names=(name,))[name] for each in models]
             plant = known.plant().repeat(len(laws))
-            runs = simulate_many(plant, SideBySide(tuple(laws)), gait, 2 * PERIOD, sensors=SENSORS, settle=PERIOD)
+            runs = simulate_many(plant, laws, gait, 2 * PERIOD, sensors=SENSORS, settle=PERIOD)
             exact, errors = runs[0].rms_deg, np.array([run.rms_deg for run in runs[1:]])
             for j, label in enumerate(leg.joint_labels):
                 own = errors[:, j]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from typer import Argument, Option
 
 import exoid
 from exoid.errors import BadArgumentError
+from exoid.tools.tables import DataTable
 
 from .column_map import with_remembered
 from .messages import note
@@ -32,6 +35,8 @@ from .progress import progress_bar
 from .refusals import is_readable, refuse
 
 if TYPE_CHECKING:
+    from exoid.actuators import Actuators
+    from exoid.control import Tracking
     from exoid.lab.reproduce import ReplayReport
     from exoid.leg.leg import Leg
     from exoid.rig import Payload, Plant
@@ -148,6 +153,7 @@ def _of_leg(
 ) -> ReplayReport:
     """Run every controller on a leg."""
     source = _source(what)
+    from exoid.control.standard_laws import SENSORS  # noqa: PLC0415
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
 
@@ -163,17 +169,15 @@ def _of_leg(
     rate = 100.0 if gains.rate is None else gains.rate
     usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)
-    runs = exoid.control.track(
-        source,
-        kp,
-        kd,
+    plant = source if isinstance(source, exoid.rig.Plant) else model.plant()
+    rubbing = {name: _friction(rig) * getattr(plant, name) for name in ("coulomb", "static", "viscous")}
+    runs = exoid.control.compare_laws(
+        exoid.rig.plant_with_payloads(replace(plant, **rubbing), _payloads(leg, motion, rig)),
+        exoid.control.standard_laws(source, kp, kd, reference, period, rate=rate),
         reference,
-        period,
-        periods=2 if settle is None else 1,
-        settle=settle,
-        rate=rate,
-        friction=1.0 if rig.rig_friction is None else rig.rig_friction,
-        payloads=_payloads(leg, motion, rig),
+        period if settle is not None else 2.0 * period,
+        sensors=SENSORS,
+        settle=period if settle is None else settle,
         seed=seed,
         progress=progress,
     )
@@ -182,8 +186,28 @@ def _of_leg(
     tables = [tracking_table(title, runs.values())]
     drives = source.actuators if isinstance(source, exoid.Estimate) else None
     if drives is not None:
-        tables.append(exoid.control.command_table(runs.values(), drives))
+        tables.append(_commands(runs.values(), drives))
     return tracking_report(f"Controllers on {what}", runs, tables, laws_json(runs, kp, kd, seed))
+
+
+def _friction(rig: RigOptions) -> float:
+    """Factor of the rig's friction relative to the controllers' model."""
+    factor = 1.0 if rig.rig_friction is None else rig.rig_friction
+    if not 0.0 <= factor < math.inf:
+        raise BadArgumentError(f"--rig-friction {factor:g}", remedy="give a factor of zero or more")
+    return factor
+
+
+def _commands(runs: Iterable[Tracking], actuators: Actuators) -> DataTable:
+    """Make a table of the largest and RMS commands of the drives."""
+    import numpy as np  # noqa: PLC0415 - help needs no arrays
+
+    rows = []
+    for run in runs:
+        commands = actuators.command(run.tau, run.q, run.v)
+        for name, unit, values in zip(run.joint_names, actuators.units, commands.T, strict=True):
+            rows.append((run.law, name, f"{np.abs(values).max():.3g}", f"{np.sqrt(np.mean(values**2)):.3g}", unit))
+    return DataTable("Commands of the drives", ("controller", "joint", "largest", "rms", "unit"), rows)
 
 
 def _source(what: str) -> exoid.Estimate | Plant:

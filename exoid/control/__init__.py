@@ -2,7 +2,7 @@
 
 from . import ground as ground
 from . import wearer as wearer
-from .closed_loop import simulate_law, simulate_many
+from .closed_loop import compare_laws, simulate_law, simulate_many
 from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
 from .ground import stance
@@ -23,9 +23,8 @@ from .observers import MomentumObserver, SensorNoise
 from .replay import LawReplay, replay_law
 from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
-from .side_by_side import SideBySide, compare_laws
-from .standard_laws import LAWS, mean_pose, standard_laws, track
-from .tracking import Tracking, command_table
+from .standard_laws import LAWS, mean_pose, standard_laws
+from .tracking import Tracking
 
 __all__ = [
     "AHEAD",
@@ -41,11 +40,9 @@ __all__ = [
     "MomentumObserver",
     "PassiveFriction",
     "SensorNoise",
-    "SideBySide",
     "State",
     "StatefulLaw",
     "Tracking",
-    "command_table",
     "compare_laws",
     "computed_torque",
     "default_gains",
@@ -64,6 +61,5 @@ __all__ = [
     "stance",
     "standard_laws",
     "stateful",
-    "track",
     "transparent",
 ]

@@ -1,8 +1,8 @@
-"""Closed loop of a sampled controller and the virtual rig: continuous plant with stiction, inexact sensors."""
+"""Closed loop of sampled controllers and the virtual rig: continuous plant with stiction, inexact sensors."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import gcd
 from typing import TYPE_CHECKING, TypedDict
@@ -82,7 +82,7 @@ def simulate_law(
 
 def simulate_many(
     plant: Plant,
-    law: AnyLaw,
+    law: AnyLaw | Sequence[AnyLaw],
     reference: Reference,
     duration: float,
     *,
@@ -100,7 +100,7 @@ def simulate_many(
 
     Args:
         plant: The true legs, B rigs.
-        law: Controller of all rigs; :class:`SideBySide` for one controller for each.
+        law: Controller of all rigs; or one for each, all of the same rate.
         reference: Reference of B rigs, or of one, which all follow.
         duration: Duration [s].
         sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
@@ -118,8 +118,17 @@ def simulate_many(
         One result for each rig.
 
     Raises:
-        ExoidError: See :func:`simulate_law`; or the number of names is not that of the rigs.
+        ExoidError: See :func:`simulate_law`; or the number of names or controllers is not that of the rigs, or their
+            rates differ.
     """
+    laws: list[AnyLaw] = list(law) if isinstance(law, Sequence) else [law] * plant.count
+    rates = sorted({each.rate for each in laws})
+    if len(laws) != plant.count or len(rates) != 1:
+        raise BadArgumentError(
+            f"{len(laws)} controllers of {rates} Hz for {plant.count} rigs",
+            remedy="give one for each rig, all of one rate",
+        )
+    rate = rates[0]
     if names is not None and len(names) != plant.count:
         raise BadArgumentError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
     if not 0.0 <= settle < duration:
@@ -127,28 +136,81 @@ def simulate_many(
             f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles"
         )
     most = 10**7  # samples: a day at 100 Hz
-    if duration * max(law.rate, RATE) > most:
+    if duration * max(rate, RATE) > most:
         raise BadArgumentError(
             f"a run of {duration:g} s is longer than {most:.0e} samples", remedy="simulate a shorter one"
         )
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
-    log = max(RATE, law.rate) if log_rate is None else log_rate
+    log = max(RATE, rate) if log_rate is None else log_rate
     run = simulate_rig(
         plant,
         reference,
-        _Sampled(law),
+        _OneForEach(laws) if isinstance(law, Sequence) else _Sampled(law),
         actuator or IdealTorque(),
         duration,
         start=start,
         sensors=sensors,
-        rates=Rates(law.rate, log, plant_step(law.rate, log)),
+        rates=Rates(rate, log, plant_step(rate, log)),
         seed=seed,
         wearer=wearer,
         progress=progress,
     )
-    labels = names or (name_of(law),) * plant.count
-    return tuple(tracking_of(run, k, label, law.rate, settle) for k, label in enumerate(labels))
+    labels = names or [name_of(each) for each in laws]
+    return tuple(tracking_of(run, k, label, rate, settle) for k, label in enumerate(labels))
+
+
+def compare_laws(
+    plant: Plant | Mapping[str, Plant],
+    laws: Mapping[str, AnyLaw],
+    reference: Reference,
+    duration: float,
+    *,
+    start: ArrayLike | None = None,
+    **options: Unpack[SimulationOptions],
+) -> dict[str, Tracking]:
+    """Run several controllers; those of the same rate run in one simulation if the leg is planar.
+
+    Args:
+        plant: The true leg, one rig; or that of each controller by its name, all of the same leg.
+        laws: Controllers by name, with or without memory.
+        reference: Reference of one leg, which all follow.
+        duration: Duration [s].
+        start: Initial angles of all, at rest [rad], (n,); None to begin on the reference, with its velocity.
+        **options: Those of :func:`exoid.control.simulate_law`; noise differs from controller to controller.
+
+    Returns:
+        Result of each controller by name, in the order of ``laws``.
+
+    Raises:
+        ExoidError: There are no controllers, one has no plant, or a run is refused or diverges.
+    """
+    plants = dict.fromkeys(laws, plant) if isinstance(plant, Plant) else plant
+    missing = [name for name in laws if name not in plants]
+    if missing or not laws:
+        raise BadArgumentError(
+            f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
+        )
+    progress, beginning = options.get("progress"), None if start is None else np.reshape(start, (-1, 1))
+    groups: dict[float | str, list[str]] = {}
+    for name, law in laws.items():  # legs that are not planar are simulated one by one
+        groups.setdefault(name if plants[name].leg.chain is None else law.rate, []).append(name)
+    found: dict[str, Tracking] = {}
+    for names in groups.values():
+        done, share = len(found) / len(laws), len(names) / len(laws)
+        part = None if progress is None else lambda x, done=done, share=share: progress(done + share * x)
+        options["progress"] = part
+        runs = simulate_many(
+            Plant.concatenate([plants[name] for name in names]),
+            [laws[name] for name in names],
+            reference,
+            duration,
+            start=beginning,
+            names=tuple(names),
+            **options,
+        )
+        found |= dict(zip(names, runs, strict=True))
+    return {name: found[name] for name in laws}
 
 
 def plant_step(control: float, log: float) -> float:
@@ -193,3 +255,24 @@ class _Sampled:
         self._count += 1
         self._last = torque
         return torque[:, None] if single else torque
+
+
+class _OneForEach:
+    """Controller k for rig k."""
+
+    def __init__(self, laws: Sequence[AnyLaw]) -> None:
+        self._each = [_Sampled(law) for law in laws]
+
+    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the torques without a wearer."""
+        return self.command_worn(target, q, v, None)
+
+    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
+        """Compute the torques, given those of the wearers."""
+        aims = [None if x is None else np.broadcast_to(x, q.shape) for x in target]
+        torques = []
+        for k, law in enumerate(self._each):
+            aim = Target(*(None if x is None else x[:, k : k + 1] for x in aims))  # type: ignore[arg-type]
+            felt = None if interaction is None else interaction[:, k : k + 1]
+            torques.append(law.command_worn(aim, q[:, k : k + 1], v[:, k : k + 1], felt))
+        return np.hstack(torques)

@@ -16,7 +16,7 @@ from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
 from exoid.signals.timebase import refuse_gaps
-from exoid.tools.json_values import attributes
+from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 
@@ -29,7 +29,7 @@ from .tracking import rms
 class LawReplay(ReadOnly):
     """Torque that a controller would have commanded during a log; prints itself as a table.
 
-    The motion is that of the log, whatever the torque: nothing says how the leg would have moved. Metrics are (n,).
+    The motion is that of the log, whatever the torque: nothing says how the leg would have moved.
 
     Attributes:
         law: Name of the controller.
@@ -52,50 +52,18 @@ class LawReplay(ReadOnly):
     slew: FloatArray
 
     @property
-    def rms_torque(self) -> FloatArray:
-        """RMS commanded torque [N·m]."""
-        return rms(self.commanded)
+    def figures(self) -> dict[str, FloatArray]:
+        """RMS and largest torques [N·m], the largest rate of change [N·m/s], and shares at the limits, (n,) each.
 
-    @property
-    def peak_torque(self) -> FloatArray:
-        """Largest commanded torque [N·m]."""
-        return np.asarray(np.abs(self.commanded).max(axis=0))
-
-    @property
-    def rms_recorded(self) -> FloatArray:
-        """RMS recorded torque [N·m]; NaN for joints without one."""
-        return rms(self.recorded)
-
-    @property
-    def peak_recorded(self) -> FloatArray:
-        """Largest recorded torque [N·m]; NaN for joints without one."""
-        return np.asarray(np.abs(self.recorded).max(axis=0))
-
-    @property
-    def rms_difference(self) -> FloatArray:
-        """RMS difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
-        return rms(self.commanded - self.recorded)
-
-    @property
-    def peak_difference(self) -> FloatArray:
-        """Largest difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
-        return np.asarray(np.abs(self.commanded - self.recorded).max(axis=0))
-
-    @property
-    def peak_rate(self) -> FloatArray:
-        """Largest rate of change of the commanded torque [N·m/s]."""
-        return np.asarray(np.abs(np.diff(self.commanded, axis=0)).max(axis=0) * self.rate)
-
-    @property
-    def share_at_limit(self) -> FloatArray:
-        """Share of the samples at which the torque is at its limit."""
-        return np.asarray((np.abs(self.commanded) >= (1.0 - 1e-9) * self.limit).mean(axis=0))
-
-    @property
-    def share_at_slew(self) -> FloatArray:
-        """Share of the samples at which the torque changes as fast as it may."""
+        Figures of recorded torques are not a number for joints without them.
+        """
         changes = np.abs(np.diff(self.commanded, axis=0)) * self.rate
-        return np.asarray((changes >= (1.0 - 1e-6) * self.slew).mean(axis=0))
+        parts = {"torque": self.commanded, "recorded": self.recorded, "difference": self.commanded - self.recorded}
+        found = {f"rms_{name}": rms(values) for name, values in parts.items()}
+        found |= {f"peak_{name}": np.asarray(np.abs(values).max(axis=0)) for name, values in parts.items()}
+        at_limit, at_slew = np.abs(self.commanded) >= (1.0 - 1e-9) * self.limit, changes >= (1.0 - 1e-6) * self.slew
+        found |= {"peak_rate": changes.max(axis=0), "share_at_limit": at_limit.mean(axis=0)}
+        return found | {"share_at_slew": at_slew.mean(axis=0)}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time``, ``tau_<joint>`` of the commanded torque and ``recorded_<joint>`` where there is one.
@@ -118,25 +86,35 @@ class LawReplay(ReadOnly):
         Returns:
             Values of the joints by the name of the metric; None for a joint without recorded torque.
         """
-        names = ("rms_torque", "peak_torque", "rms_recorded", "peak_recorded", "rms_difference", "peak_difference")
-        return attributes(self, "law", "rate", *names, "peak_rate", "share_at_limit", "share_at_slew")
+        return {"law": self.law, "rate": self.rate, **json_value(self.figures)}
 
     def __repr__(self) -> str:
         """Name the controller and its largest torques."""
-        peaks = ", ".join(f"{n} {x:.3g} N·m" for n, x in zip(self.joint_names, self.peak_torque, strict=True))
+        peaks = ", ".join(
+            f"{n} {x:.3g} N·m" for n, x in zip(self.joint_names, self.figures["peak_torque"], strict=True)
+        )
         return f"LawReplay({self.law} at {self.rate:g} Hz: peak {peaks})"
 
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
-        columns = [self.rms_torque, self.rms_recorded, self.rms_difference, self.peak_torque, self.peak_difference]
-        texts = [["" if np.isnan(x) else f"{x:.3g}" for x in column] for column in (*columns, self.peak_rate)]
-        texts += [[f"{100.0 * x:.1f} %" for x in column] for column in (self.share_at_limit, self.share_at_slew)]
-        headers = ("joint", "rms [N·m]", "recorded", "difference", "peak [N·m]", "peak difference")
-        limits = ("peak rate [N·m/s]", "at limit", "at rate limit")
+        titles = {
+            "rms_torque": "rms [N·m]",
+            "rms_recorded": "recorded",
+            "rms_difference": "difference",
+            "peak_torque": "peak [N·m]",
+            "peak_difference": "peak difference",
+            "peak_rate": "peak rate [N·m/s]",
+            "share_at_limit": "at limit",
+            "share_at_slew": "at rate limit",
+        }
+        texts = []
+        for name in titles:
+            form = "{:.1%}" if name.startswith("share") else "{:.3g}"
+            texts.append(["" if np.isnan(x) else form.format(x).replace("%", " %") for x in self.figures[name]])
         rows = [tuple(row) for row in zip(self.joint_names, *texts, strict=True)]
         span = f"{self.time[0]:g} to {self.time[-1]:g} s"
         title = f"torque that {self.law} at {self.rate:g} Hz would have commanded, {span}"
-        return to_text(DataTable(title, (*headers, *limits), rows))
+        return to_text(DataTable(title, ("joint", *titles.values()), rows))
 
 
 def replay_law(

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
@@ -146,28 +145,6 @@ def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     ]
     headers = ("controller", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
     return DataTable(caption, headers, rows)
-
-
-def command_table(trackings: Iterable[Tracking], actuators: Actuators) -> DataTable:
-    """Make a table of what drives need for several controllers.
-
-    Args:
-        trackings: Runs, in the order of the table.
-        actuators: Drives of the leg.
-
-    Returns:
-        Table with one line for each controller and joint with a drive: largest and RMS command.
-
-    Raises:
-        ExoidError: A drive cannot make a torque.
-    """
-    rows = []
-    for one in trackings:
-        commands = actuators.command(one.tau, one.q, one.v)
-        for joint, (name, unit) in enumerate(zip(one.joint_names, actuators.units, strict=True)):
-            values = commands[:, joint]
-            rows.append((one.law, name, f"{np.abs(values).max():.3g}", f"{np.sqrt(np.mean(values**2)):.3g}", unit))
-    return DataTable("Commands of the drives", ("controller", "joint", "largest", "rms", "unit"), rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:

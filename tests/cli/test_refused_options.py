@@ -29,7 +29,7 @@ REFUSED = {
         ("bleex --reference absent.csv", "absent.csv"),
         ("bleex --reference walk.csv --scale 1", "--scale has no effect"),
         ("bleex --rig-payload -1", "invalid payload"),
-        ("bleex --rig-friction -1", "times the friction"),
+        ("bleex --rig-friction -1", "a factor of zero or more"),
         ("bleex --rate 0", "rate of a controller"),
         ("est.json --figures est.json", "is an input"),
         ("cuhk.json --dry-run log.csv --law nonsense", "no controller 'nonsense'"),

@@ -9,6 +9,7 @@ from controlled_legs import estimate_of
 
 import exoid
 from exoid import control, published, reproduce
+from exoid.control.standard_laws import SENSORS
 from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
 from exoid.leg.description import describe
@@ -47,7 +48,9 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
     gait = healthy_gait(0.8, 1.0)
     kp, kd = control.default_gains(est, control.mean_pose(gait, 1.0))
     np.testing.assert_allclose(data["gains"]["kp"], kp)
-    runs = control.track(est, kp, kd, gait, 1.0, seed=5)
+    model = control.ControlModel.of(est)
+    laws = control.standard_laws(est, kp, kd, gait, 1.0)
+    runs = control.compare_laws(model.plant(), laws, gait, 2.0, sensors=SENSORS, settle=1.0, seed=5)
     assert runs["lqr"].peak_deg.tolist() == data["laws"]["lqr"]["peak_deg"]
     assert data["laws"]["lqr"]["peak_deg"][0] < 0.1 * data["laws"]["pd"]["peak_deg"][0]
 
@@ -102,12 +105,12 @@ def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     q = np.column_stack([0.3 * np.sin(0.5 * time**2), 0.6 - 0.4 * np.cos(3.0 * time) * np.exp(-0.1 * time)])
     noisy = q + 1e-4 * np.random.default_rng(0).normal(size=q.shape)
     exoid.Recording(time + 7.0, noisy, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "log.csv")
-    followed, real = [], control.track
-    monkeypatch.setattr("exoid.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
+    followed, real = [], control.compare_laws
+    monkeypatch.setattr("exoid.control.compare_laws", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
     code, out, _ = track(saved, "--reference", "log.csv", "--json")
     assert code == 0
-    ((_, _, _, reference, duration), options) = followed[0]
-    assert (duration, options["periods"], options["settle"]) == (pytest.approx(11.99), 1, 1.0)
+    ((_, _, reference, duration), options) = followed[0]
+    assert (duration, options["settle"]) == (pytest.approx(11.99), 1.0)
     angles = np.array([reference.at(float(t)).q[:, 0] for t in time])
     assert np.rad2deg(np.abs(angles - q)).max() < 0.5
     assert json.loads(out)["laws"]["feedforward_pd"]["peak_deg"][0] < 5.0

@@ -56,9 +56,9 @@ def test_gravity_support_commands_the_weight_at_the_angles_of_the_log(run):
 def test_the_feedforward_of_the_right_model_explains_the_recorded_torque(run):
     """Without a reference the motion of the log is the target, so that the model's torque remains."""
     found = replay_law(feedforward_pd(exact_estimate(), 60.0, 6.0), run.recording)
-    assert (found.rms_difference < 0.1 * found.rms_recorded).all()
+    assert (found.figures["rms_difference"] < 0.1 * found.figures["rms_recorded"]).all()
     wrong = replay_law(feedforward_pd(ControlModel.of(exact_estimate()).with_friction(3.0), 60.0, 6.0), run.recording)
-    assert (wrong.rms_difference > 2.0 * found.rms_difference).all()
+    assert (wrong.figures["rms_difference"] > 2.0 * found.figures["rms_difference"]).all()
 
 
 def test_a_slower_law_reads_the_log_at_its_own_rate(run):
@@ -85,11 +85,12 @@ def test_figures_of_a_replay():
     )
     weight = LEG.gravity(q[:1])[0]
     found = replay_law(Limited(gravity_support(LEG), (0.5 * abs(weight[0]), np.inf)), log, GAIT)
-    np.testing.assert_allclose(found.peak_torque, np.abs(weight) * [0.5, 1.0])
-    np.testing.assert_allclose(found.share_at_limit, [1.0, 0.0])
-    np.testing.assert_allclose(found.peak_difference[0], abs(0.5 * weight[0] - 5.0))
-    assert np.isnan(found.rms_recorded[1])
-    np.testing.assert_allclose(found.peak_rate, 0.0, atol=1e-12)
+    figures = found.figures
+    np.testing.assert_allclose(figures["peak_torque"], np.abs(weight) * [0.5, 1.0])
+    np.testing.assert_allclose(figures["share_at_limit"], [1.0, 0.0])
+    np.testing.assert_allclose(figures["peak_difference"][0], abs(0.5 * weight[0] - 5.0))
+    assert np.isnan(figures["rms_recorded"][1])
+    np.testing.assert_allclose(figures["peak_rate"], 0.0, atol=1e-12)
     assert json.loads(json.dumps(found.to_json()))["rms_recorded"] == [5.0, None]
 
 

@@ -71,12 +71,13 @@ def test_a_payload_is_found_and_the_mass_matrix_stays_positive_definite():
 
 def test_wild_torques_leave_the_parameters_within_their_bounds(monkeypatch):
     """A drive that makes ten times the torque requested: no parameter leaves its bound, and M(q) stays positive."""
-    monkeypatch.setattr(sys.modules[SelfTuning.__module__], "BOUND", 1.0)
+    monkeypatch.setattr(sys.modules[SelfTuning.__module__], "BOUND", 0.5)
     law = self_tuning(exact_estimate(), KP, KD)
     wild = cuhk_plant(J1=30.0, J2=9.0, X2=12.0, Y2=5.0, c0_knee=40.0)
     seen = fed(law, 3.0, wild)
-    moved = np.abs(seen[-1].values - law.source.values) / law._known.std
-    assert 0.9 < moved.max() <= 1.0 + 1e-9
+    aimed, moved = (np.abs(x - law.source.values) / law._known.std for x in (seen[-1].aim, seen[-1].values))
+    assert aimed.max() == pytest.approx(0.5)
+    assert moved.max() <= 0.5 + 1e-9
     assert np.linalg.eigvalsh(LEG.with_parameters(seen[-1].values[:6]).mass_matrix(np.eye(2))).min() > 0.0
 
 

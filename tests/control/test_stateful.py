@@ -8,7 +8,7 @@ from controlled_legs import LEG, cuhk_plant
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Motor
-from exoid.control import Driven, Limited, SideBySide, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
+from exoid.control import Driven, Limited, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -102,19 +102,18 @@ def test_drives_make_the_torque_of_a_law_with_memory():
 def test_side_by_side_each_law_keeps_its_memory():
     plant, gait = cuhk_plant(), healthy_gait()
     laws = (PI(), pd(20.0, 1.0), Limited(PI(), limit=1.0))
-    together = simulate_many(plant.repeat(3), SideBySide(laws), gait, 1.0)
+    together = simulate_many(plant.repeat(3), laws, gait, 1.0)
     for one, law in zip(together, laws, strict=True):
         np.testing.assert_allclose(one.tau, simulate_law(plant, law, gait, 1.0).tau, atol=1e-8)
 
 
-def test_side_by_side_each_law_receives_its_last_torque_and_its_interaction():
-    class Both:
+def test_side_by_side_each_law_receives_its_last_torque():
+    class Growing:
         rate = 100.0
 
         def torque(self, state: State, target: Target) -> FloatArray:
-            return 2.0 * state.interaction + state.last
+            return 0.01 + (np.zeros(2) if state.last is None else state.last)
 
-    state = State(np.zeros((2, 2)), np.zeros((2, 2)), 0.0, np.array([[1.0, 2.0], [3.0, 4.0]]), np.eye(2))
-    aim = Target(np.zeros((2, 1)), np.zeros((2, 1)))
-    torque, _ = SideBySide((Both(), Both())).step(((), ()), state, aim)
-    np.testing.assert_array_equal(torque, 2.0 * state.interaction + state.last)
+    runs = simulate_many(cuhk_plant().repeat(2), (pd(0.0, 0.0), Growing()), healthy_gait(), 0.1)
+    assert not runs[0].tau.any()
+    np.testing.assert_allclose(runs[1].tau[1:, 0], 0.01 * np.arange(1, len(runs[1].tau)))

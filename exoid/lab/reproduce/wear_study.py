@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
+from exoid.control import ControlModel, Tracking, pd, sensitivity_amplification, simulate_many
 from exoid.control.law import AnyLaw
 from exoid.control.model import ModelSource
 from exoid.errors import BadArgumentError
@@ -158,7 +158,7 @@ def wear(
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
     runs = simulate_many(
         truth.repeat(len(laws)),
-        SideBySide(tuple(laws)),
+        laws,
         intention,
         2 * period,  # strides of a run; the first is not evaluated
         sensors=SENSORS,
