@@ -114,7 +114,7 @@ def law_in_c(law: object, dialect: Dialect) -> LawInC:
     # The method must stand in the class that computes the torque, or in one derived from it.
     kinds = type(law).__mro__
     described = next((kind for kind in kinds if "in_c" in vars(kind)), None)
-    computed = next((kind for kind in kinds if vars(kind).keys() & {"torque", "step", "_changed"}), None)
+    computed = next((kind for kind in kinds if vars(kind).keys() & {"torque", "step"}), None)
     if described is None or (computed is not None and not issubclass(described, computed)):
         raise NotSupportedError(
             f"{type(law).__name__} has no form in C",

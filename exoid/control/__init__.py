@@ -3,7 +3,6 @@
 from . import ground as ground
 from . import wearer as wearer
 from .closed_loop import compare_laws, simulate_law, simulate_many
-from .driven import Driven
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
 from .ground import stance
 from .law import Law, State, StatefulLaw, stateful
@@ -32,7 +31,6 @@ __all__ = [
     "SHARP",
     "SMOOTH",
     "ControlModel",
-    "Driven",
     "FrictionCompensation",
     "Law",
     "LawReplay",

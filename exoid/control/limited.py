@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,36 +16,7 @@ from .law import AnyLaw, Memory, State, spread, stateful, torque_without_memory
 
 
 @dataclass(frozen=True, eq=False)
-class Wrapped(ABC):
-    """Another controller whose torque is changed by a function of the state. It has the memory of that controller."""
-
-    law: AnyLaw  # the other controller, with or without memory
-
-    @property
-    def rate(self) -> float:
-        """Sampling rate [Hz]."""
-        return self.law.rate
-
-    @abstractmethod
-    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
-        """Compute what becomes of a torque of the other controller."""
-
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class."""
-        return self._changed(torque_without_memory(self.law, state, target), state)
-
-    def begin(self, state: State) -> Memory:
-        """Compute the memory of the other controller before the first sample."""
-        return stateful(self.law).begin(state)
-
-    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the torque, and the memory of the other controller."""
-        torque, memory = stateful(self.law).step(memory, state, target)
-        return self._changed(torque, state), memory
-
-
-@dataclass(frozen=True, eq=False)
-class Limited(Wrapped):
+class Limited:
     """Another controller within limits: |τ| ≤ ``limit``, |τ − τ_last| ≤ ``slew`` / rate.
 
     The last command is part of the state, so that the limits need no memory. A controller that integrates finds the
@@ -67,6 +37,7 @@ class Limited(Wrapped):
         100.0
     """
 
+    law: AnyLaw
     limit: ArrayLike = np.inf
     slew: ArrayLike = np.inf
 
@@ -75,7 +46,25 @@ class Limited(Wrapped):
         for name in ("limit", "slew"):
             object.__setattr__(self, name, checked(getattr(self, name), name, above=0.0, infinite=True))
 
-    def _changed(self, torque: FloatArray, state: State) -> FloatArray:
+    @property
+    def rate(self) -> float:
+        """Sampling rate [Hz]."""
+        return self.law.rate
+
+    def torque(self, state: State, target: Target) -> FloatArray:
+        """Compute the torque; see the class."""
+        return self._clipped(torque_without_memory(self.law, state, target), state)
+
+    def begin(self, state: State) -> Memory:
+        """Compute the memory of the other controller before the first sample."""
+        return stateful(self.law).begin(state)
+
+    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
+        """Compute the torque, and the memory of the other controller."""
+        torque, memory = stateful(self.law).step(memory, state, target)
+        return self._clipped(torque, state), memory
+
+    def _clipped(self, torque: FloatArray, state: State) -> FloatArray:
         """Clip a torque to the limits of its change and size."""
         last = np.zeros_like(torque) if state.last is None else state.last
         change = spread(np.asarray(self.slew), torque) / self.rate

@@ -115,14 +115,12 @@ def test_checks_look_at_what_the_drive_measured() -> None:
 
 def test_a_controller_commands_amperes_within_the_limits_of_its_motors(by_torque) -> None:
     limited = Actuators.of(LEG, {joint: Motor(0.07, ratio=50.0, max_current=2.0) for joint in LEG.joint_names})
-    law = exoid.control.Driven(exoid.control.pd(400.0, 10.0), limited)
-    state = exoid.control.State(np.array([0.1, -0.3, 0.0]), np.zeros(3))
-    target = exoid.rig.Target(np.array([0.11, -0.6, 0.0]), np.zeros(3))
-    np.testing.assert_allclose(law.command(state, target), [4.0 / 3.5, -2.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(law.torque(state, target), [4.0, -7.0, 0.0], atol=1e-12)
-    many = exoid.control.State(np.tile(state.q[:, None], 2), np.zeros((3, 2)))
-    wide = exoid.rig.Target(np.tile(target.q[:, None], 2), np.zeros((3, 2)))
-    np.testing.assert_allclose(law.command(many, wide)[:, 1], law.command(state, target))
+    q, v = np.array([0.1, -0.3, 0.0]), np.zeros(3)
+    target = exoid.rig.Target(np.array([0.11, -0.6, 0.0]), v)
+    torque = exoid.control.pd(400.0, 10.0).torque(exoid.control.State(q, v), target)
+    (commands,) = limited.command(torque, q, v)
+    np.testing.assert_allclose(commands, [4.0 / 3.5, -2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(limited.torque_of(commands[None], q[None], v[None])[0], [4.0, -7.0, 0.0], atol=1e-12)
 
 
 def test_a_tracked_motion_has_its_forces(by_force) -> None:

@@ -1,14 +1,13 @@
-"""Controllers with memory, and those around other controllers: limits, drives, side by side."""
+"""Controllers with memory, and those around other controllers: limits, side by side."""
 
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, cuhk_plant
+from controlled_legs import cuhk_plant
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators, Motor
-from exoid.control import Driven, Limited, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
+from exoid.control import Limited, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -87,16 +86,6 @@ def test_limits_act_on_a_law_with_memory_throughout_a_run():
     run = simulate_law(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
     assert np.abs(run.tau).max() == pytest.approx(2.0)
     assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 0.5 + 1e-9
-
-
-def test_drives_make_the_torque_of_a_law_with_memory():
-    motors = Actuators.of(LEG, {"hip": Motor(0.07, 50.0), "knee": Motor(0.07, 50.0)})
-    law = Driven(PI(), motors)
-    memory = law.begin(REST)
-    torque, after = law.step(memory, REST, AIM)
-    wanted, _ = PI().step(memory, REST, AIM)
-    np.testing.assert_allclose(torque, wanted, rtol=1e-12)
-    np.testing.assert_array_equal(after.total, PI().step(memory, REST, AIM)[1].total)
 
 
 def test_side_by_side_each_law_keeps_its_memory():

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from exoid.codegen import ArrayInC, Dialect, InputInC, LawInC
 from exoid.codegen.templates import step_of
 from exoid.control.c_description import leg_in_c
 from exoid.control.friction import FrictionCompensation
+from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
 
-from .alignment import HISTORY
-
-if TYPE_CHECKING:
-    from .momentum_observer import MomentumObserver
+from .alignment import HISTORY, Alignment, JointFilters
 
 MEASURED = InputInC("tau_m", "measured torques of the actuators [N m]", "reading")
 
@@ -27,21 +23,23 @@ MEMORY = {
 """Memory beside that of the low-pass."""
 
 
-def observer_in_c(observer: MomentumObserver, dialect: Dialect) -> LawInC:
+def observer_in_c(
+    model: ControlModel, alignment: Alignment, filters: JointFilters, width: float, dialect: Dialect
+) -> LawInC:
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
-    alignment, n = observer.alignment, observer.model.n
+    n, rate = model.n, alignment.rate
     if alignment.waiting > 0.0 or alignment.lags.any():
         raise NotSupportedError(
             "channels that lag behind each other have no form in C",
             remedy="align them where they are read, and give the observer torque_delay=0.0 and velocity_delay=0.0",
         )
     constants = {
-        "rate": (np.array(float(observer.rate)), "sampling rate [Hz]"),
-        "b": (observer.filters.b[0], "gain of the observer, 1 - exp(-K T)"),
-        "pole": (-observer.filters.a[1], "exp(-K T)"),
+        "rate": (np.array(float(rate)), "sampling rate [Hz]"),
+        "b": (filters.b[0], "gain of the observer, 1 - exp(-K T)"),
+        "pole": (-filters.a[1], "exp(-K T)"),
     }
     remembered = [ArrayInC(name, what, np.zeros(n)) for name, what in MEMORY.items()]
-    count = 2 + int(np.ceil(HISTORY * alignment.delay * observer.rate))
+    count = 2 + int(np.ceil(HISTORY * alignment.delay * rate))
     low_pass = step_of("no_low_pass")
     if alignment.filters is not None:
         low_pass = step_of("low_pass")
@@ -50,11 +48,11 @@ def observer_in_c(observer: MomentumObserver, dialect: Dialect) -> LawInC:
         constants["low_a"] = a, "denominator of the low-pass, the first coefficient 1"
         remembered.append(ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))))
     return LawInC(
-        observer.model.leg.joint_names,
+        model.leg.joint_names,
         "torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of the wearer)), "
         "p = M(q) v",
         step_of("observer"),
-        observer.rate,
+        rate,
         np.zeros(n),
         (MEASURED,),
         tuple(ArrayInC(name, what, values) for name, (values, what) in constants.items()),
@@ -63,9 +61,9 @@ def observer_in_c(observer: MomentumObserver, dialect: Dialect) -> LawInC:
         step_of("observer_helpers").replace("{{low_pass}}", low_pass),
         "torque of the wearer on the leg",
         leg_in_c(
-            observer.model,
+            model,
             ("gravity", "springs", "rigid_bodies", "mass_matrix"),
-            FrictionCompensation("measured", observer.width),
+            FrictionCompensation("measured", width),
             dialect,
         ),
     )

@@ -113,7 +113,7 @@ class MomentumObserver:
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the observer in C, with measured velocities: its torque, without band and detection."""
-        return observer_in_c(self, dialect)
+        return observer_in_c(self.model, self.alignment, self.filters, self.width, dialect)
 
     @cached_property
     def delay(self) -> FloatArray:
