@@ -346,16 +346,6 @@ def _() -> Any:  # noqa: ANN401
     return np.array(torques[1:])
 
 
-@journey("friction and temperature")
-def _() -> Any:  # noqa: ANN401
-    leg, log = logged("cuhk")
-    warm = 25.0 + 15.0 * (log.time - log.time[0]) / np.ptp(log.time)
-    tau = log.tau - 0.02 * np.tanh(np.gradient(log.q, log.time, axis=0) / 0.02) * (warm[:, None] - 25.0)
-    log = replace(log, tau=tau, temperature=np.column_stack([warm, warm]))
-    terms = (exoid.Coulomb(), exoid.Viscous(), torques.TemperatureFriction(smoothing=0.015))
-    return of(exoid.identify(leg, log, terms, check=False))
-
-
 @journey("own offsets of two logs")
 def _() -> Any:  # noqa: ANN401
     leg, log = logged("cuhk")

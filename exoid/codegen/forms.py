@@ -126,16 +126,8 @@ def register_c_form(
 def c_form(term: Term) -> CForm:
     """Look up the form of a term in C."""
     described = f"{type(term).__name__} ({', '.join(term.symbols)})"
-    needs = (
-        "depends on temperature"
-        if term.needs_temperature
-        else "has memory"
-        if term.internal_state is not None
-        else "depends on the load of its joint"
-        if term.loaded
-        else ""
-    )
-    if needs:
+    if term.loaded or term.internal_state is not None:
+        needs = "depends on the load of its joint" if term.loaded else "has memory"
         raise NotSupportedError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",

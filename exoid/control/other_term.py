@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
 from exoid.torques import Term
 from exoid.torques.motion import LoadedMotion, random_motion
 from exoid.torques.term import TermBlock
@@ -26,12 +25,6 @@ class OtherTerm(NamedTuple):
     @classmethod
     def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, n: int) -> OtherTerm:
         """Make it, and find out whether it depends on accelerations."""
-        if term.needs_temperature:
-            raise NotSupportedError(
-                f"{type(term).__name__} ({', '.join(term.symbols)}) depends on temperature, which a "
-                "controller does not measure",
-                remedy="identify without it from recordings at the temperature of use",
-            )
         other = cls(term, joints, values)
         q, v, a = random_motion(10, n).transpose(0, 2, 1)
         load = np.zeros_like(q)

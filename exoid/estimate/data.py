@@ -224,7 +224,6 @@ class EstimateData(ParameterTable):
         a: ArrayLike,
         torso: MovingBase | None = None,
         payloads: Sequence[Payload] = (),
-        temperature: ArrayLike | None = None,
     ) -> FloatArray:
         """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
 
@@ -238,12 +237,11 @@ class EstimateData(ParameterTable):
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso, if it moves.
             payloads: Payloads on the leg; their torque is added.
-            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Torques [N·m], (N, n).
         """
-        motion = self.model.motion(q, v, a, torso, payloads, temperature=temperature)
+        motion = self.model.motion(q, v, a, torso, payloads)
         torque = self.model.columns(motion).transpose(2, 1, 0) @ self.values
         return torque if motion.payload is None else torque + motion.payload
 
@@ -255,7 +253,6 @@ class EstimateData(ParameterTable):
         torso: MovingBase | None = None,
         *,
         measured: bool = False,
-        temperature: ArrayLike | None = None,
     ) -> FloatArray:
         """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
 
@@ -269,14 +266,13 @@ class EstimateData(ParameterTable):
             torso: Motion of the torso, if it moves.
             measured: Whether to add the model error, and the noise of a new measurement, which has passed the same
                 filter as those that the estimate was made from.
-            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Standard deviations [N·m], (N, n).
         """
         model = self.band_model if measured else self.model.loaded_by(self.values)
         variance = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        return torque_std(model, variance, model.motion(q, v, a, torso, temperature=temperature))
+        return torque_std(model, variance, model.motion(q, v, a, torso))
 
     @property
     def band_model(self) -> TorqueModel | WithColumns:
@@ -318,7 +314,6 @@ class EstimateData(ParameterTable):
         *,
         level: float = 0.95,
         measured: bool = True,
-        temperature: ArrayLike | None = None,
     ) -> TorqueBand:
         """Band that contains a new torque of each sample with so much probability, by Student's t.
 
@@ -332,12 +327,11 @@ class EstimateData(ParameterTable):
             level: The probability, between 0 and 1.
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
-            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
         dof = self.dof if measured else float(self.dof_each.min())
-        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured, temperature=temperature)
-        torque = self.torque(q, v, a, torso, temperature=temperature)
+        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
+        torque = self.torque(q, v, a, torso)
         return TorqueBand(torque, torque - half, torque + half)

@@ -84,8 +84,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
         rows = first + sample
         now, later, held = torque[rows], torque[rows + 1], np.minimum(rows, samples - 1)
         base = carried.rows(held) if isinstance(carried, BaseKinematics) else carried
-        heat = None if recording.temperature is None else recording.temperature[held]
-        around = Surroundings(base, recording.payloads, heat)
+        around = Surroundings(base, recording.payloads)
         for step in range(steps):
             ends = [now + (later - now) * (step + share) / steps for share in (0.0, 0.5, 1.0)]
             q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), around)
@@ -105,7 +104,6 @@ class Surroundings(NamedTuple):
 
     base: MovingBase | None  # motion of the base, of B samples if it moves; None if it is upright and still
     payloads: tuple[Payload, ...]  # payloads on the leg
-    temperature: FloatArray | None = None  # temperatures [°C], (B, n); None without
 
 
 def _step(
@@ -132,8 +130,7 @@ def _acceleration(
     base = around.base
     if isinstance(base, BaseKinematics):
         base = base.rows(np.tile(np.arange(count), n + 1))
-    heat = None if around.temperature is None else np.tile(around.temperature, (n + 1, 1))
-    torques = estimate.torque(*motion, base, around.payloads, heat).reshape(n + 1, count, n)
+    torques = estimate.torque(*motion, base, around.payloads).reshape(n + 1, count, n)
     b = torques[0]
     M = (torques[1:] - b).transpose(1, 2, 0)
     try:

@@ -190,7 +190,7 @@ def evidence(data: Recording | Poses) -> Input:
     if data.source is not None:
         return Input(data.source.name, data.source.sha256, *about)
     digest = hashlib.sha256()
-    for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature"):
+    for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle"):
         array = getattr(data, name, None)
         if array is not None:
             digest.update(np.ascontiguousarray(array).data)

@@ -42,7 +42,7 @@ class Settings:
         refuse_floating_base(self.model.leg, "a recursive estimator")
         for block in self.model.blocks:
             term = block.term
-            if term.internal_state is not None or term.loaded or term.needs_temperature:
+            if term.internal_state is not None or term.loaded:
                 raise NotSupportedError(
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",

@@ -203,12 +203,11 @@ def reference_scale(
     # A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error
     # of it would look small: a slow motion does not make an inertia sure. Nor does friction that acts for
     # moments only: such a column counts by its largest value, over √3 like one that is spread evenly.
-    # Calm is 0.5 Hz and ±18°: up to 1 rad/s and π rad/s², at 25 ± 20 °C.
+    # Calm is 0.5 Hz and ±18°: up to 1 rad/s and π rad/s².
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, 1000, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
-    heat = 25.0 + 20.0 * rng.uniform(-1.0, 1.0, q.shape)
-    columns = np.abs(model.regressor(q, v, np.pi * a, temperature=heat)).max(axis=0) / math.sqrt(3.0)
+    columns = np.abs(model.regressor(q, v, np.pi * a)).max(axis=0) / math.sqrt(3.0)
     joints = len(columns)
     squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
     return _smallest_size(columns, np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0)))

@@ -78,7 +78,7 @@ class RegressorModel(Protocol):
         """Which parameters can act on which joint, (n, P)."""
 
     def motion(self, *samples: Any, **beside: Any) -> Any:  # noqa: ANN401 - arrays of any kind
-        """Gather q, v, a, motion of the base, payloads, joints with a drive and temperatures, for the columns."""
+        """Gather q, v, a, motion of the base, payloads and joints with a drive, for the columns."""
 
     def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
         """Columns of all parameters, and of torque that is known, (P or more, n, N)."""

@@ -110,7 +110,7 @@ def prepare(
     computed = np.isin(recording.joint_names, recording.computed) if recording.computed else None
     base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:
-        motion = model.motion(q, v, a, base, recording.payloads, computed, recording.temperature)
+        motion = model.motion(q, v, a, base, recording.payloads, computed)
         if recording.wrenches:
             share = -model.row_torque(np.zeros_like(tau), motion, recording.wrenches)
             share = preparation.filter(share, rate) if parallel is None else share

@@ -123,7 +123,7 @@ def refuse_not_finite(values: FloatArray, columns: Sequence[str], where: SourceL
 
 
 def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], where: SourceLocation = ARRAY) -> None:
-    """Refuse values that no leg has: arithmetic would overflow, currents in mA, and temperatures that are none."""
+    """Refuse values that no leg has: arithmetic would overflow, or currents in mA."""
     size = np.abs(values)
     if size.size and size.max() > 1e9:
         value, _, place = _cell(size, values, columns, where)
@@ -140,18 +140,6 @@ def refuse_implausible(field: str, values: FloatArray, columns: Sequence[str], w
             remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="mA")}} where the file is read, or '
             "divide by 1000",
             command=f"give its unit: --column {name}=HEADER:mA",
-        )
-    # Kelvins, tenths of degrees, or the reading of a broken sensor
-    wrong = (values < -60.0) | (values > 220.0)
-    if field == "temperature" and wrong.any():
-        value, name, place = _cell(wrong, values, columns, where)
-        looks = " looks like K" if 233.0 < value < 500.0 else " is not that of a drive"
-        raise UnreadableInputError(
-            f"a temperature of {value:.6g} °C (limits -60 °C and 220 °C){looks}",
-            **place,
-            remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="K")}} or its scale where the file '
-            "is read, or leave out a broken sensor",
-            command=f"give its unit or scale: --column {name}=HEADER:K, or {name}=HEADER:0.1",
         )
 
 

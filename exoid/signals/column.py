@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .quantities import is_unit, refuse_other_unit, zero_of
+from .quantities import is_unit, refuse_other_unit
 
 SYNTAX = "write NAME=HEADER, NAME=HEADER:SCALE, NAME=HEADER:SCALE:ZERO, and :UNIT behind them"
 
@@ -94,8 +94,7 @@ class Column:
             ExoidError: The unit does not belong to the quantity.
         """
         factor = 1.0 if self.unit is None else refuse_other_unit(self.unit, name)
-        readings = self.scale * (cells - self.zero)
-        return np.asarray(factor * (readings if self.unit is None else readings - zero_of(self.unit)))
+        return np.asarray(factor * (self.scale * (cells - self.zero)))
 
     @property
     def is_plain(self) -> bool:

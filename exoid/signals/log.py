@@ -229,12 +229,10 @@ def _numbers(
 
 
 def _may_share(names: Sequence[str]) -> bool:
-    """Whether columns are current or force of a drive, and torque computed of it, or temperatures of one sensor."""
+    """Whether columns are current or force of a drive, and torque computed of it."""
     quantities, joints = zip(*(name.partition("_")[::2] for name in names), strict=True)
-    if set(quantities) == {"temp"}:
-        return True
     same_joint = len(set(joints)) == 1 and len(set(quantities)) == len(names)
-    return same_joint and {f"{quantity}_" for quantity in quantities} <= set(PARTIAL) - {"temp_"}
+    return same_joint and {f"{quantity}_" for quantity in quantities} <= set(PARTIAL)
 
 
 def _missing(column: str, why: str, table: Table, name: str | None = None) -> ExoidError:

@@ -31,7 +31,6 @@ QUANTITIES = (
     Quantity("force", "f", "N"),
     Quantity("motor_torque", "tm", "N·m"),
     Quantity("motor_angle", "qm", "rad", angular=True, smooth=True),
-    Quantity("temperature", "temp", "°C"),
 )
 
 UNITS = {quantity.field: quantity.unit for quantity in QUANTITIES}
@@ -55,7 +54,6 @@ FACTORS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "f": ("force", _FORCES),
     "tm": ("motor torque", _TORQUES),
     "qm": ("motor angle", _ANGLES),
-    "temp": ("temperature", {"°C": 1.0, "K": 1.0, "°F": 5.0 / 9.0}),
     "base_gyro": ("angular velocity of the base", {f"{unit}/s": size for unit, size in _ANGLES.items()}),
     "base_acc": ("specific force of the base", {"m/s²": 1.0, "mm/s²": 1e-3, "g": 9.80665, "mg": 9.80665e-3}),
     "base_q": ("a quaternion, which has none", {}),
@@ -84,11 +82,6 @@ def factor_of(unit: str, quantity: str) -> float | None:
     """Find the factor of a unit to SI."""
     known = {spelled(name): size for name, size in FACTORS[quantity][1].items()}
     return known.get(spelled(unit))
-
-
-def zero_of(unit: str) -> float:
-    """Find the reading that stands for zero SI (0 °C of a temperature): 273.15 of kelvins."""
-    return {"K": 273.15, "degF": 32.0}.get(spelled(unit), 0.0)
 
 
 def is_unit(text: str) -> bool:
@@ -130,7 +123,7 @@ def refuse_silent_unit(header: str, name: str, *, degrees: bool) -> None:
         factor = factor_of(unit, quantity)
         in_degrees = quantity in ("q", "v", "a", "qm") and degrees
         expected = math.pi / 180.0 if in_degrees else 1.0
-        if factor is None or not math.isclose(factor, expected) or zero_of(unit):
+        if factor is None or not math.isclose(factor, expected):
             si = next(iter(FACTORS[quantity][1]), "1") if not in_degrees else "degrees"
             raise UnreadableInputError(
                 f"column {header!r} says {unit}, and would be read as {name} in {si}",

@@ -58,8 +58,6 @@ class Recording(RecordingData):
         motor_torque: Torques of motors that coupling gears connect to the joints [N·m], (N, n): motor k is in the
             column of joint k of the coupling. None without.
         motor_angle: Angles of motors behind series springs [rad], (N, n). None without.
-        temperature: Temperatures of the drives or joints [°C], (N, n); NaN throughout where a joint has no sensor. None
-            without temperatures. See :class:`exoid.torques.TemperatureFriction`.
         passive: Joints without an actuator. Their torque is known to be zero, and gives rows.
         computed: Joints whose torque was computed of what their drive measured, see :class:`exoid.actuators.Actuators`.
         payloads: Weighed bodies that were strapped to the leg. Their torque is known, and is taken out of the measured
@@ -273,7 +271,7 @@ class Recording(RecordingData):
         """Resample onto uniform time stamps, starting at the first one.
 
         Angles and velocities are interpolated by a cubic spline. Accelerations, torques, currents and forces, which
-        friction makes jump, and temperatures are interpolated by a monotone cubic (PCHIP), which does not overshoot.
+        friction makes jump, are interpolated by a monotone cubic (PCHIP), which does not overshoot.
 
         Args:
             rate: New sampling rate [Hz], not below the present one, as a lower one would alias. None keeps the present
@@ -351,9 +349,9 @@ class Recording(RecordingData):
 
         The file is UTF-8 text with one header line, separated by commas, semicolons or tabs. Lines that start with
         ``#`` are skipped. Velocity and acceleration may be absent, but each for all joints. Torque τ, and of drives
-        current ``i_`` [A], force ``f_`` [N], motor torque ``tm_`` [N·m], motor angle ``qm_`` [rad] and temperature
-        ``temp_`` [°C] may be absent for any joint. A base that moves has ``base_gyro_x…z`` [rad/s] and
-        ``base_acc_x…z`` [m/s²], or a pose ``base_x…z`` [m], ``base_qx…w``, see :class:`BaseMotion`. What acts on links
+        current ``i_`` [A], force ``f_`` [N], motor torque ``tm_`` [N·m] and motor angle ``qm_`` [rad] may be absent for
+        any joint. A base that moves has ``base_gyro_x…z`` [rad/s] and ``base_acc_x…z`` [m/s²], or a pose
+        ``base_x…z`` [m], ``base_qx…w``, see :class:`BaseMotion`. What acts on links
         is ``wrench_<link>_fx…fz`` [N], ``wrench_<link>_mx…mz`` [N·m] and ``contact_<link>`` (0 or 1), see
         :class:`Wrench`; a point that moves in the laboratory is ``wrench_<link>_px…pz`` [m]. Other columns are ignored.
 

@@ -44,7 +44,6 @@ class RecordingData:
     force: FloatArray | None = None
     motor_torque: FloatArray | None = None
     motor_angle: FloatArray | None = None
-    temperature: FloatArray | None = None
     passive: tuple[str, ...] = ()
     payloads: tuple[Payload, ...] = ()
     computed: tuple[str, ...] = ()

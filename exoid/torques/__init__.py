@@ -3,7 +3,7 @@
 from .catalog import DEFAULT_TERMS, register_term
 from .coupled_term import CoupledTerm, JointsMotion
 from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
-from .friction import LoadFriction, Stribeck, TemperatureFriction
+from .friction import LoadFriction, Stribeck
 from .internal_state import InternalState, Presliding
 from .model import TorqueModel
 from .motion import JointMotion, Motion
@@ -33,7 +33,6 @@ __all__ = [
     "Regrouped",
     "Stiffness",
     "Stribeck",
-    "TemperatureFriction",
     "Term",
     "TorqueModel",
     "Viscous",

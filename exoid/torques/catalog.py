@@ -10,7 +10,7 @@ from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
 from .couplings import Cable, CouplingFriction, CouplingInertia, CouplingSpring
-from .friction import LoadFriction, Stribeck, TemperatureFriction
+from .friction import LoadFriction, Stribeck
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
@@ -93,7 +93,6 @@ register_term("load-friction", LoadFriction)
 register_term("offset", Offset)
 register_term("stiffness", Stiffness)
 register_term("stribeck", Stribeck)
-register_term("temperature-friction", TemperatureFriction)
 register_term("viscous", Viscous)
 
 

@@ -88,9 +88,8 @@ class CoupledTerm(Term):
         places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
         if len(set(places)) < len(places):
             raise BadArgumentError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")
-        if self.loaded or self.needs_temperature or self.internal_state is not None:
-            on = "load" if self.loaded else "temperature"
-            needs = f"depends on the {on}" if self.loaded or self.needs_temperature else "has memory"
+        if self.loaded or self.internal_state is not None:
+            needs = "depends on the load" if self.loaded else "has memory"
             raise BadArgumentError(
                 f"{type(self).__name__} {needs}, which a term of several joints cannot",
                 remedy="let it depend on positions, velocities and accelerations, or use a term of one joint",

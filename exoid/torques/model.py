@@ -28,7 +28,6 @@ from .term import (
     fill_terms,
     internal_states,
     load_motion,
-    needed_temperature,
     term_blocks,
 )
 
@@ -217,7 +216,7 @@ class TorqueModel:
             if block.joints == (joint,):
                 still = np.zeros((len(self.joint_names), 2))
                 states = {(joint, state): still[0] for state in (block.term.internal_state,) if state is not None}
-                columns = block.columns(LoadedMotion(still, still, still, still, still, states, still))
+                columns = block.columns(LoadedMotion(still, still, still, still, still, states))
                 parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
         return tuple(name for name in parameters if name in self.names)
 
@@ -227,7 +226,6 @@ class TorqueModel:
         v: ArrayLike,
         a: ArrayLike,
         torso: MovingBase | None = None,
-        temperature: ArrayLike | None = None,
     ) -> FloatArray:
         """Form the regressor W of all parameters: τ = W(q, v, a) β.
 
@@ -236,16 +234,14 @@ class TorqueModel:
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso; None if it is upright and still.
-            temperature: Temperatures [°C], (N, n), for terms that depend on them.
 
         Returns:
             W, (N, n, P), each column contiguous in memory.
 
         Raises:
-            ExoidError: Shapes do not fit, the torso of a leg that is not a planar chain moves, or a term needs
-                temperatures.
+            ExoidError: Shapes do not fit, or the torso of a leg that is not a planar chain moves.
         """
-        return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
+        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
 
     def motion(
         self,
@@ -255,7 +251,6 @@ class TorqueModel:
         torso: MovingBase | None = None,
         payloads: Sequence[Payload] = (),
         computed: NDArray[np.bool_] | None = None,
-        temperature: ArrayLike | None = None,
     ) -> Motion:
         """Gather what the columns of a whole recording depend on, including internal states.
 
@@ -266,18 +261,15 @@ class TorqueModel:
             torso: Motion of the torso; None if it is upright and still.
             payloads: Payloads on the leg during the recording.
             computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
-            temperature: Temperatures [°C], (N, n), for terms that depend on them.
 
         Returns:
             The motion.
 
         Raises:
-            ExoidError: Shapes do not fit, the leg does not have a joint that a payload names, or the temperature of a
-                joint is missing.
+            ExoidError: Shapes do not fit, or the leg does not have a joint that a payload names.
         """
         q, v, a = self.leg.samples(q, v, a)
-        heat = needed_temperature(self.blocks, v, temperature, self.joint_names)
-        motion = Motion(q, v, a, torso, internal_states(self._stateful, q, v), computed=computed, temperature=heat)
+        motion = Motion(q, v, a, torso, internal_states(self._stateful, q, v), computed=computed)
         if not payloads:
             return motion
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q))

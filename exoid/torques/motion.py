@@ -34,7 +34,6 @@ class Motion(NamedTuple):
         states: Internal states by joint, (N,) each.
         payload: Torque of payloads less Σ Jᵀw of measured wrenches w on links [N·m], (N, n); None without both.
         computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
-        temperature: Temperatures [°C], (N, n), NaN at joints without one; None without temperatures.
     """
 
     q: FloatArray
@@ -44,7 +43,6 @@ class Motion(NamedTuple):
     states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
     payload: FloatArray | None = None
     computed: NDArray[np.bool_] | None = None
-    temperature: FloatArray | None = None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
         """Select rows; consecutive ones are not copied.
@@ -58,8 +56,7 @@ class Motion(NamedTuple):
         torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
         states = {key: state[rows] for key, state in self.states.items()}
         payload = None if self.payload is None else self.payload[rows]
-        heat = None if self.temperature is None else self.temperature[rows]
-        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, heat)
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed)
 
     def __repr__(self) -> str:
         """Write the size in one line."""
@@ -87,7 +84,6 @@ class JointMotion(NamedTuple):
         a: Acceleration [rad/s²], (N,).
         load: Rigid-body torque of the model at this joint [N·m], (N,); never the measured torque.
         state: Internal state of the term, (N,); None for a term without one.
-        temperature: Temperature of the joint [°C], (N,); None without temperatures.
     """
 
     q: FloatArray
@@ -95,7 +91,6 @@ class JointMotion(NamedTuple):
     a: FloatArray
     load: FloatArray
     state: FloatArray | None = None
-    temperature: FloatArray | None = None
 
 
 class LoadedMotion(NamedTuple):
@@ -107,13 +102,11 @@ class LoadedMotion(NamedTuple):
     load: FloatArray  # rigid-body torques, those of payloads and wrenches included [N·m]
     payload: FloatArray  # torques of payloads less those of measured wrenches [N·m], part of `load`
     states: Mapping[tuple[int, InternalState], FloatArray]  # internal states, (N,) each
-    temperature: FloatArray | None = None  # temperatures [°C]; None without
 
     def at(self, joint: int, state: InternalState | None) -> JointMotion:
         """Motion of one joint, with the internal state of a term."""
         found = None if state is None else self.states[joint, state]
-        heat = None if self.temperature is None else self.temperature[joint]
-        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found, heat)
+        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found)
 
 
 def random_motion(samples: int, joints: int, closure: Closure | None = None) -> FloatArray:

@@ -58,8 +58,7 @@ def regroup(
     base = random_base(len(q)) if moving_base or leg.base != "fixed" else None
     leg.fill_regressor(q, v, a, columns[:count], base)
     of_joints = columns[:, leg.base_rows :]
-    heat = 25.0 + 20.0 * np.random.default_rng(2).standard_normal(q.shape)  # about 25 °C
-    motion = Motion(q, v, a, None, internal_states(blocks, q, v), temperature=heat)
+    motion = Motion(q, v, a, None, internal_states(blocks, q, v))
     loaded_motion = load_motion(blocks, motion, of_joints, leg.parameters if rigid is None else rigid)
     fill_terms(blocks, loaded_motion, of_joints[count:], names)
     W = columns.transpose(2, 1, 0).reshape(-1, len(names))

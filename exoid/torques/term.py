@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
@@ -110,11 +110,6 @@ class Term(ABC):
     @property
     def loaded(self) -> bool:
         """Whether it depends on the rigid-body torque of its joint, which makes the model nonlinear."""
-        return False
-
-    @property
-    def needs_temperature(self) -> bool:
-        """Whether it depends on the temperature of its joint, so that every recording has to have that."""
         return False
 
     @property
@@ -259,45 +254,13 @@ def internal_states(
     return {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
 
 
-def needed_temperature(
-    blocks: Iterable[TermBlock], v: FloatArray, temperature: ArrayLike | None, joint_names: Sequence[str]
-) -> FloatArray | None:
-    """Check that the temperatures that terms depend on are there."""
-    # Friction at rest is zero whatever the temperature, so that poses need none.
-    needing = [block for block in blocks if block.term.needs_temperature]
-    if not needing:
-        return None
-    if temperature is None and not v.any() and all(block.term.friction for block in needing):
-        return np.zeros_like(v)
-    try:
-        found = np.full(v.shape, np.nan) if temperature is None else np.asarray(temperature, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise BadArgumentError(
-            f"temperature is no array of numbers ({error})", remedy="pass °C, as many as of q"
-        ) from None
-    if found.shape != v.shape:
-        raise BadArgumentError(f"temperature of shape {found.shape}", remedy=f"pass °C of shape {v.shape}, as of q")
-    for block in needing:
-        for joint in block.joints:
-            if not np.isfinite(found[:, joint]).all():
-                name = joint_names[joint]
-                raise BadArgumentError(
-                    f"{type(block.term).__name__} needs the temperature of {name}, which is missing",
-                    remedy=f"record it in a column temp_{name} [°C], pass temperature=, or let the term act on other "
-                    "joints (joints=)",
-                    command=f"record it in a column temp_{name} [°C], or map it: --column temp_{name}=HEADER",
-                )
-    return found
-
-
 def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray, rigid: FloatArray) -> LoadedMotion:
     """Add rigid-body torques to a motion, if a term depends on them; they are zero otherwise."""
     load = np.broadcast_to(0.0, motion.q.shape[::-1])
     payload = load if motion.payload is None else motion.payload.T
     if any(block.term.loaded for block in blocks):
         load = np.tensordot(rigid, columns[: len(rigid)], axes=1) + payload
-    heat = None if motion.temperature is None else motion.temperature.T
-    return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, payload, motion.states, heat)
+    return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, payload, motion.states)
 
 
 def fill_terms(blocks: Iterable[TermBlock], motion: LoadedMotion, out: FloatArray, names: Sequence[str]) -> None:

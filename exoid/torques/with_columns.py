@@ -86,10 +86,9 @@ class WithColumns:
         torso: Any = None,  # noqa: ANN401
         payloads: Sequence[Any] = (),
         computed: NDArray[np.bool_] | None = None,
-        temperature: Any = None,  # noqa: ANN401
     ) -> Motion:
         """Gather what the columns of a whole recording depend on."""
-        motion = self.model.motion(q, v, a, torso, payloads, computed, temperature)
+        motion = self.model.motion(q, v, a, torso, payloads, computed)
         for extra in self.extras:
             motion = extra.motion(motion)
         return motion
@@ -106,9 +105,9 @@ class WithColumns:
             start = stop
         return out
 
-    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
+    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401
         """Form the columns, samples first."""
-        return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
+        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
 
     def select(self, recording: Any, joints: tuple[str, ...]) -> Any:  # noqa: ANN401 - a recording or poses
         """Pick the joints of the leg, with wrenches in axes of their links."""

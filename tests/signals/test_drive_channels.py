@@ -1,4 +1,4 @@
-"""What drives measure (currents, forces, motor torques and angles, temperatures) is kept, read and written alike."""
+"""What drives measure (currents, forces, motor torques and angles) is kept, read and written alike."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from log_writers import write_columns
 
-import exoid
 from exoid.identification.findings.sample import averaged
 from exoid.identification.recording_summary import evidence
 from exoid.signals import Column, Recording, ZeroPhase
@@ -16,16 +15,15 @@ from exoid.signals import Column, Recording, ZeroPhase
 TIME = np.arange(40) / 20.0
 NAMES = ("hip", "knee")
 NOTHING = np.full(40, np.nan)
-WARMING = 25.0 + 10.0 * (1.0 - np.exp(-TIME))
+PUSH = 25.0 + 10.0 * (1.0 - np.exp(-TIME))
 
 CHANNELS = {
     "current": ("i", 3.0 + np.sin(9.0 * TIME), "mA", 1e3, 0.0),
     "force": ("f", 500.0 * np.cos(7.0 * TIME), "kN", 1e-3, 0.0),
     "motor_torque": ("tm", np.sin(TIME), "N·mm", 1e3, 0.0),
     "motor_angle": ("qm", 50.0 * np.sin(TIME), "deg", 180.0 / np.pi, 0.0),
-    "temperature": ("temp", WARMING, "K", 1.0, 273.15),
 }
-"""Prefix of the columns, values in SI (°C), another unit, and reading in it: factor times value plus zero."""
+"""Prefix of the columns, values in SI, another unit, and reading in it: factor times value plus zero."""
 
 
 @pytest.fixture(params=CHANNELS)
@@ -85,33 +83,20 @@ def test_another_unit_scale_and_zero_give_the_same(channel, tmp_path):
         np.testing.assert_allclose(getattr(read, name)[:, 0], values, rtol=1e-12, atol=1e-9)
 
 
-@pytest.mark.parametrize(("unit", "cells"), [("degC", WARMING), ("°F", 32.0 + 1.8 * WARMING)])
-def test_temperatures_have_units_with_a_zero_of_their_own(tmp_path, unit, cells):
-    path = write_columns(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, case=cells)
-    read = Recording.from_csv(path, columns={"temp_hip": Column("case", unit=unit)})
-    np.testing.assert_allclose(read.temperature[:, 0], WARMING, atol=1e-9)
-
-
-def test_a_header_in_kelvins_is_not_read_as_degrees_in_silence(tmp_path):
-    path = write_columns(tmp_path / "log.csv", **{"time": TIME, "q_hip": 0.1 * TIME, "case [K]": WARMING + 273.15})
-    with pytest.raises(exoid.ExoidError, match="says K"):
-        Recording.from_csv(path, columns={"temp_hip": "case [K]"})
-
-
 def test_a_matrix_of_another_width_is_no_force_of_the_joints(tmp_path):
     np.savez(tmp_path / "plate.npz", time=TIME, q=np.zeros((40, 2)), force=np.ones((40, 6)), joint_names=NAMES)
     assert Recording.from_file(tmp_path / "plate.npz").force is None
 
 
 def test_a_channel_counts_in_the_hash_and_in_the_average():
-    given = recording(temperature=np.column_stack([NOTHING, WARMING]))
-    other = dataclasses.replace(given, temperature=given.temperature + 1.0)
+    given = recording(force=np.column_stack([NOTHING, PUSH]))
+    other = dataclasses.replace(given, force=given.force + 1.0)
     assert evidence(given).sha256 != evidence(other).sha256
     time = np.arange(8000) / 2000.0
-    fast = Recording(time, 0.1 * np.sin(time)[:, None], joint_names=("hip",), temperature=20.0 + time[:, None])
+    fast = Recording(time, 0.1 * np.sin(time)[:, None], joint_names=("hip",), force=20.0 + time[:, None])
     mean = averaged(fast, ZeroPhase(5.0))
     assert len(mean) < len(fast)
-    np.testing.assert_allclose(mean.temperature[:, 0], 20.0 + mean.time, atol=1e-9)
+    np.testing.assert_allclose(mean.force[:, 0], 20.0 + mean.time, atol=1e-9)
 
 
 def test_joints_whose_torque_was_computed_stay_known():

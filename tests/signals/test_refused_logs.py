@@ -178,8 +178,6 @@ UNREADABLE = {
     "short slice": (lambda: recording().slice(0, 9), ""),
     "gap in current": (carried(current=np.where(np.eye(N, 2), np.nan, 1.0)), "i_hip"),
     "milliamperes": (carried(current=np.full((N, 2), 3000.0)), "i_hip"),
-    "kelvins": (carried(temperature=np.full((N, 2), 300.0)), "temp_hip"),
-    "gap in temperature": (carried(temperature=np.where(np.eye(N, 2), np.nan, 30.0)), "temp_hip"),
     "dict as base": (carried(base={}), ""),
     "missing moment": (lambda: foot(moment=np.full((N, 3), np.nan)), "mx"),
     "infinite point": (lambda: foot(point=(0.0, np.inf, 0.0)), "py"),

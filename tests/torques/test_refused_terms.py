@@ -19,7 +19,6 @@ from exoid.torques import (
     JointMotion,
     NonlinearParameter,
     Stribeck,
-    TemperatureFriction,
     TorqueModel,
 )
 from exoid.torques.catalog import term_by_name, term_from_json, term_to_json
@@ -61,8 +60,6 @@ SETTINGS = {
     "smoothing beside presliding": lambda: Coulomb(presliding=1e-3, smoothing=FREE),
     "Stribeck at rest": lambda: Stribeck(velocity=0.0),
     "half a degree": lambda: Stiffness(degree=2.5),
-    "below absolute zero": lambda: TemperatureFriction(reference=-300.0),
-    "no reference": lambda: TemperatureFriction(reference=float("nan")),
     "start below its bound": lambda: NonlinearParameter(0.1, 0.2, 1.0),
     "bound at zero": lambda: NonlinearParameter(0.1, 0.0, 1.0),
     "no upper bound": lambda: NonlinearParameter(0.1, 0.1, np.inf),

@@ -93,7 +93,7 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     count = len(one) // size * size
     means = {
         name: of_all[:count].reshape(-1, size, *of_all.shape[1:]).mean(axis=1)
-        for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature")
+        for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle")
         if (of_all := getattr(one, name)) is not None
     }
 

@@ -50,7 +50,7 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
     q, v, a, _ = preparation.kinematics(recording)
     valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
     base = base_during(recording, preparation)
-    motion = estimate.model.motion(q, v, a, base, recording.payloads, temperature=recording.temperature)
+    motion = estimate.model.motion(q, v, a, base, recording.payloads)
     friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
     filtered = preparation.filter_columns(friction, recording.sample_rate)[valid]
     return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)
