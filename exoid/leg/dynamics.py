@@ -79,14 +79,6 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
     return np.asarray(upper + np.swapaxes(np.triu(upper, 1), 1, 2))
 
 
-def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Compute C(q, v), with C v the Coriolis and centrifugal torque and ½Ṁ − C skew-symmetric."""
-    data = model.createData()
-    rows = zip(configuration(model, q), v, strict=True)
-    matrices = [pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows]
-    return np.array(matrices).reshape(len(q), model.nv, model.nv)
-
-
 def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
     """Compute the gravity torque G(q)."""
     data = model.createData()

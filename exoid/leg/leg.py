@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
@@ -15,12 +15,11 @@ import pinocchio as pin
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 
-from .closure import Closure, refuse_loops
+from .closure import Closure
 from .description import Description, read_description
 from .dh import Convention, DHBody, DHRow, describe_dh
 from .dynamics import (
     SegmentPlacements,
-    coriolis_matrix,
     gravity_torque,
     inverse_dynamics,
     inverse_dynamics_on_base,
@@ -37,7 +36,7 @@ from .reduction.numeric import numeric
 from .reduction.planar_machine import PlanarMachine
 from .reduction.tree_motion import tree_jacobian
 from .rewriting import RAILS, add_edges, on_rail
-from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
+from .torso import MovingBase, TorsoMotion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -254,13 +253,10 @@ class Leg(LegData):
         """
         tree = self.tree_motion(*self.samples(q, v, a))
         samples = tree.q, tree.v, tree.a
-        if self.base == "floating" or not isinstance(torso, TorsoMotion | None):
-            rows = inverse_dynamics_on_base(self._free, *samples, *self._base(torso, len(tree.q)).spatial())
-            return tree.project(project_columns(rows, self._base_coordinates))
-        if torso is None:
+        if torso is None and self.base != "floating":
             return tree.project(inverse_dynamics(self.model, *samples))
-        moved = (np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(tree.q))), samples, strict=True))
-        return tree.project(inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:])
+        rows = inverse_dynamics_on_base(self._free, *samples, *self._base(torso, len(tree.q)).spatial())
+        return tree.project(project_columns(rows, self._base_coordinates))
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Compute the mass matrix M(q), which does not depend on the tilt of the torso.
@@ -331,34 +327,6 @@ class Leg(LegData):
             return directions[[0, 2, 4] if kind == "flat" else [0, 2]] @ J
         return directions[[0, 1, 2, 3, 5] if kind == "edge" else [0, 1, 2]] @ J
 
-    def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
-        """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            torso: Motion of the torso; None if it is upright and still.
-
-        Returns:
-            C, (N, n, n). With a motion of the torso (N, n, 1 + n), where the first column multiplies the pitch rate.
-
-        Raises:
-            ExoidError: Shapes do not fit.
-        """
-        q, v = self.samples(q, v)
-        refuse_loops(self, "a Coriolis matrix")
-        if self.base == "floating":
-            raise NotSupportedError(
-                "a floating base has no Coriolis matrix without its velocity in space",
-                where=self.description.name,
-                remedy="take the rows of inverse_dynamics at zero acceleration, less those of gravity",
-            )
-        if torso is None:
-            return coriolis_matrix(self.model, q, v)
-        position, velocity, _ = torso_coordinates(torso.samples(len(q)))
-        C = coriolis_matrix(self._on_torso, np.hstack([position, q]), np.hstack([velocity, v]))
-        return C[:, TORSO_JOINTS:, TORSO_JOINTS - 1 :]
-
     def gravity(self, q: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Compute the gravity torque G(q).
 
@@ -373,14 +341,11 @@ class Leg(LegData):
             ExoidError: The shape does not fit.
         """
         (q,) = self.samples(q)
-        if self.base == "floating":
-            still = np.zeros_like(q)
-            return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
-        tree = self.tree_motion(q)
-        if torso is None:
+        if torso is None and self.base != "floating":
+            tree = self.tree_motion(q)
             return tree.project(gravity_torque(self.model, tree.q))
-        position, _, _ = torso_coordinates(torso.samples(len(q)))
-        return tree.project(gravity_torque(self._on_torso, np.hstack([position, tree.q]))[:, TORSO_JOINTS:])
+        still = np.zeros_like(q)
+        return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
 
     def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
         """Compute gravity in the base frame of a tilted torso.
@@ -408,15 +373,14 @@ class Leg(LegData):
             ExoidError: The shape does not fit.
         """
         q = self.tree_motion(*self.samples(q)).q
+        upright = segment_placements(self.model, q)
         if torso is None:
-            return segment_placements(self.model, q)
-        position, _, _ = torso_coordinates(torso.samples(len(q)))
-        rotation, translation = segment_placements(self._on_torso, np.hstack([position, q]))
-        return SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
-
-    @cached_property
-    def _on_torso(self) -> pin.Model:
-        return moving_torso_model(self.model, self.plane)
+            return upright
+        turn = np.array([pin.exp3(-pitch * self.plane.lateral) for pitch in torso.samples(len(q)).pitch]).reshape(
+            -1, 3, 3
+        )
+        translation = self.hip + np.einsum("nij,nkj->nki", turn, upright.translation - self.hip)
+        return SegmentPlacements(np.einsum("nij,nkjl->nkil", turn, upright.rotation), translation)
 
 
 def _point(point: ArrayLike) -> FloatArray:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
@@ -13,9 +12,6 @@ from exoid.errors import BadArgumentError
 from .base_kinematics import BaseKinematics
 from .reduction import Plane
 from .reduction.planar import GRAVITY, TorsoSamples
-
-TORSO_JOINTS = 3
-"""Number of torso joints before the leg's joints: forward, up and pitch."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,27 +102,3 @@ def _of_length(base: BaseKinematics, count: int) -> BaseKinematics:
             f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample"
         )
     return base
-
-
-def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
-    """Put three joints before the leg's joints: the hip moves forward and up, and the torso pitches about it."""
-    hip = pin.SE3(np.eye(3), model.jointPlacements[1].translation)
-    torso = pin.Model()
-    joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "exoid torso forward")
-    joint = torso.addJoint(joint, pin.JointModelPrismaticUnaligned(plane.up), pin.SE3.Identity(), "exoid torso up")
-    joint = torso.addJoint(
-        joint, pin.JointModelRevoluteUnaligned(-plane.lateral), pin.SE3.Identity(), "exoid torso pitch"
-    )
-    frame = torso.addFrame(pin.Frame("exoid moving torso", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
-    return pin.appendModel(torso, model, frame, hip.inverse())
-
-
-def torso_coordinates(torso: TorsoSamples) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Compute the coordinates of the three torso joints."""
-    # Displacement and velocity of the translation do not affect the torques and are zero.
-    zero = np.zeros_like(torso.pitch)
-    return (
-        np.column_stack([zero, zero, torso.pitch]),
-        np.column_stack([zero, zero, torso.pitch_rate]),
-        np.column_stack([torso.hip_acceleration_x, torso.hip_acceleration_z, torso.pitch_acceleration]),
-    )

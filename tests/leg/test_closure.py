@@ -203,9 +203,6 @@ def test_what_closed_loops_do_not_have_is_refused(tmp_path):
         machine.leg(tmp_path, base="floating")
     with pytest.raises(ExoidError, match="dependent joints of loops"):
         machine.leg(tmp_path, joints=("hip", "knee", "front_pin"))
-    leg = machine.leg(tmp_path)
-    with pytest.raises(NotSupportedError, match="Coriolis"):
-        leg.coriolis(np.zeros((3, 2)), np.zeros((3, 2)))
 
 
 def test_a_moving_base_gives_the_torque_that_its_motion_causes(tmp_path):

@@ -45,22 +45,6 @@ def test_the_mass_matrix_is_symmetric_and_positive_definite(leg):
 
 
 @LEGS
-def test_half_the_rate_of_the_mass_matrix_less_coriolis_is_skew(leg):
-    """Property 2 of doc. 2; Ṁ by central differences along v."""
-    q, v, _ = motion_of(leg)
-    rate = (leg.mass_matrix(q + STEP * v) - leg.mass_matrix(q - STEP * v)) / (2 * STEP)
-    S = 0.5 * rate - leg.coriolis(q, v)
-    assert np.abs(S + np.swapaxes(S, 1, 2)).max() < 1e-7 * max(1.0, np.abs(rate).max())
-
-
-@LEGS
-def test_inertia_coriolis_and_gravity_add_up_to_the_inverse_dynamics(leg):
-    q, v, a = motion_of(leg)
-    parts = np.einsum("nij,nj->ni", leg.mass_matrix(q), a) + np.einsum("nij,nj->ni", leg.coriolis(q, v), v)
-    assert_relative(parts + leg.gravity(q), leg.inverse_dynamics(q, v, a), 1e-12)
-
-
-@LEGS
 def test_gravity_is_the_gradient_of_the_potential_energy(leg):
     """The energy from masses and heights of the links' centres of mass, by forward kinematics."""
     q, _, _ = motion_of(leg)
@@ -138,7 +122,6 @@ def test_legs_of_any_length_have_arrays_of_documented_shape(leg):
         for torso in (None, TorsoMotion(0.1)):
             assert leg.regressor(q, v, a, torso).shape == (samples, n, p)
             assert leg.inverse_dynamics(q, v, a, torso).shape == (samples, n)
-            assert leg.coriolis(q, v, torso).shape == (samples, n, n + (torso is not None))
             assert leg.gravity(q, torso).shape == (samples, n)
             assert leg.forward_kinematics(q, torso).rotation.shape == (samples, n, 3, 3)
             assert leg.forward_kinematics(q, torso).translation.shape == (samples, n, 3)
@@ -187,7 +170,6 @@ def test_continuous_joints_compute_like_revolute_ones_and_have_no_limits():
     motion = random_motion(rng, 3)
     assert_relative(turning.inverse_dynamics(*motion), revolute.inverse_dynamics(*motion), 1e-12)
     assert_relative(turning.regressor(*motion), revolute.regressor(*motion), 1e-13)
-    assert_relative(turning.coriolis(*motion[:2]), revolute.coriolis(*motion[:2]), 1e-12)
     np.testing.assert_array_equal(turning.limits.lower, [-np.inf] * 3)
     np.testing.assert_array_equal(turning.limits.upper, [np.inf] * 3)
     np.testing.assert_array_equal(revolute.limits.upper, [3.0] * 3)

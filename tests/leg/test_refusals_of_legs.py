@@ -163,7 +163,6 @@ REFUSED = {
             ("(N, 3)", lambda f=f: f(SAMPLES[:, :2]))
             for f in (BLEEX.mass_matrix, BLEEX.gravity, BLEEX.forward_kinematics)
         ),
-        ("(N, 3)", lambda: BLEEX.coriolis(SAMPLES, np.zeros((5, 3)))),
         *(
             ("numbers", lambda x=x: BLEEX.regressor(x, x, x))
             for x in ("a", [[1, 2, 3], [3]], [["x"] * 3], [[object()] * 3], {"hip": 1.0})
@@ -232,7 +231,6 @@ REFUSED = {
         ("rig", lambda: exoid.rig.Plant.build(FLOATING)),
         ("control", lambda: ControlModel.of(FLOATING)),
         ("excitation", lambda: plan_excitation(FLOATING)),
-        ("Coriolis", lambda: FLOATING.coriolis(np.zeros(6), np.zeros(6))),
         *(("'screw'", lambda x=x: screw(x)) for x in (pin.JointModelSpherical(), pin.JointModelHX(0.1))),
     ],
     NotIdentifiableError: [
