@@ -177,7 +177,6 @@ TERMS: Mapping[str, tuple[Any, ...]] = {
     "spring of two joints": (torques.CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6)), exoid.Coulomb()),
     "friction of two joints": (torques.CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 0.5)), exoid.Viscous()),
     "rotor of two joints": (torques.CouplingInertia(joints=("hip", "knee"), ratios=(1.0, 0.5)), exoid.Viscous()),
-    "cable": (torques.Cable(joints=("hip", "knee"), ratios=(1.0, -0.6), slack=0.1), exoid.Coulomb()),
 }
 for name, terms in TERMS.items():
     JOURNEYS[f"terms {name}"] = lambda terms=terms: of(exoid.identify(*logged("cuhk"), terms, check=False))

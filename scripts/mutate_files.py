@@ -40,7 +40,6 @@ KINDS = (
     "bag",
     "urdf",
     "estimate",
-    "sidecar",
     "stl",
     "ply",
     "mot",
@@ -102,7 +101,6 @@ def seeds(folder: Path) -> dict[str, bytes]:
     log_writers.write_bag1(folder / "bag", log_writers.messages(short))
     estimate.save(folder / "estimate")
     estimate.to_urdf(folder / "leg.urdf")
-    (folder / "leg.exoid.json").rename(folder / "sidecar")
     (folder / "stl").write_bytes(
         bytes(80) + (2).to_bytes(4, "little") + np.arange(24, dtype="<f4").tobytes() + bytes(4)
     )
@@ -154,14 +152,12 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
 def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
     """Find the function that reads a file of a kind."""
     import exoid  # noqa: PLC0415
-    from exoid.leg.exported import read_exported  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
     leg = exoid.Leg.from_urdf(folder / "one.urdf")
     readers: dict[str, Callable[[Path], Any]] = {
         "urdf": exoid.Leg.from_urdf,
         "estimate": lambda path: str(exoid.Estimate.load(path)),
-        "sidecar": lambda path: read_exported(path.with_name("leg.urdf")),
         "forces.sto": exoid.signals.read_opensim_forces,
         "columns.toml": _read_by_columns,
         "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
@@ -181,7 +177,7 @@ def _read_by_columns(path: Path) -> object:
 
 def name_of(kind: str) -> str:
     """Name of a file of a kind, by which it is recognised."""
-    names = {"sidecar": "leg.exoid.json", "estimate": "est.json", "urdf": "bad.urdf", "struct.mat": "log.mat"}
+    names = {"estimate": "est.json", "urdf": "bad.urdf", "struct.mat": "log.mat"}
     return names.get(kind, f"log.{kind}")
 
 

@@ -24,7 +24,7 @@ class Target(NamedTuple):
     def files(self) -> dict[str, str | Path | None]:
         """Files by option."""
         from exoid.codegen.dialect import identifier  # noqa: PLC0415 - help needs no C
-        from exoid.leg.exported import sidecar_of  # noqa: PLC0415
+        from exoid.estimate.export import sidecar_of  # noqa: PLC0415
 
         sidecar = sidecar_of(Path(self.output)) if self.output is not None and Path(self.output).name else None
         header = None

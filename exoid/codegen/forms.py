@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.torques import CoordinateTerm, CoupledTerm, Term
+from exoid.torques import Term
 
 from .dialect import Dialect
 
@@ -131,11 +131,6 @@ def c_form(term: Term) -> CForm:
         raise NotSupportedError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",
-        )
-    if isinstance(term, CoupledTerm) and not isinstance(term, CoordinateTerm):
-        raise NotSupportedError(
-            f"{described} has no form in C: it acts on several joints, and not along one coordinate",
-            remedy="derive it from exoid.torques.CoordinateTerm if it is a torque along a sum of ratios times angles",
         )
     if type(term) not in FORMS:
         raise NotSupportedError(

@@ -9,7 +9,6 @@ from typing import NamedTuple, get_args
 from exoid._typing import FloatArray
 from exoid.torques import (
     Armature,
-    Cable,
     CoordinateTerm,
     Coulomb,
     CouplingFriction,
@@ -118,12 +117,6 @@ def _stribeck(term: Stribeck, joint: JointInC) -> str:
 @register_c_form(Viscous, "friction")
 def _viscous(term: Viscous, joint: JointInC) -> str:
     return f"{_by_direction('d', joint) if term.asymmetric else joint.parameters['d']} * {joint.variable}"
-
-
-@register_c_form(Cable, "stiffness")
-def _cable(term: Cable, joint: JointInC) -> str:
-    stretch, zero = f"({joint.variable} - {joint.number(number(term.slack))})", joint.number(0.0)
-    return f"({stretch} > {zero} ? {joint.parameters['kc']} * {stretch} : {zero})"
 
 
 @register_c_form(CouplingFriction, "friction")

@@ -14,7 +14,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, mass_changes, refuse_mass_changes
@@ -28,9 +27,9 @@ from exoid.torques.catalog import term_to_json
 
 from .data import EstimateData
 
-PLACES: dict[tuple[type[Term], str], str] = {
-    (kind, symbol): IN_URDF[symbol] for kind, symbol in ((Coulomb, "c0"), (Viscous, "d"))
-}
+SCHEMA = "exoid-sidecar-1"
+
+PLACES: dict[tuple[type[Term], str], str] = {(Coulomb, "c0"): "friction", (Viscous, "d"): "damping"}
 """Attribute of ``<dynamics>`` for a symbol of a type of term; another type may mean another thing by it."""
 
 
@@ -127,7 +126,7 @@ class Export:
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
         lines += [f"note: {regrouped} (also in the URDF)" for regrouped in self.estimate.regrouped]
-        if rotors := [one.name for one in self.estimate.regrouped if one.name.startswith(f"{ROTOR}_")]:
+        if rotors := [one.name for one in self.estimate.regrouped if one.name.startswith("Ia_")]:
             known = ", ".join(f'"{name}": …' for name in rotors)
             lines.append(f"note: links contain rotors; known={{{known}}} of exoid.identify takes them out of the links")
         if self.not_dissipative:
@@ -151,6 +150,11 @@ class Export:
             f"{self.pull:g} towards the URDF's links, the nearest are {self.lift.distance:.3g} std away"
         )
         return to_text(*lines, what, moved, masses)
+
+
+def sidecar_of(urdf: Path) -> Path:
+    """Return the path of the sidecar of a URDF: ``leg.exoid.json`` for ``leg.urdf``."""
+    return urdf.with_name(f"{urdf.name.removesuffix('.urdf')}.exoid.json")
 
 
 def export_urdf(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from exoid.errors import NotIdentifiableError, NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
-from exoid.torques import CoupledTerm, Term
+from exoid.torques import CoordinateTerm, Term
 
 from .estimators import Estimator
 from .estimators.by_name import name_of
@@ -29,7 +29,7 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
     known = (*problem.given.known_names, *problem.given.prior.values)
     kept = []
     for term in terms:
-        if isinstance(term, CoupledTerm):
+        if isinstance(term, CoordinateTerm):
             kept.append(_coupled_where_measured(term, leg, unmeasured, known))
             continue
         told = {joint for joint in unmeasured if {f"{symbol}_{joint}" for symbol in term.symbols} <= set(known)}
@@ -52,7 +52,7 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
     return tuple(kept)
 
 
-def _coupled_where_measured(term: CoupledTerm, leg: Leg, unmeasured: Sequence[str], known: Sequence[str]) -> Term:
+def _coupled_where_measured(term: CoordinateTerm, leg: Leg, unmeasured: Sequence[str], known: Sequence[str]) -> Term:
     """Refuse a coupling none of whose joints has a torque; one joint with torque shows its parameters."""
     (places,) = term.places(leg.joint_names, leg.joint_labels)
     labels = [leg.joint_labels[place] for place in places]

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from pathlib import Path
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.closure import refuse_loops
-from exoid.leg.exported import parameter_terms, read_exported
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.tools.tables import DataTable, to_text, value_range
@@ -21,9 +19,6 @@ STIFFNESS_DEGREE = 2
 
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
 """Symbols of stiffness, kinetic, static and viscous friction, and rotor inertia in :meth:`Plant.build`."""
-
-SYMBOLS_OF_TERMS = {"armature": ("Ia",), "coulomb": ("c0",), "stiffness": ("b2", "b1", "b0"), "viscous": ("d",)}
-"""Terms that a rig has, by their names, with the symbols of their parameters."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -155,49 +150,6 @@ class Plant:
             upper=np.tile(upper[:, None], (1, shape[1])),
         )
 
-    @classmethod
-    def from_urdf(
-        cls,
-        path: str | Path,
-        joints: Sequence[str] | None = None,
-        *,
-        pitch: ArrayLike = 0.0,
-        end_stops: bool = True,
-        without: Sequence[str] = (),
-    ) -> Plant:
-        """Build a plant from an exported leg, or from any URDF with ``<dynamics friction damping>``.
-
-        Offsets are not of the plant but of its sensors: ``Sensors(torque_offset=read_exported(path).offsets)``. Terms
-        that the rig does not have, such as those from outside exoid, are refused, or left out where that is asked for.
-
-        Args:
-            path: The URDF; its sidecar is read too, see :func:`exoid.leg.exported.read_exported`.
-            joints: Joints that move, where there is no sidecar.
-            pitch: See :meth:`build`.
-            end_stops: See :meth:`build`.
-            without: Names of terms to leave out, such as "end-stop".
-
-        Returns:
-            The plant.
-
-        Raises:
-            ExoidError: The files cannot be read, or say what no plant can have: names terms and parameters.
-
-        Example:
-            >>> plant = Plant.from_urdf("leg.urdf")  # doctest: +SKIP
-        """
-        leg, resistances, _ = read_exported(path, joints)
-        terms = parameter_terms(path)
-        unknown = sorted({*without} - {*terms.values()})
-        if unknown:
-            found = ", ".join(dict.fromkeys(terms.values())) or "none"
-            raise BadArgumentError(
-                f"no terms {', '.join(unknown)} to leave out", where=str(path), remedy=f"it has {found}"
-            )
-        kept = {name: value for name, value in resistances.items() if terms.get(name) not in without}
-        _refuse_other_terms(leg, {name: terms[name] for name in kept if name in terms}, str(path))
-        return cls.build(leg, kept, pitch=pitch, end_stops=end_stops)
-
     @property
     def count(self) -> int:
         """Number of rigs B."""
@@ -276,24 +228,6 @@ class Plant:
 
 def _array_names() -> list[str]:
     return [field.name for field in fields(Plant) if field.name != "leg"]
-
-
-def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
-    """Refuse parameters of terms that a rig does not have; their symbols may mean another thing there."""
-    has = {
-        (term, f"{s}_{label}")
-        for term, symbols in SYMBOLS_OF_TERMS.items()
-        for s in symbols
-        for label in leg.joint_labels
-    }
-    others = {name: term for name, term in terms.items() if (term, name) not in has}
-    if others:
-        named = tuple(dict.fromkeys(others.values()))
-        raise BadArgumentError(
-            f"the rig has no {', '.join(f'{name} of the term {term}' for name, term in others.items())}",
-            where=where,
-            remedy=f"pass without={named!r} to simulate the leg without {'it' if len(named) == 1 else 'them'}",
-        )
 
 
 def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:

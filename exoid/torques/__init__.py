@@ -1,8 +1,7 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
 from .catalog import DEFAULT_TERMS, register_term
-from .coupled_term import CoupledTerm, JointsMotion
-from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
+from .couplings import CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
 from .internal_state import InternalState, Presliding
 from .model import TorqueModel
@@ -14,17 +13,14 @@ from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 __all__ = [
     "DEFAULT_TERMS",
     "Armature",
-    "Cable",
     "CoordinateTerm",
     "Coulomb",
-    "CoupledTerm",
     "CouplingFriction",
     "CouplingInertia",
     "CouplingSpring",
     "DryFriction",
     "InternalState",
     "JointMotion",
-    "JointsMotion",
     "LoadFriction",
     "Motion",
     "NonlinearParameter",

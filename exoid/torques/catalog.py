@@ -9,7 +9,7 @@ from exoid.errors import BadArgumentError
 from exoid.tools.registry import Registry
 from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
-from .couplings import Cable, CouplingFriction, CouplingInertia, CouplingSpring
+from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -84,7 +84,6 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
 
 
 register_term("armature", Armature)
-register_term("cable", Cable)
 register_term("coulomb", Coulomb)
 register_term("coupling-friction", CouplingFriction)
 register_term("coupling-inertia", CouplingInertia)

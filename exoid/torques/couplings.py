@@ -1,6 +1,6 @@
-"""Couplings: springs, cables, friction and rotors along a coordinate that several joints move together.
+"""Couplings: springs, friction and rotors along a coordinate that several joints move together.
 
-Such a coordinate is s = Σ r_j q_j: the stretch of a spring or cable that spans two joints, or the angle of a motor that
+Such a coordinate is s = Σ r_j q_j: the stretch of a spring that spans two joints, or the angle of a motor that
 drives one joint by way of another. A torque f along s takes the power f ṡ = Σ r_j f q̇_j, so that the torque at joint j
 is τ_j = r_j f(s, ṡ, s̈), or τ = Aᵀ f(A q, A q̇, A q̈) with the row A of the ratios.
 """
@@ -8,7 +8,7 @@ is τ_j = r_j f(s, ṡ, s̈), or τ = Aᵀ f(A q, A q̇, A q̈) with the row A o
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,17 +17,18 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .coupled_term import CoupledTerm, JointsMotion
-from .motion import JointMotion
-from .term import NonlinearParameter, number
+from .motion import JointMotion, LoadedMotion
+from .term import Term
 from .terms import reversals
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoordinateTerm(CoupledTerm):
+class CoordinateTerm(Term):
     """Torque along a coordinate s = Σ r_j q_j of several joints, τ_j = r_j f(s, ṡ, s̈).
 
-    A subclass writes the columns of f in ``fill``, as for one joint whose motion is s, ṡ, s̈.
+    It has one set of parameters for all its joints together, named ``symbol_joint1_joint2``. A subclass writes the
+    columns of f in ``fill``, as for one joint whose motion is s, ṡ, s̈. It cannot depend on the load of the joints, and
+    has no memory.
 
     Attributes:
         joints: Names (or labels) of the joints, two or more.
@@ -36,22 +37,22 @@ class CoordinateTerm(CoupledTerm):
         name: Name of the coordinate in parameter names, such as "hip_motor"; None for the names of the joints.
 
     Raises:
-        ExoidError: There is not one finite ratio other than zero for each joint, or the name is empty.
+        ExoidError: There are not two joints with one finite ratio other than zero for each, or the name is empty.
     """
 
     ratios: tuple[float, ...]
     name: str | None = None
 
     def __post_init__(self) -> None:
-        """Check joints and ratios."""
-        super().__post_init__()
-        ratios, joints = self.ratios, self.joints or ()
+        """Check joints, ratios and name."""
+        ratios, joints = self.ratios, self.joints
+        named = isinstance(joints, tuple) and len({*joints}) == len(joints) > 1
         numbers = isinstance(ratios, tuple) and all(isinstance(r, (int, float)) and math.isfinite(r) for r in ratios)
-        if not numbers or len(ratios) != len(joints) or 0.0 in ratios:
+        if not named or not numbers or len(ratios) != len(joints or ()) or 0.0 in ratios:
             raise BadArgumentError(
                 f"{type(self).__name__}(joints={joints!r}, ratios={ratios!r})",
-                remedy="give one finite ratio for each joint, such as ratios=(1.0, -0.5), and leave out joints that do "
-                "not move the coordinate",
+                remedy='name two joints or more, each once, and give one finite ratio for each, such as joints=("hip", '
+                '"knee"), ratios=(1.0, -0.5); leave out joints that do not move the coordinate',
             )
         if self.name is not None and not (isinstance(self.name, str) and self.name.isidentifier()):
             raise BadArgumentError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
@@ -60,13 +61,27 @@ class CoordinateTerm(CoupledTerm):
         """Name its parameters by the coordinate, or by the joints."""
         return super().label(joints, labels) if self.name is None else self.name
 
-    def fill_joints(self, motion: JointsMotion, out: FloatArray) -> None:
-        """Write the columns r_j f."""
-        ratios = np.array(self.ratios, dtype=np.float64)
-        columns = np.zeros(out.shape[:2])
-        q, v, a = (x @ ratios for x in motion)
+    def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+        """Find its joints among those of a leg."""
+        self.joint_indices(names, labels)
+        places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
+        if len(set(places)) < len(places):
+            raise BadArgumentError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")
+        if self.loaded or self.internal_state is not None:
+            raise BadArgumentError(
+                f"{type(self).__name__} {'depends on the load' if self.loaded else 'has memory'}, which a term of "
+                "several joints cannot",
+                remedy="let it depend on positions, velocities and accelerations, or use a term of one joint",
+            )
+        return (places,)
+
+    def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
+        """Write the columns r_j f of its joints."""
+        ratios, chosen = np.array(self.ratios, dtype=np.float64), list(joints)
+        columns = np.zeros((len(out), motion.q.shape[1]))
+        q, v, a = (ratios @ x[chosen] for x in (motion.q, motion.v, motion.a))
         self.fill(JointMotion(q, v, a, np.zeros_like(q)), columns)
-        np.multiply(columns[..., None], ratios, out=out)
+        np.multiply(columns[:, None], ratios[:, None], out=out)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,46 +105,6 @@ class CouplingSpring(CoordinateTerm):
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the columns s and 1."""
         out[0], out[1] = motion.q, 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cable(CoordinateTerm):
-    """Elastic cable or strap over several joints, f = k max(s − slack, 0): it pulls when stretched, and never pushes.
-
-    Its potential is V = k max(s − slack, 0)²/2.
-
-    Attributes:
-        slack: Coordinate at which the cable becomes tight [rad], a number or a positive :class:`NonlinearParameter`.
-
-    Raises:
-        ExoidError: The slack is not finite, or joints or ratios are wrong.
-    """
-
-    slack: float | NonlinearParameter = 0.0
-
-    symbols = ("kc",)
-    units = ("N·m/rad",)
-    nonnegative = ("kc",)
-
-    def __post_init__(self) -> None:
-        """Check the settings."""
-        super().__post_init__()
-        slack = self.slack
-        if not isinstance(slack, (int, float, NonlinearParameter)) or (
-            not isinstance(slack, NonlinearParameter) and not math.isfinite(slack)
-        ):
-            raise BadArgumentError(
-                f"Cable(slack={slack!r})", remedy="give a finite number in rad, or NonlinearParameter"
-            )
-
-    @property
-    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol and unit of the slack."""
-        return {"slack": ("slack", "rad")}
-
-    def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column max(s − slack, 0)."""
-        np.maximum(motion.q - number(self.slack), 0.0, out=out[0])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,7 +63,7 @@ class Term(ABC):
 
     A term has the same form at every joint it acts on, and separate parameters ``symbol_joint``. Settings that differ
     from joint to joint are two terms of one type with other ``joints``. A torque that depends on the motion of several
-    joints, or acts on several, is a :class:`exoid.torques.CoupledTerm`.
+    joints, or acts on several, is a :class:`exoid.torques.CoordinateTerm`.
 
     Attributes:
         joints: Names (or labels) of the joints it acts on; None for all.
@@ -168,7 +168,7 @@ class Term(ABC):
             labels: Joint names as they occur in parameter names, (n,).
 
         Returns:
-            Indices of joints: each joint alone, unless the term is a :class:`exoid.torques.CoupledTerm`.
+            Indices of joints: each joint alone, unless the term is a :class:`exoid.torques.CoordinateTerm`.
 
         Raises:
             ExoidError: A joint is missing.

@@ -30,7 +30,7 @@ from exoid.control import (
 from exoid.control.observers import MomentumObserver, SensorNoise
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.rig import Target
-from exoid.torques import Cable, CouplingSpring, Stribeck
+from exoid.torques import CouplingSpring, Stribeck
 
 KP, KD = np.array([80.0, 60.0, 20.0]), np.array([8.0, 6.0, 2.0])
 LIMIT, SLEW = np.array([150.0, 125.0, 90.0]), np.array([4000.0, 3000.0, 2000.0])
@@ -44,7 +44,6 @@ TERMS = (
     Armature(),
     Stribeck(joints=("ankle",)),
     CouplingSpring(joints=("knee", "hip"), ratios=(1.0, -0.6)),
-    Cable(joints=("hip", "ankle"), ratios=(-1.0, 0.7), slack=0.1),
 )
 
 

@@ -13,7 +13,7 @@ import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness
 from exoid.codegen import JointInC, c_source, register_c_form
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.torques import Cable, CouplingFriction, CouplingSpring, Stribeck, Term, TorqueModel
+from exoid.torques import CouplingFriction, CouplingSpring, Stribeck, Term, TorqueModel
 
 LEG = exoid.load_leg("bleex", inertias="identified")
 
@@ -105,7 +105,6 @@ OWN = {
     "two inertias at different joints": (GearedRotor(joints=("knee",)), Armature(joints=("ankle",))),
     "couplings": (
         CouplingSpring(joints=("knee", "hip"), ratios=(1.0, -0.6)),
-        Cable(joints=("hip", "ankle"), ratios=(-1.0, 0.7), slack=0.1),
         CouplingFriction(joints=("hip", "knee", "ankle"), ratios=(1.0, 1.0, -0.3)),
         Coulomb(),
         Drag(),

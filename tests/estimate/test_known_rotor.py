@@ -11,7 +11,6 @@ from swings import harmonics
 import exoid
 from exoid import Armature, Coulomb, Estimate, Leg, Recording, Viscous
 from exoid.cli import main
-from exoid.leg.exported import read_exported
 from exoid.torques import LoadFriction
 
 ROTOR = 0.05
@@ -68,14 +67,14 @@ def test_the_exported_thigh_is_without_it_and_the_sidecar_has_it(known, merged, 
     export = known.to_urdf(tmp_path / "leg.urdf")
     assert "Ia_hip" in export.only_in_sidecar
     assert json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]["Ia_hip"] == ROTOR
-    read = read_exported(export.urdf)
-    assert read.resistances["Ia_hip"] == ROTOR
-    assert read.leg.parameters[2] == pytest.approx(merged["J1"].value - ROTOR, rel=1e-12)
-    with_rotor = read_exported(merged.to_urdf(tmp_path / "merged.urdf").urdf)
-    assert with_rotor.leg.parameters[2] == pytest.approx(merged["J1"].value, rel=1e-12)
+    joints = known.joint_names
+    read = exoid.Leg.from_urdf(export.urdf, joints)
+    assert read.parameters[2] == pytest.approx(merged["J1"].value - ROTOR, rel=1e-12)
+    with_rotor = exoid.Leg.from_urdf(merged.to_urdf(tmp_path / "merged.urdf").urdf, joints)
+    assert with_rotor.parameters[2] == pytest.approx(merged["J1"].value, rel=1e-12)
     q, v, a = motion(3)
-    torque = read.leg.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
-    np.testing.assert_allclose(torque, with_rotor.leg.inverse_dynamics(q, v, a), atol=1e-11)
+    torque = read.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
+    np.testing.assert_allclose(torque, with_rotor.inverse_dynamics(q, v, a), atol=1e-11)
 
 
 def test_an_export_says_that_a_rotor_is_in_a_link_and_how_to_take_it_out(merged, known, tmp_path):

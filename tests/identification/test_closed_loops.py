@@ -14,7 +14,7 @@ from exoid.cli.app import app
 from exoid.control import ControlModel
 from exoid.identification.findings.checkup import signal_findings
 from exoid.identification.findings.loop_gap import loop_gaps
-from exoid.leg.exported import read_exported
+from exoid.leg.description import read_description
 from exoid.torques import TorqueModel
 from exoid.view.scenes.skeleton import Skeleton
 
@@ -62,9 +62,9 @@ def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
     q, v, a = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 5, 2))
     np.testing.assert_array_equal(again.torque(q, v, a), estimate.torque(q, v, a))
     estimate.to_urdf(tmp_path / "identified.urdf")
-    exported = read_exported(tmp_path / "identified.urdf")
-    assert exported.leg.joint_names == leg.joint_names
-    found = exported.leg.inverse_dynamics(q, v, a)
+    description = read_description(tmp_path / "identified.urdf")
+    exported = exoid.Leg.from_description(description, leg.joint_names, loops=leg.closure.loops)
+    found = exported.inverse_dynamics(q, v, a)
     np.testing.assert_allclose(
         found, estimate.leg.inverse_dynamics(q, v, a), rtol=1e-3, atol=1e-3 * np.abs(found).max()
     )

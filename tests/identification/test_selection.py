@@ -16,7 +16,6 @@ from exoid.identification.selection.held_out import blocked_folds, fast_blocks, 
 from exoid.identification.selection.normal_equations import NormalEquations, residuals
 from exoid.identification.selection.patterns import Column, patterns, terms_of
 from exoid.identification.selection.per_joint import Search, search_joint_by_joint
-from exoid.leg.exported import read_exported, sidecar_of
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, ZeroPhase
 from exoid.torques import JointMotion, LoadFriction, Presliding, TorqueModel
@@ -204,10 +203,9 @@ def test_what_is_selected_is_saved_and_written_to_a_urdf_joint_by_joint(selectio
     hip, knee = selection[0].joints
     assert dry["left_hip",].presliding == hip.presliding
     assert dry["left_knee",].smoothing == knee.smoothing
-    exported = read_exported(estimate.to_urdf(tmp_path / "leg.urdf").urdf)
+    sidecar = json.loads(estimate.to_urdf(tmp_path / "leg.urdf").sidecar.read_text(encoding="utf-8"))
     for name in ("c0_hip", "mu_hip", "d_hip", "c0_knee", "d_knee"):
-        assert exported.resistances[name] == pytest.approx(estimate.value(name)), name
-    sidecar = json.loads(sidecar_of(tmp_path / "leg.urdf").read_text(encoding="utf-8"))
+        assert sidecar["values"][name] == pytest.approx(estimate.value(name)), name
     terms = {(term["term"], *(term["joints"] or ())): term for term in sidecar["terms"]}
     assert terms["coulomb", "left_hip"]["presliding"] == hip.presliding
     assert terms["coulomb", "left_knee"]["smoothing"] == knee.smoothing

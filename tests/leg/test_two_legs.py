@@ -1,21 +1,17 @@
 """Torso and both legs in one tree, from a log or a URDF to an estimate, a picture and a URDF again."""
 
-import json
-
 import numpy as np
 import pytest
 from free_flyers import Flight
 from planar_chains import assert_relative
 from public_robots import urdf_of
 from typer.testing import CliRunner
-from unchecked import identify
 from walking import Walk
 
 import exoid
 from exoid import Leg, Payload
 from exoid.cli import app
 from exoid.leg.description import describe
-from exoid.leg.exported import read_exported
 from exoid.leg.lift import lift
 from exoid.leg.lift.lumping import distribute_bodies
 from exoid.leg.rewriting import rewrite
@@ -98,14 +94,6 @@ def test_a_mass_beyond_those_of_the_links_is_not_possible():
     values[names.index("M")] = 3.0
     assert not exoid.lift.check_physical(exo, values)
     assert exoid.lift.check_physical(exo, exo.parameters)
-
-
-def test_the_base_of_an_exported_leg_is_read_again(tmp_path, walk):
-    estimate = identify(exoid.load_exo("bleex"), walk, terms=())
-    export = estimate.to_urdf(tmp_path / "exo.urdf")
-    data = json.loads(export.sidecar.read_text())
-    export.sidecar.write_text(json.dumps(data | {"base": "floating"}))
-    assert read_exported(export.urdf).leg.row_names[0] == "base_forward"
 
 
 def test_the_command_line_knows_both_legs(tmp_path, walk):

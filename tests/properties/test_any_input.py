@@ -20,7 +20,6 @@ import exoid
 from exoid import Estimate, ExoidError, Leg, Recording
 from exoid.leg.catalog import urdf_folder
 from exoid.leg.description import describe
-from exoid.leg.exported import read_exported
 
 HEADERS = ("time", "q_hip", "q_knee", "v_hip", "v_knee", "tau_hip", "tau_knee", "a_hip", "mode", "", "q_", "time ", "#")
 ODD = (
@@ -252,12 +251,10 @@ def _example():
     estimate = exoid.identify(data.leg, data.train)
     with tempfile.TemporaryDirectory() as folder:
         estimate.save(Path(folder) / "leg.json")
-        export = estimate.to_urdf(Path(folder) / "leg.urdf")
-        files = Path(folder) / "leg.json", export.urdf, export.sidecar
-        return tuple(file.read_text(encoding="utf-8") for file in files)
+        return (Path(folder) / "leg.json").read_text(encoding="utf-8")
 
 
-ESTIMATE, EXPORTED, SIDECAR = _example()
+ESTIMATE = _example()
 
 
 @cases(0.08)
@@ -271,16 +268,3 @@ def test_any_file_of_an_estimate_is_read_or_refused(data):
             assert str(result)
             assert np.isfinite(result.values).all()
             assert all(math.isfinite(value) for value in result.std)
-
-
-@cases(0.05)
-@given(st.data())
-def test_any_sidecar_is_read_or_refused(data):
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "leg.urdf"
-        path.write_text(EXPORTED, encoding="utf-8")
-        (Path(folder) / "leg.exoid.json").write_text(_spoiled(data.draw, json.loads(SIDECAR)), encoding="utf-8")
-        result = outcome(read_exported, path)
-        if not isinstance(result, ExoidError):
-            assert np.isfinite(result.offsets).all()
-            assert all(math.isfinite(value) for value in result.resistances.values())

@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
 FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 
-READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "sidecar", "columns.toml", "drives.toml")
+READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "columns.toml", "drives.toml")
 """Kinds whose readers are Python, or are tested not to crash the process."""
 
 
@@ -58,7 +58,7 @@ def test_a_few_mutated_files_are_read_or_refused_in_one_line(script, kind):
     [
         "csv,npz,mat,struct.mat,parquet",
         "mcap,db3,bag",
-        "urdf,estimate,sidecar,stl,ply",
+        "urdf,estimate,stl,ply",
         "mot,forces.sto",
         "columns.toml,drives.toml",
     ],

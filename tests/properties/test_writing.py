@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from exoid import Estimate, ExoidError, Leg, Recording
-from exoid.leg.exported import read_exported
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 
@@ -103,7 +102,7 @@ def test_two_writers_in_one_folder_do_not_harm_each_other(folder, estimate):
         process.wait(30)
         process.stdout.close()
     assert_whole(folder, estimate)
-    assert read_exported(folder / "new.urdf").leg.joint_names == estimate.joint_names
+    assert Leg.from_urdf(folder / "new.urdf", estimate.joint_names).joint_names == estimate.joint_names
 
 
 WRITES = {

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from swings import Swing
@@ -15,28 +13,16 @@ from exoid.codegen import c_source
 from exoid.control import ControlModel
 from exoid.control.lqr import linearise
 from exoid.identification import select_terms
-from exoid.leg.exported import parameter_terms, read_exported
-from exoid.rig import Plant
-from exoid.torques import (
-    Cable,
-    CoupledTerm,
-    CouplingFriction,
-    CouplingInertia,
-    CouplingSpring,
-    NonlinearParameter,
-    TorqueModel,
-)
+from exoid.torques import CouplingFriction, CouplingInertia, CouplingSpring, TorqueModel
 from exoid.torques.motion import random_motion
-from exoid.torques.nonlinear import nonlinear_settings
 
 LEG = exoid.load_leg("bleex")
 SPRING = CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6))
-CABLE = Cable(joints=("knee", "ankle"), ratios=(-1.0, 0.8), slack=0.1)
 DRAG = CouplingFriction(joints=("knee", "hip"), ratios=(1.0, 1.0))
 ROTOR = CouplingInertia(joints=("hip", "knee", "ankle"), ratios=(1.0, 1.0, -0.5))
-ALL = (SPRING, CABLE, DRAG, ROTOR)
+ALL = (SPRING, DRAG, ROTOR)
 VALUES = {
-    **{"k_hip_knee": 12.0, "preload_hip_knee": 1.5, "kc_knee_ankle": 9.0},
+    **{"k_hip_knee": 12.0, "preload_hip_knee": 1.5},
     **{"c0_knee_hip": 0.7, "d_knee_hip": 0.4, "Ia_hip_knee_ankle": 0.3},
 }
 INDEX = {"hip": 0, "knee": 1, "ankle": 2}
@@ -62,7 +48,6 @@ def torque_of(values, q, v, a) -> np.ndarray:
             tau[:, INDEX[joint]] += ratio * force
 
     add(SPRING, values["k_hip_knee"] * coordinate(SPRING, q) + values["preload_hip_knee"])
-    add(CABLE, values["kc_knee_ankle"] * np.maximum(coordinate(CABLE, q) - 0.1, 0.0))
     rate = coordinate(DRAG, v)
     add(DRAG, values["c0_knee_hip"] * np.tanh(rate / 0.02) + values["d_knee_hip"] * rate)
     add(ROTOR, values["Ia_hip_knee_ankle"] * coordinate(ROTOR, a))
@@ -88,36 +73,16 @@ def estimate() -> Estimate:
 # -------------------------------------------------------------------------------------------- physics
 
 
-@dataclass(frozen=True, kw_only=True)
-class Twist(CoupledTerm):
-    """V = k1 sin(q1) sin(q2) + k2 q1² q2: not along one coordinate."""
-
-    symbols = ("k1", "k2")
-    units = ("N·m", "N·m/rad²")
-
-    def fill_joints(self, motion, out):
-        (q1, q2), sine, cosine = motion.q.T, np.sin(motion.q), np.cos(motion.q)
-        out[0] = np.column_stack([cosine[:, 0] * sine[:, 1], sine[:, 0] * cosine[:, 1]])
-        out[1] = np.column_stack([2.0 * q1 * q2, q1**2])
-
-
-POTENTIALS = {
-    "spring": (SPRING, lambda q: np.column_stack([coordinate(SPRING, q) ** 2 / 2, coordinate(SPRING, q)])),
-    "cable": (CABLE, lambda q: np.maximum(coordinate(CABLE, q) - 0.1, 0.0)[:, None] ** 2 / 2),
-    "twist": (
-        Twist(joints=("ankle", "hip")),
-        lambda q: np.column_stack([np.sin(q[:, 2]) * np.sin(q[:, 0]), q[:, 2] ** 2 * q[:, 0]]),
-    ),
-}
-
-
-@pytest.mark.parametrize(("term", "potential"), POTENTIALS.values(), ids=POTENTIALS)
-def test_a_conservative_term_is_the_gradient_of_its_energy(term, potential):
+def test_a_spring_is_the_gradient_of_its_energy():
     q, v, a = random_motion(200, 3)
-    found, step = columns(term, q, v, a), 1e-6
+
+    def energy(q):
+        return np.column_stack([coordinate(SPRING, q) ** 2 / 2, coordinate(SPRING, q)])
+
+    found, step = columns(SPRING, q, v, a), 1e-6
     for joint in range(3):
         move = step * np.eye(3)[joint]
-        slope = (potential(q + move) - potential(q - move)) / (2.0 * step)
+        slope = (energy(q + move) - energy(q - move)) / (2.0 * step)
         np.testing.assert_allclose(found[:, joint], slope, atol=1e-7)
     assert (found != 0.0).any(axis=(0, 2)).sum() == 2
 
@@ -144,7 +109,7 @@ def test_the_whole_model_is_the_sum_of_its_equations():
     expected = LEG.inverse_dynamics(q, v, a) + torque_of(VALUES, q, v, a)
     np.testing.assert_allclose(model.regressor(q, v, a) @ values, expected, atol=1e-10)
     acting = model.acting[:, len(LEG.parameters) :]
-    assert acting.sum(axis=0).tolist() == [2, 2, 2, 2, 2, 3]
+    assert acting.sum(axis=0).tolist() == [2, 2, 2, 2, 3]
 
 
 # ------------------------------------------------------------------------------------- identification
@@ -157,19 +122,6 @@ def test_couplings_are_found_beside_everything_else(estimate):
     assert np.abs(z).max() < 4.5, dict(zip(estimate.names, z, strict=True))
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert estimate.value("Ia_hip_knee_ankle") == pytest.approx(0.3, rel=0.05)
-
-
-def test_a_slack_that_is_not_known_is_found():
-    free = Cable(joints=CABLE.joints, ratios=CABLE.ratios, slack=NonlinearParameter(0.2, 0.01, 0.6))
-    (setting,) = nonlinear_settings((free,), LEG.joint_names, LEG.joint_labels)
-    assert setting.name == "slack_knee_ankle"
-    swing = Swing(LEG)
-    tau = swing.torque + columns(CABLE, *swing.motion)[..., 0] * 9.0
-    noise = np.random.default_rng(0).normal(scale=0.02, size=tau.shape)
-    found = identify(LEG, swing.recording(tau=tau + noise, v=None, a=None), (Coulomb(), Viscous(), free))
-    assert found.nonlinear.names == ("slack_knee_ankle",)
-    assert found.nonlinear.values[0] == pytest.approx(0.1, abs=0.01)
-    assert found.value("kc_knee_ankle") == pytest.approx(9.0, rel=0.03)
 
 
 def test_the_preload_is_part_of_the_offsets_of_all_its_joints():
@@ -195,28 +147,6 @@ def swing_with_spring(seed=1):
     tau = swing.torque + columns(SPRING, *swing.motion) @ np.array([12.0, 1.5])
     noise = np.random.default_rng(seed).normal(scale=0.02, size=tau.shape)
     return swing.recording(tau=tau + noise, v=None, a=None)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Seen(CoupledTerm):
-    """A torque at the last joint that depends on the angles of the others."""
-
-    symbols = ("s",)
-    units = ("N·m",)
-
-    def fill_joints(self, motion, out):
-        out[0, :, -1] = np.sin(motion.q[:, 0]) * motion.q[:, 1]
-
-
-def test_a_term_may_act_on_fewer_joints_than_it_sees():
-    swing, term = Swing(LEG), Seen(joints=("ankle", "knee", "hip"))
-    tau = swing.torque.copy()
-    q = swing.motion[0]
-    tau[:, 0] += 3.0 * np.sin(q[:, 2]) * q[:, 1]
-    noise = np.random.default_rng(0).normal(scale=0.02, size=tau.shape)
-    found = identify(LEG, swing.recording(tau=tau + noise, v=None, a=None), (Coulomb(), Viscous(), term))
-    assert found.value("s_ankle_knee_hip") == pytest.approx(3.0, abs=4.0 * found.std[-1])
-    assert found.std[-1] < 0.1
 
 
 @pytest.mark.nightly
@@ -248,24 +178,15 @@ def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_
     assert (exoid.validate(again, swing_with_couplings(3)).nrmse < 0.05).all()
 
 
-def test_a_urdf_has_couplings_in_its_sidecar_and_the_rig_refuses_them_by_name(estimate, tmp_path):
+def test_a_urdf_has_couplings_in_its_sidecar(estimate, tmp_path):
     export = estimate.to_urdf(tmp_path / "leg.urdf")
     assert set(VALUES) <= set(export.only_in_sidecar)
-    _, resistances, _ = read_exported(tmp_path / "leg.urdf")
-    assert resistances["k_hip_knee"] == estimate.value("k_hip_knee")
-    assert parameter_terms(tmp_path / "leg.urdf")["k_hip_knee"] == "coupling-spring"
-    with pytest.raises(ExoidError, match="the rig has no k_hip_knee of the term coupling-spring"):
-        Plant.from_urdf(tmp_path / "leg.urdf")
-    names = ("coupling-spring", "cable", "coupling-friction", "coupling-inertia")
-    assert Plant.from_urdf(tmp_path / "leg.urdf", without=names).viscous[0, 0] == estimate.value("d_hip")
+    assert export.to_json()["term_of"]["k_hip_knee"] == "coupling-spring"
 
 
 def test_an_inertia_across_joints_has_no_form_in_c():
     model = TorqueModel(LEG, (ROTOR,))
     with pytest.raises(ExoidError, match=r"CouplingInertia \(Ia\) has no form in C"):
-        c_source(model, np.ones(len(model.names)))
-    model = TorqueModel(LEG, (Twist(joints=("hip", "knee")),))
-    with pytest.raises(ExoidError, match="acts on several joints, and not along one coordinate"):
         c_source(model, np.ones(len(model.names)))
 
 
@@ -299,7 +220,6 @@ def test_the_mass_matrix_has_the_rotor_across_joints(estimate, control):
 def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
     """Without dry friction and other friction across joints, which linearisation leaves out."""
     q, v, a = random_motion(1, 3)[:, 0]
-    q = np.array([0.3, -0.5, 0.2])  # not where the cable becomes tight
 
     def torque(q, v, a):
         return control.inverse_dynamics(q, v, a) + control.viscous * v

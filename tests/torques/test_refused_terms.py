@@ -11,7 +11,6 @@ import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.torques import (
-    Cable,
     CoordinateTerm,
     CouplingFriction,
     CouplingInertia,
@@ -76,8 +75,6 @@ SETTINGS = {
     "ratio of text": lambda: spring(ratios=(1.0, "a")),
     "ratio missing": lambda: spring(ratios=(1.0, np.nan)),
     "ratio zero": lambda: CouplingInertia(joints=BOTH, ratios=(1.0, 0.0)),
-    "slack infinite": lambda: Cable(joints=BOTH, ratios=(1.0, 1.0), slack=np.inf),
-    "slack as text": lambda: Cable(joints=BOTH, ratios=(1.0, 1.0), slack="a"),
     "negative smoothing of motors": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), smoothing=-1.0),
     "negative reversal of motors": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), reversal_speed=-1.0),
     "name of two words": lambda: CouplingFriction(joints=BOTH, ratios=(1.0, 1.0), name="hip motor"),

@@ -8,7 +8,7 @@ from planar_chains import random_motion
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
-from exoid.torques import DEFAULT_TERMS, CoupledTerm, JointMotion, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term, TorqueModel
 from exoid.torques.catalog import TERMS, term_by_name, term_from_json, term_to_json
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
@@ -124,7 +124,7 @@ def test_a_term_survives_a_round_trip_through_json(term):
 
 def test_every_term_has_a_name_and_the_defaults_are_among_them():
     for name, kind in TERMS.items():
-        if issubclass(kind, CoupledTerm):  # has no joints by default
+        if issubclass(kind, CoordinateTerm):  # has no joints by default
             with pytest.raises(ExoidError, match=r"cannot be made without settings .*ratios"):
                 term_by_name(name)
             continue
