@@ -14,6 +14,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import LinkFrame, link_frame
+from exoid.leg.model import joint_axis
 from exoid.tools.numbers import is_number
 
 SHORTEST = 1e-3
@@ -123,7 +125,7 @@ class Attachments(MomentArm):
         model = leg.model
         moving = model.getJointId(joint)
         places = [_place(leg, attachment) for attachment in (self.first, self.second)]
-        joints = [frame.parentJoint for frame in places]
+        joints = [frame.body + 1 for frame in places]
         if sorted(joints) != [model.parents[moving], moving]:
             between = sorted(set(model.supports[joints[0]]) ^ set(model.supports[joints[1]]))  # outwards
             named = ", ".join(str(model.names[k]) for k in between) or "no joint"
@@ -190,25 +192,17 @@ def _attachment(given: object) -> Attachment:
     )
 
 
-def _place(leg: Leg, attachment: Attachment) -> pin.Frame:
+def _place(leg: Leg, attachment: Attachment) -> LinkFrame:
     """Frame of the link of an attachment, which may be named without its side."""
-    bodies = [frame for frame in leg.model.frames if frame.type == pin.FrameType.BODY]
-    names = [frame.name for frame in bodies]
     sides = dict(zip(leg.link_labels, leg.link_names, strict=True))
-    name = attachment.link if attachment.link in names else sides.get(attachment.link, attachment.link)
-    if name not in names:
-        raise BadArgumentError(
-            f"no link {attachment.link!r} for an attachment point", remedy=f"links are {', '.join(names)}"
-        )
-    return bodies[names.index(name)]
+    named = {leg.description.root_link, *leg.description.child_links.values()}
+    link = attachment.link if attachment.link in named else sides.get(attachment.link, attachment.link)
+    return link_frame(leg.model, leg.description, link)
 
 
 def _squared_length(model: pin.Model, joint: int, above: FloatArray, below: FloatArray) -> SquaredLength:
     """Coefficients of l², and whether the joint turns."""
-    data = model.joints[joint].createData()
-    model.joints[joint].calc(data, pin.neutral(model), np.zeros(model.nv))
-    motion = np.asarray(data.S).ravel()
-    slide, turn = motion[:3], motion[3:]
+    slide, turn = np.split(joint_axis(model.joints[joint]), 2)
     if turn.any():
         along = float(above @ turn) * float(below @ turn)
         c0 = float(above @ above + below @ below) - 2.0 * along

@@ -20,7 +20,6 @@ from .drive import Drive
 from .linear import LinearActuator
 from .motor import Motor
 from .series_elastic import SeriesElastic
-from .transmission import Transmission, read_transmissions
 
 Table = Mapping[str, Any]
 
@@ -39,19 +38,16 @@ REQUIRED = {
 """Keys that a table must have, each with what to write."""
 
 
-def actuators_from_data(data: Table, leg: Leg, *, transmissions: bool = True) -> Actuators:
+def actuators_from_data(data: Table, leg: Leg) -> Actuators:
     """Mount the drives of a file on a leg; drives of the robot's other joints are left out."""
-    # Ratio and efficiency of a motor that the file does not give are those of the `<transmission>` in the URDF.
     if not isinstance(data, Mapping) or not data:
         raise UnreadableInputError(
             "there are no drives", remedy='write a table for each joint: [left_hip] type = "motor" …'
         )
     drives: dict[str, Drive | Coupling] = {}
-    gears = read_transmissions(leg.description) if transmissions else {}
-    gears |= {label: gears[n] for label, n in zip(leg.joint_labels, leg.joint_names, strict=True) if n in gears}
     for name, table in data.items():
         with within(f"[{name}]"):
-            drives[name] = _drive(_with_transmission(table, gears.get(name)))
+            drives[name] = _drive(table)
     return Actuators.of(leg, drives)
 
 
@@ -118,20 +114,6 @@ def _check_keys(table: Table, known: set[str], required: Mapping[str, str]) -> N
     for key, remedy in required.items():
         if key not in table:
             raise UnreadableInputError(f"no {key}", remedy=remedy)
-
-
-def _with_transmission(table: object, gear: Transmission | None) -> object:
-    """Take ratio and efficiency of a motor from the URDF, where its table has none."""
-    if gear is None or not isinstance(table, Mapping) or table.get("type") != "motor":
-        return table
-    given = {"ratio": gear.ratio, "efficiency": gear.efficiency}
-    for key, value in given.items():
-        if key in table and value is not None and table[key] != value:
-            raise UnreadableInputError(
-                f"{key} is {table[key]!r}, and <transmission> of the URDF says {value:g}",
-                remedy="correct one of them, or leave it out here",
-            )
-    return {**{key: value for key, value in given.items() if value is not None}, **table}
 
 
 def _linear(table: Table) -> LinearActuator:

@@ -154,9 +154,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         findings=records(Finding, data["findings"]),
         model_error=record(ModelError, data["model_error"]) if data["model_error"] else None,
         torque_delays=np.array([data["torque_delays"][name] for name in leg.joint_names], dtype=np.float64),
-        actuators=None
-        if data["actuators"] is None
-        else actuators_from_data(data["actuators"], leg, transmissions=False),
+        actuators=None if data["actuators"] is None else actuators_from_data(data["actuators"], leg),
         columns=data.get("columns", {}),
         evidence=_evidence(data["evidence"]),
     )

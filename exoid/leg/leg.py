@@ -211,6 +211,11 @@ class Leg(LegData):
         kinds: dict[str, Contact] = {**(contacts or {}), **dict.fromkeys(places, "edge")}  # type: ignore[dict-item]
         for link, kind in kinds.items():
             link_frame(model, description, link)
+            foot, _, part = link.rpartition("_")
+            if part in ("heel", "toe") and kinds.get(foot, "flat") != "flat":
+                what = f"{foot} rests on its {part}, and is a contact of the kind {kinds[foot]!r}"
+                remedy = f"leave the kind of {foot} out: on heel and toe together it is flat"
+                raise BadArgumentError(what, where=description.name, remedy=remedy)
             if kind not in get_args(Contact):
                 known = ", ".join(get_args(Contact))
                 raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")

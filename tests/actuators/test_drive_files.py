@@ -24,7 +24,6 @@ from exoid.actuators import (
     write_actuators,
 )
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
-from exoid.actuators.transmission import read_transmissions
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
 POINTS = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))
@@ -126,52 +125,3 @@ def test_drives_of_joints_that_the_leg_does_not_move_are_left_out():
     assert set(read_actuators("bleex", BLEEX).drives) == set(BLEEX.joint_names)
     with pytest.raises(exoid.ExoidError, match="none of left_hip, left_knee"):
         Actuators.of(CUHK, {"right_hip": Motor(0.1)})
-
-
-URDF = """<robot name="one"><link name="base"/><link name="thigh"><inertial><mass value="2"/>
-<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
-<joint name="hip" type="revolute"><parent link="base"/><child link="thigh"/><axis xyz="0 1 0"/>
-<limit lower="-1" upper="1" effort="9" velocity="1"/></joint>
-<transmission name="gear"><type>transmission_interface/SimpleTransmission</type>{joint}
-<actuator name="m"><mechanicalReduction>{ratio}</mechanicalReduction></actuator>{more}</transmission></robot>"""
-
-
-def one_joint(ratio="100", joint='<joint name="hip"/>', more=""):
-    text = URDF.format(ratio=ratio, joint=joint, more=more)
-    return exoid.Leg.from_description(exoid.leg.description.describe(text, "one.urdf"))
-
-
-def test_transmissions_give_ratio_and_efficiency():
-    leg = one_joint(more="<efficiency>0.8</efficiency>")
-    assert read_transmissions(leg.description)["hip"].motor(0.05) == Motor(0.05, ratio=100.0, efficiency=0.8)
-    motors = actuators_from_data({"hip": {"type": "motor", "torque_constant": 0.05}}, leg)
-    assert motors.drives["hip"] == Motor(0.05, ratio=100.0, efficiency=0.8)
-    with pytest.raises(exoid.ExoidError, match=r"ratio is 50\.0, and <transmission> of the URDF says 100"):
-        actuators_from_data({"hip": {"type": "motor", "torque_constant": 0.05, "ratio": 50.0}}, leg)
-
-
-def test_an_estimate_keeps_a_ratio_that_differs_from_that_of_the_urdf(tmp_path):
-    leg = one_joint()
-    time = np.arange(2000) / 100.0
-    q = (0.5 * np.sin(1.7 * time) + 0.3 * np.sin(4.1 * time + 1.0))[:, None]
-    log = exoid.Recording(time=time, q=q, current=np.cos(q) + 0.1 * q, joint_names=("hip",))
-    estimate = exoid.identify(leg, log, actuators={"hip": Motor(0.1, ratio=50.0)}, check=False)
-    estimate.save(tmp_path / "est.json")
-    assert exoid.Estimate.load(tmp_path / "est.json").actuators.drives["hip"].ratio == 50.0
-
-
-@pytest.mark.parametrize(
-    ("given", "what"),
-    [
-        ({"ratio": "many"}, "mechanicalReduction is many"),
-        ({"joint": '<joint name="knee"/>'}, "no joint 'knee'"),
-        ({"more": '</transmission><transmission name="b"><joint name="hip"/>'}, "two transmissions of joint 'hip'"),
-    ],
-)
-def test_mistakes_in_transmissions_are_errors(given, what):
-    with pytest.raises(exoid.ExoidError, match=what):
-        read_transmissions(one_joint(**given).description)
-
-
-def test_transmissions_of_several_joints_are_left_out():
-    assert read_transmissions(one_joint(joint='<joint name="hip"/><joint name="knee"/>').description) == {}
