@@ -12,6 +12,6 @@ export PATH="$folder/venv/bin:$PATH" PYTHONPYCACHEPREFIX="$folder/pyc" OMP_NUM_T
 unset PYTHONPATH PYTHONHOME
 cd "$folder" && cp -r "$OLDPWD"/{tests,scripts,pyproject.toml} . # against the wheel that was installed
 if [[ $# -eq 0 ]]; then
-    set -- tests/torques tests/signals tests/cli tests/regression tests/estimate tests/identification tests/leg/test_leg.py tests/leg/test_description.py tests/leg/test_exported.py
+    set -- tests/torques tests/signals tests/cli tests/regression tests/estimate tests/identification tests/leg/test_leg.py tests/leg/test_description.py
 fi
 pytest -p no:cacheprovider -q -m 'not slow and not real_data' "$@"

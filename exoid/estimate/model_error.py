@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.torques import InternalState, Motion, Presliding, TorqueModel
+from exoid.torques import Motion, Presliding, TorqueModel
 from exoid.torques.terms import SMOOTHING
 from exoid.torques.with_columns import WithColumns
 
@@ -45,7 +45,7 @@ class AlternativeFriction:
 
     def motion(self, motion: Motion) -> Motion:
         """Add presliding states."""
-        states: dict[tuple[int, InternalState], FloatArray] = {
+        states: dict[tuple[int, Presliding], FloatArray] = {
             (j, presliding): presliding.states(motion.q[:, j], motion.v[:, j])
             for j in range(motion.q.shape[1])
             for presliding in map(Presliding, LENGTHS)

@@ -8,7 +8,6 @@ The transform of row i is, with θ = q + offset,
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape  # xml.sax.saxutils would load urllib and ssl
 from typing import Literal, NamedTuple
@@ -32,20 +31,11 @@ class DHRow(NamedTuple):
     offset: float = 0.0  # joint angle θ of the table at q = 0 [rad]
 
 
-class DHBody(NamedTuple):
-    """Inertia of the link that carries frame i."""
-
-    mass: float = 1.0  # mass [kg]
-    center: Sequence[float] = (0.0, 0.0, 0.0)  # centre of mass in frame i [m], (3,)
-    inertia: ArrayLike = np.eye(3) * 1e-2  # inertia about the centre of mass in the axes of frame i [kg·m²], (3, 3)
-
-
 def describe_dh(
     table: Sequence[DHRow] | ArrayLike,
     convention: Convention,
     joint_names: Sequence[str] | None = None,
     *,
-    bodies: Sequence[DHBody] | None = None,
     base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
     name: str = "dh",
 ) -> Description:
@@ -62,15 +52,12 @@ def describe_dh(
         raise BadArgumentError(
             f"{len(rows)} rows, and joint_names {joint_names!r}", where=name, remedy="name each joint of the table once"
         )
-    placed = [DHBody()] * len(rows) if bodies is None else list(bodies)
-    if len(placed) != len(rows):
-        raise BadArgumentError(f"{len(placed)} bodies for {len(rows)} rows", where=name, remedy="give one for each row")
     rpy = _numbers(base_rpy, (3,), "base_rpy", name)
     _refuse_degrees(rpy, "base_rpy", name)
     placement = _joint("base_to_frame0", "fixed", "base", "frame0", (0.0, 0.0, 0.0), rpy.tolist())
     parts = [_link("base"), _link("frame0"), placement]
-    for index, (row, joint, body) in enumerate(zip(rows, joints, placed, strict=True), start=1):
-        parts += _segment(index, DHRow(*row), str(joint), body, convention, name)
+    for index, (row, joint) in enumerate(zip(rows, joints, strict=True), start=1):
+        parts += _segment(index, DHRow(*row), str(joint), convention)
     return describe(f"<robot name={_quoted(name)}>\n" + "\n".join(parts) + "\n</robot>\n", name)
 
 
@@ -79,13 +66,13 @@ def _quoted(text: str) -> str:
     return f'"{escape(text)}"'
 
 
-def _segment(index: int, row: DHRow, joint: str, body: DHBody, convention: Convention, name: str) -> list[str]:
+def _segment(index: int, row: DHRow, joint: str, convention: Convention) -> list[str]:
     """Link and joints of a row: what turns, and the fixed frame before or behind it."""
     link, before, after = f"{joint}_link", f"frame{index - 1}", f"frame{index}"
     twist, turn = (row.alpha, 0.0, 0.0), (0.0, 0.0, row.offset)
     if convention == "standard":
         return [
-            _link(link, _inertial(body, (row.a, 0.0, row.d), row.alpha, name)),
+            _link(link, _inertial((row.a, 0.0, row.d), row.alpha)),
             _joint(joint, "continuous", before, link, (0.0, 0.0, 0.0), turn),
             _link(after),
             _joint(f"{link}_to_{after}", "fixed", link, after, (row.a, 0.0, row.d), twist),
@@ -94,7 +81,7 @@ def _segment(index: int, row: DHRow, joint: str, body: DHBody, convention: Conve
     return [
         _link(pivot),
         _joint(f"{before}_to_{pivot}", "fixed", before, pivot, (row.a, 0.0, 0.0), twist),
-        _link(link, _inertial(body, (0.0, 0.0, 0.0), 0.0, name)),
+        _link(link, _inertial((0.0, 0.0, 0.0), 0.0)),
         _joint(joint, "continuous", pivot, link, (0.0, 0.0, row.d), turn),
         _link(after),
         _joint(f"{link}_to_{after}", "fixed", link, after, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
@@ -145,21 +132,10 @@ def _numbers(values: ArrayLike, shape: tuple[int, ...] | None, what: str, name: 
     return numbers
 
 
-def _inertial(body: DHBody, place: tuple[float, float, float], alpha: float, name: str) -> str:
-    """Inertia of a link whose frame i is placed and twisted so in it."""
-    mass = float(_numbers(body.mass, (), "mass", name))
-    center, inertia = _numbers(body.center, (3,), "center", name), _numbers(body.inertia, (3, 3), "inertia", name)
-    if mass <= 0.0 or not np.allclose(inertia, inertia.T):
-        raise BadArgumentError(
-            f"a mass of {mass:g} kg, or an inertia that is not symmetric", where=name, remedy="correct the body"
-        )
-    c, s = math.cos(alpha), math.sin(alpha)
-    x, y, z = center
-    moved = (place[0] + x, place[1] + c * y - s * z, place[2] + s * y + c * z)
-    pairs = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), inertia[np.triu_indices(3)].tolist(), strict=True)
-    moments = " ".join(f'{key}="{value!r}"' for key, value in pairs)
-    origin = _origin(moved, (alpha, 0.0, 0.0))
-    return f'<inertial>{origin}<mass value="{mass!r}"/><inertia {moments}/></inertial>'
+def _inertial(place: tuple[float, float, float], alpha: float) -> str:
+    """Unit mass of a link at the origin of its frame i, which is placed and twisted so in the link."""
+    inertia = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>'
+    return f'<inertial>{_origin(place, (alpha, 0.0, 0.0))}<mass value="1.0"/>{inertia}</inertial>'
 
 
 def _link(name: str, inertial: str = "") -> str:

@@ -17,7 +17,7 @@ from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputErr
 
 from .closure import Closure
 from .description import Description, read_description
-from .dh import Convention, DHBody, DHRow, describe_dh
+from .dh import Convention, DHRow, describe_dh
 from .dynamics import (
     SegmentPlacements,
     gravity_torque,
@@ -107,7 +107,6 @@ class Leg(LegData):
         convention: Convention,
         joint_names: Sequence[str] | None = None,
         *,
-        bodies: Sequence[DHBody] | None = None,
         base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
@@ -115,14 +114,14 @@ class Leg(LegData):
     ) -> Leg:
         """Make a leg of a Denavit-Hartenberg table, for a robot without a URDF.
 
-        Identification uses only the geometry, so that inertias may be left out. The tool's frame is the last one.
+        Identification uses only the geometry: each link has a unit mass at the origin of its frame. The tool's frame is
+        the last one.
 
         Args:
             table: Rows (a, α, d, offset of θ) of revolute joints in m and rad, (n, 4), such as
                 :class:`exoid.leg.dh.DHRow`; (n, 3) without the offset.
             convention: "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig).
             joint_names: Names of the n joints; None for joint1, joint2, ….
-            bodies: Inertia of each link in its frame; None for a unit mass at the origin of each frame.
             base_rpy: Roll, pitch and yaw [rad] of frame 0 in the base, whose z axis points up.
             locked: Positions of joints that do not move [rad].
             cumulative: See :meth:`from_urdf`.
@@ -132,14 +131,14 @@ class Leg(LegData):
             The leg.
 
         Raises:
-            ExoidError: The table has other numbers than a DH table, or names or bodies do not fit it.
+            ExoidError: The table has other numbers than a DH table, or names do not fit it.
 
         Example:
             >>> rows = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.0)]
             >>> Leg.from_dh(rows, "standard", ("yaw", "shoulder", "elbow")).joint_names
             ('yaw', 'shoulder', 'elbow')
         """
-        description = describe_dh(table, convention, joint_names, bodies=bodies, base_rpy=base_rpy, name=name)
+        description = describe_dh(table, convention, joint_names, base_rpy=base_rpy, name=name)
         return cls.from_description(description, locked=locked, cumulative=cumulative)
 
     @classmethod

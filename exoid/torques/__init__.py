@@ -3,9 +3,9 @@
 from .catalog import DEFAULT_TERMS, register_term
 from .couplings import CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
-from .internal_state import InternalState, Presliding
 from .model import TorqueModel
 from .motion import JointMotion, Motion
+from .presliding import Presliding
 from .regrouping import Regrouped
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
@@ -19,7 +19,6 @@ __all__ = [
     "CouplingInertia",
     "CouplingSpring",
     "DryFriction",
-    "InternalState",
     "JointMotion",
     "LoadFriction",
     "Motion",

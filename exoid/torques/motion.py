@@ -15,7 +15,7 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.closure import Closure
 from exoid.leg.torso import MovingBase, TorsoMotion
 
-from .internal_state import InternalState
+from .presliding import Presliding
 
 BLOCK = 32768
 """Samples whose torques are computed at once."""
@@ -40,7 +40,7 @@ class Motion(NamedTuple):
     v: FloatArray
     a: FloatArray
     torso: MovingBase | None = None
-    states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
+    states: Mapping[tuple[int, Presliding], FloatArray] = MappingProxyType({})
     payload: FloatArray | None = None
     computed: NDArray[np.bool_] | None = None
 
@@ -101,9 +101,9 @@ class LoadedMotion(NamedTuple):
     a: FloatArray  # accelerations [rad/s²]
     load: FloatArray  # rigid-body torques, those of payloads and wrenches included [N·m]
     payload: FloatArray  # torques of payloads less those of measured wrenches [N·m], part of `load`
-    states: Mapping[tuple[int, InternalState], FloatArray]  # internal states, (N,) each
+    states: Mapping[tuple[int, Presliding], FloatArray]  # internal states, (N,) each
 
-    def at(self, joint: int, state: InternalState | None) -> JointMotion:
+    def at(self, joint: int, state: Presliding | None) -> JointMotion:
         """Motion of one joint, with the internal state of a term."""
         found = None if state is None else self.states[joint, state]
         return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found)

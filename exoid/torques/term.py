@@ -15,8 +15,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
-from .internal_state import InternalState
 from .motion import JointMotion, LoadedMotion, Motion
+from .presliding import Presliding
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Term(ABC):
         return False
 
     @property
-    def internal_state(self) -> InternalState | None:
+    def internal_state(self) -> Presliding | None:
         """Internal state, which depends on the motion before a sample; None for a term without memory."""
         return None
 
@@ -248,7 +248,7 @@ def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
 
 def internal_states(
     blocks: Iterable[TermBlock], q: FloatArray, v: FloatArray
-) -> dict[tuple[int, InternalState], FloatArray]:
+) -> dict[tuple[int, Presliding], FloatArray]:
     """Compute the internal states of terms over a whole recording."""
     needed = {(block.joints[0], block.term.internal_state) for block in blocks}
     return {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .internal_state import InternalState, Presliding
 from .motion import JointMotion
+from .presliding import Presliding
 from .term import NonlinearParameter, Term, number
 
 SMOOTHING = 0.02
@@ -84,7 +84,7 @@ class DryFriction(Term):
         return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}
 
     @property
-    def internal_state(self) -> InternalState | None:
+    def internal_state(self) -> Presliding | None:
         """Presliding state; None without presliding."""
         length = number(self.presliding)
         return Presliding(length) if length > 0.0 else None

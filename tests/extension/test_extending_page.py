@@ -24,7 +24,7 @@ def files():
 
 def test_the_code_is_that_of_the_package():
     shown = [block for block in blocks("python") if "register_term(" not in block]
-    assert len(shown) == 4
+    assert len(shown) == 3
     for block in shown:
         assert any(block in text for text in files()), block
 

@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
-from exoid.torques import InternalState, JointMotion, Motion, TorqueModel
+from exoid.torques import JointMotion, Motion, Presliding, TorqueModel
 
 from .patterns import Column, Columns
 
@@ -97,7 +97,7 @@ def _form(
     prepared: Prepared,
     stretch: range,
     library: Sequence[Columns],
-    states: dict[tuple[int, InternalState], FloatArray],
+    states: dict[tuple[int, Presliding], FloatArray],
     rigid: FloatArray | None,
 ) -> Design:
     """Form a stretch of rows, joint by joint."""

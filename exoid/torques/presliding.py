@@ -1,8 +1,7 @@
-"""Internal states of a joint, which depend on all of its motion before, such as presliding."""
+"""Presliding: the internal state of dry friction, which depends on all motion of its joint before."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,27 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 
 
-class InternalState(ABC):
-    """Internal state of a joint, computed over a whole recording in time order.
-
-    Equal objects are one state: terms of a joint share it.
-    """
-
-    @abstractmethod
-    def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the state at each sample.
-
-        Args:
-            q: Angle of the joint [rad], (N,), in time order.
-            v: Velocity of the joint [rad/s], (N,).
-
-        Returns:
-            State at each sample, (N,).
-        """
-
-
 @dataclass(frozen=True)
-class Presliding(InternalState):
+class Presliding:
     """Rate-independent hysteresis after Dahl: dz/dq = (1 − z sgn(dq)) / δ, between −1 and 1.
 
     z replaces sgn(v) in dry friction. After a reversal it changes sign over a distance of a few δ instead of at once
@@ -38,7 +18,8 @@ class Presliding(InternalState):
 
     Between samples, z ← s + (z − s) exp(−|Δq| / δ) with s = sgn(Δq) is exact if the joint does not reverse in between.
     Up to the next reversal the distances add up: z = s + (z₀ − s) exp(−Σ|Δq| / δ). From reversal to reversal this is a
-    linear recurrence, which is solved by composing maps in pairs, without a loop over samples.
+    linear recurrence, which is solved by composing maps in pairs, without a loop over samples. Equal objects are one
+    state: terms of a joint share it.
 
     Attributes:
         length: Presliding length δ [rad].
@@ -47,7 +28,15 @@ class Presliding(InternalState):
     length: float
 
     def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the state z at each sample."""
+        """Compute the state z at each sample.
+
+        Args:
+            q: Angle of the joint [rad], (N,), in time order.
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            State at each sample, (N,).
+        """
         # It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0,
         # as friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not
         # change between two samples of zero velocity, so that separate poses do not affect each other.
