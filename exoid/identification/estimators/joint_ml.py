@@ -110,11 +110,11 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
     """Refuse terms whose torque does not follow from the motion of the moment alone, and what acts beside the leg."""
     model, remedy = problem.model, "use wls, huber or ols"
     plain = type(model) is TorqueModel and not any(
-        term.loaded or term.internal_state is not None or term.needs_temperature for term in model.terms
+        term.loaded or term.internal_state is not None for term in model.terms
     )
     if not plain:
         raise NotSupportedError(
-            "ml takes no friction that remembers, depends on load or temperature, or has free settings",
+            "ml takes no friction that remembers, depends on load, or has free settings",
             remedy="use wls or huber, or give the settings numbers",
         )
     for data in problem.local_data:
