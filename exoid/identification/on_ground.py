@@ -136,7 +136,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     every = [split(model.leg, one, smears) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
-    session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:6])), default=None)
+    session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
         parts = split(model.leg, one, smears, session) if biased and session is not None else own
@@ -234,13 +234,10 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
     """Say what was taken out of the readings of an inertial measurement unit."""
-    gyro, force, turn = (
-        ", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias, errors.rotation)
-    )
-    turned = f", rotation ({turn}) rad" if errors.rotation.any() else ""
-    size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
+    gyro, force = (", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias))
+    size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:]))
     # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
-    if errors.std[3:6].max() > 0.05:
+    if errors.std[3:].max() > 0.05:
         about = f"is known to ± {2.0 * std:.2g} m/s² only, which is part of all intervals"
         text = f"{when}, the bias of the base's sensor {about}"
         remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
@@ -248,7 +245,7 @@ def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str,
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large = size > 0.5
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
-    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was taken out"
+    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s, which was taken out"
     interval = (size - 2.0 * std, size + 2.0 * std)
     if not large:
         return Finding("imu-bias", "", size, "m/s²", "info", text, "calibrate the sensor", interval, (), name)

@@ -70,7 +70,7 @@ class Footing(NamedTuple):
         first = len(self.links) + len(self.axes)
         bias, spread = self.found.values[first:] @ self.sensor, self.found.covariance[first:, first:]
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
-        return ImuErrors(bias[:3], bias[3:], np.zeros(3), np.append(std, np.zeros(3)))
+        return ImuErrors(bias[:3], bias[3:], std)
 
     def plus(self, index: int, step: float) -> Footing:
         """Change one of the numbers."""

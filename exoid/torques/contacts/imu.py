@@ -1,4 +1,4 @@
-"""Bias and misalignment of an inertial measurement unit, found while a foot rests on the ground."""
+"""Bias of an inertial measurement unit, found while a foot rests on the ground."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
-from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import BaseMotion, Recording
-from exoid.signals.cutoff import white_noise
 
 from .standing_base import standing_reading
 
@@ -38,47 +36,35 @@ class ImuErrors(NamedTuple):
 
     gyro_bias: FloatArray  # offset of the angular velocity [rad/s], (3,)
     force_bias: FloatArray  # offset of the specific force [m/s²], (3,)
-    # small rotation of the readings [rad], (3,); zero where the motion does not tell it from a bias
-    rotation: FloatArray
-    std: FloatArray  # standard deviations of the nine numbers above, in their order, (9,)
+    std: FloatArray  # standard deviations of the six numbers above, in their order, (6,)
 
     def corrected(self, base: BaseMotion) -> BaseMotion:
         """Take the errors out of readings."""
-        gyro, force = base.angular_velocity - self.gyro_bias, base.specific_force - self.force_bias
-        omega, acceleration = (vector - np.cross(self.rotation, vector) for vector in (gyro, force))
-        return BaseMotion(omega, acceleration, base.position, base.pose, calibrated=True)
+        omega, force = base.angular_velocity - self.gyro_bias, base.specific_force - self.force_bias
+        return BaseMotion(omega, force, base.position, base.pose, calibrated=True)
 
 
 def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
     """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground."""
-    # Readings are ω' = ω + δ × ω + b_ω and f' = f + δ × f + b_f with biases b and a small rotation δ. They are
-    # linear in the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against
-    # the gyroscope.
+    # Readings are ω' = ω + b_ω and f' = f + b_f with biases b. A foot that rolls over heel or toe turns against the
+    # gyroscope.
     base = recording.base
     if base is None or base.calibrated:
         return None
     parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
     rests = [rest for part in parts for rest in _single(part)]
-    if sum(len(rest.omega) for rest in rests) < LEAST * recording.sample_rate:
+    if sum(len(rest.of_gyro) for rest in rests) < LEAST * recording.sample_rate:
         return None
-    omega, force, of_gyro, of_force, _ = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
+    of_gyro, of_force, _ = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
     means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
     if len(means) > 1 and np.sqrt(np.var(means[:, 3:], axis=0).sum()) > DISAGREEMENT:
         return None
-    scattered = _within_scatter(of_gyro), _within_scatter(of_force)
-    of_gyro, of_force = (
-        x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
-    )
-    white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
-    # A rotation is looked for where differences are smaller than so many times the white noise of the readings
-    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < 2.0 * white))
-    if all(scattered):
-        none = np.zeros(3)
-        found = ImuErrors(none, none, none, found.std)
-    if len(means) < FEW:
-        return found
-    apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
-    return found._replace(std=np.append(np.maximum(found.std[:6], apart), found.std[6:]))
+    gyro, force = (np.zeros(3) if _within_scatter(x) else x.mean(axis=0) for x in (of_gyro, of_force))
+    left = (x - (x.mean(axis=0) if _within_scatter(x) else 0.0) for x in (of_gyro, of_force))
+    std = np.repeat([x.std() / np.sqrt(len(x)) for x in left], 3)
+    if len(means) >= FEW:  # rests differ by more than white noise
+        std = np.maximum(std, means.std(axis=0, ddof=1) / np.sqrt(len(means)))
+    return ImuErrors(gyro, force, std)
 
 
 def _within_scatter(differences: FloatArray) -> bool:
@@ -88,10 +74,8 @@ def _within_scatter(differences: FloatArray) -> bool:
 
 
 class _Flat(NamedTuple):
-    """Samples at which a foot is flat: true ω and f, what readings differ by, and their places in the recording."""
+    """Samples at which a foot is flat: what readings differ by, and their places in the recording."""
 
-    omega: FloatArray
-    force: FloatArray
     of_gyro: FloatArray
     of_force: FloatArray
     places: NDArray[np.intp]
@@ -114,7 +98,7 @@ def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags:
         middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
         flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
     flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
-    return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], np.flatnonzero(flat))
+    return _Flat(aside[0][flat], aside[1][flat], np.flatnonzero(flat))
 
 
 def _densest(values: FloatArray, width: float) -> float:
@@ -123,42 +107,3 @@ def _densest(values: FloatArray, width: float) -> float:
     around = np.searchsorted(ordered, ordered + width) - np.searchsorted(ordered, ordered - width)
     best = ordered[int(np.argmax(around))]
     return float(np.median(ordered[np.abs(ordered - best) <= width]))
-
-
-def _fit(
-    omega: FloatArray, force: FloatArray, of_gyro: FloatArray, of_force: FloatArray, *, rotates: bool
-) -> ImuErrors:
-    """Fit biases, and a rotation if wanted, to differences of angular velocity and specific force, (N, 3) each."""
-    biases = np.concatenate([of_gyro.mean(axis=0), of_force.mean(axis=0)])
-    noise = np.array([of_gyro.std(), of_force.std()])
-    # what the biases leave: δ × (ω − mean), δ × (f − mean)
-    rows = np.vstack([_crossed(omega) / max(noise[0], TINY), _crossed(force) / max(noise[1], TINY)])
-    left = np.concatenate(
-        [
-            (of_gyro - biases[:3]).ravel() / max(noise[0], TINY),
-            (of_force - biases[3:]).ravel() / max(noise[1], TINY),
-        ]
-    )
-    covariance = scaled_inverse(rows.T @ rows + TINY * np.eye(3))
-    rotation = covariance @ (rows.T @ left)
-    spread = np.sqrt(np.diag(covariance))
-    # A misalignment is kept apart from a bias where it is larger than so many of its standard deviations
-    if not rotates or not (np.abs(rotation) > 3.0 * spread).any():
-        rotation = np.zeros(3)
-    else:
-        biases -= np.concatenate([np.cross(rotation, omega.mean(axis=0)), np.cross(rotation, force.mean(axis=0))])
-    std = np.concatenate([np.repeat(noise / np.sqrt(len(omega)), 3), spread])
-    return ImuErrors(biases[:3], biases[3:], rotation, std)
-
-
-TINY = 1e-12
-"""Stands for noise that is not there."""
-
-
-def _crossed(vectors: FloatArray) -> FloatArray:
-    """Rows of δ × (u − mean u) as a linear function of δ, (3 N, 3)."""
-    x, y, z = (vectors - vectors.mean(axis=0)).T
-    zero = np.zeros_like(x)
-    return np.stack(
-        [np.stack([zero, z, -y], -1), np.stack([-z, zero, x], -1), np.stack([y, -x, zero], -1)], axis=1
-    ).reshape(-1, 3)
