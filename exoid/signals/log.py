@@ -137,7 +137,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             raise UnreadableInputError(
                 f"a header is given for {name!r}, which is not an exoid column",
                 remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>, i_<joint>, f_<joint>, "
-                f"tm_<joint>, qm_<joint>, temp_<joint>, {', '.join(BASE_COLUMNS)}, wrench_<link>_fx, …, "
+                f"tm_<joint>, qm_<joint>, {', '.join(BASE_COLUMNS)}, wrench_<link>_fx, …, "
                 "wrench_<link>_mz, contact_<link>",
             )
         if header not in table.header:
