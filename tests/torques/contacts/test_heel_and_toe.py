@@ -84,6 +84,13 @@ TIP = (
 )
 
 
+def test_a_foot_on_heel_or_toe_is_no_point_itself():
+    """Its point and its heel would count as a flat sole."""
+    kinds = {FOOT: "point", f"{FOOT}_heel": "edge"}
+    with pytest.raises(BadArgumentError, match=f"{FOOT} rests on its heel, and is a contact of the kind 'point'"):
+        exoid.Leg.from_description(exo().description, exo().joint_names, base="floating", contacts=kinds)
+
+
 @pytest.mark.parametrize(
     "places", [{"left_paw_heel": HEEL}, {"left_foot_side": HEEL}, {f"{FOOT}_heel": (75.0, 0.0, 0.0)}]
 )
