@@ -30,7 +30,6 @@ def mixed() -> pin.Model:
 MODELS = {
     "mixed": mixed,
     "two legs": lambda: exoid.load_exo("bleex", base="floating").model,
-    "torso": lambda: exoid.load_leg("bleex")._on_torso,
     "arm": lambda: exoid.Leg.from_urdf(urdf_of("panda"), joints=tuple(f"panda_joint{k}" for k in range(1, 8))).model,
 }
 
