@@ -55,9 +55,15 @@ class LegText(NamedTuple):
             Its description.
 
         Raises:
-            ExoidError: The base of the leg moves.
+            ExoidError: The base of the leg moves, or the leg has closed loops.
         """
         about = leg.description
+        if leg.closure is not None:  # the text of a URDF is a tree, and would be studied as one
+            raise NotSupportedError(
+                "studies simulate trees, and the leg has closed loops",
+                where=about.name,
+                remedy="simulate it in MuJoCo, and identify its logs one by one",
+            )
         if leg.base != "fixed":
             raise NotSupportedError(
                 "studies simulate legs on a fixed base", where=about.name, remedy='use base="fixed"'
