@@ -23,6 +23,9 @@ FITS_BETTER, CLEARLY = 1.6, 1.1
 joints there are; and in one that is more far-fetched than another."""
 
 
+PASSIVE = 3.0  # of a passive joint residuals have to be so many times smaller still in another order
+
+
 class Reading(NamedTuple):
     """Another reading of a log: factors of the logged values, and the index of the logged value of each joint."""
 
@@ -104,15 +107,20 @@ def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: flo
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
     spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
-    still = [name for name, span in zip(fitted.model.joint_names, spans, strict=True) if span < 0.05]
-    for reading in (one for one in others if one.joint not in still):
-        moved = [(j, k) for j, k in enumerate(reading.torque_order) if j != k]
-        if not all(driven[j] and driven[k] for j, k in moved):
+    names = fitted.model.joint_names
+    still = {name for name, span in zip(names, spans, strict=True) if span < 0.05}
+    passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
+    for reading in others:
+        joints = set(reading.joint.split(", "))
+        moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
+        if joints & still or moved & passive:
             continue
         factors = as_logged
         if (reading.angles, reading.angle_order) != (plain.angles, plain.angle_order):
             factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
         misfit, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
+        if reading.kind == "joint-order" and joints & passive:  # only the torques of others speak for it
+            misfit += share * np.log(PASSIVE)
         if misfit < least:
             best, least = reading, misfit - share * np.log(CLEARLY)
     return best, float(least)
