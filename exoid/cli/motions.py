@@ -58,17 +58,7 @@ def gait_or_rest(leg: Leg, roles: Sequence[str] | None) -> Motion:
         return Motion(exoid.experiments.Hold(np.zeros((len(leg.joint_names), 1))), 10.0)
 
 
-def logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> Motion:
-    """Follow a log; one of a periodic motion, again and again."""
-    log = read_log_of(leg, name, reading)
-    if period is None:
-        followed = exoid.experiments.follow_log(log)
-        return Motion(followed, followed.duration, min(1.0, 0.25 * followed.duration))
-    time = log.time - log.time[0]
-    periodic = exoid.experiments.fit_harmonics(time, log.q, period, 6)
-    deviation = log.q - np.array([periodic.at(float(t)).q[:, 0] for t in time])
-    worst = float(np.rad2deg(np.sqrt(np.mean(deviation**2, axis=0)).max()))
-    if worst > 1.0:  # the log is then no motion of this period, or has sharp corners
-        what = f"6 harmonics of a period of {period:g} s deviate from the log by {worst:.1f}° (RMS)"
-        raise BadArgumentError(what, where=name, remedy="leave out --period to follow the log itself")
-    return Motion(periodic, period)
+def logged(leg: Leg, name: str, reading: LogOptions) -> Motion:
+    """Follow a log."""
+    followed = exoid.experiments.follow_log(read_log_of(leg, name, reading))
+    return Motion(followed, followed.duration, min(1.0, 0.25 * followed.duration))

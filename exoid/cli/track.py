@@ -52,9 +52,7 @@ class DocumentOptions(NamedTuple):
 class MotionOptions(NamedTuple):
     """The motion to follow; None for the default of each."""
 
-    period: Annotated[
-        Number, Option(metavar="S", help="Period of the gait; default 10. With --reference: that of a periodic log.")
-    ] = None
+    period: Annotated[Number, Option(metavar="S", help="Period of the gait; default 10.")] = None
     scale: Annotated[Number, Option(help="Factor of the gait's amplitudes; default 0.8.")] = None
     reference: Annotated[
         Text, Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
@@ -164,8 +162,8 @@ def _of_leg(
     if motion.reference is None:
         reference, period, settle = gait(leg, motion.period, motion.scale, motion.role)
     else:
-        refuse({"--scale": motion.scale}, "the reference is that of a log")
-        reference, period, settle = logged(leg, motion.reference, motion.period, reading)
+        refuse({"--scale": motion.scale, "--period": motion.period}, "the reference is that of a log")
+        reference, period, settle = logged(leg, motion.reference, reading)
     rate = 100.0 if gains.rate is None else gains.rate
     usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)

@@ -3,7 +3,7 @@
 from . import bleex, cuhk, ground
 from .bench import Bench
 from .followed_log import follow_log
-from .gait import gait_for_leg, healthy_gait, norm_gait
+from .gait import gait_for_leg, healthy_gait
 from .references import Approach, Harmonics, Hold, fit_harmonics
 from .static import StaticProtocol, run_static
 
@@ -20,6 +20,5 @@ __all__ = [
     "gait_for_leg",
     "ground",
     "healthy_gait",
-    "norm_gait",
     "run_static",
 ]

@@ -1,4 +1,4 @@
-"""Healthy gait: the stride of document 2's swing leg (Fig. 6), norms by walking speed, and gait for a given leg."""
+"""Healthy gait: the stride of document 2's swing leg (Fig. 6), and gait for a given leg."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import ROLES, joint_roles
-from exoid.signals.datasets import gait_norm
 
-from .references import Harmonics, fit_harmonics, from_coefficients
+from .references import Harmonics, from_coefficients
 
 MEAN_DEG = np.array([7.4377, 22.5942])
 """Mean a0 of hip and knee flexion [deg]."""
@@ -43,27 +42,6 @@ def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
     """
     mean, cosine, sine = (np.deg2rad(x) for x in (MEAN_DEG, COSINE_DEG, SINE_DEG))
     return from_coefficients(mean, scale * cosine, scale * sine, period)
-
-
-def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> Harmonics:
-    """Make the flexion of hip, knee and ankle at a walking speed, see :func:`exoid.signals.datasets.gait_norm`.
-
-    Args:
-        speed: Norm: "VerySlow", "Slow", "Free" or "Fast". It does not determine the period.
-        scale: Factor of the amplitudes about the mean.
-        period: Period of the stride [s].
-
-    Returns:
-        Flexion of one leg.
-
-    Raises:
-        ExoidError: There is no norm of that name, or its file is missing.
-    """
-    norm = gait_norm(speed)
-    whole = slice(0, -1)  # the last sample is the first of the next stride
-    # six harmonics: the residual is 0.1° rms at hip and knee, 0.5° at the ankle
-    motion = fit_harmonics(period * norm.phase[whole], np.deg2rad(norm.mean_deg[whole]), period, 6)
-    return replace(motion, amplitude=scale * motion.amplitude)
 
 
 def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None = None) -> Harmonics:

@@ -39,14 +39,12 @@ class Recordings(Sequence[Recording | Poses]):
 
     Attributes:
         items: Files, and recordings or poses in memory.
-        watch: Function that is called with the path after each file is read, such as by a progress bar.
 
     Example:
         >>> est = exoid.identify(leg, Recordings.from_folder("logs"))  # doctest: +SKIP
     """
 
     items: tuple[RecordingFile | Recording | Poses, ...]
-    watch: Callable[[Path], None] | None = None
 
     @staticmethod
     def from_folder(
@@ -123,12 +121,7 @@ class Recordings(Sequence[Recording | Poses]):
         if isinstance(index, slice):
             return replace(self, items=self.items[index])
         item = self.items[index]
-        if not isinstance(item, RecordingFile):
-            return item
-        recording = item.read(item.path)
-        if self.watch is not None:
-            self.watch(item.path)
-        return recording
+        return item.read(item.path) if isinstance(item, RecordingFile) else item
 
     def __iter__(self) -> Iterator[Recording | Poses]:
         return (self[index] for index in range(len(self)))

@@ -22,12 +22,10 @@ from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import GroundLimits, MotionLimits, assess, plan_excitation, plan_stance
 from exoid.experiments.excitation.limits import Clearance
 from exoid.experiments.ground import (
-    Gait,
     Stance,
     bleex_machine,
     single_support,
     squats_and_shifts,
-    walking,
 )
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.limits import refuse_poses_beyond_limits
@@ -157,7 +155,6 @@ REFUSED = {
         ("floating", lambda: plan_stance(BLEEX)),
     ],
     ExoidError: [  # what other rooms refuse
-        ("Running", lambda: walking(EXO, 1.0, gait=Gait(speed="Running"))),
         ("floats", lambda: plan_excitation(FLOATING)),
     ],
 }

