@@ -209,11 +209,8 @@ REFUSED = {
             ("values", lambda x=x: check_physical(BLEEX, x))
             for x in (np.ones(8), np.full(9, np.nan), "hello", np.ones((9, 9)))
         ),
-        ("I, II, III, IV, V", lambda: published.bleex().table("VI")),
-        ("X3, X2, X1", lambda: published.bleex().table("V").quantity("X4")),
-        ("left, right", lambda: published.bleex().table("II").column("middle")),
-        ("none", lambda: published.bleex().table("V").column("left")),
-        ("L_t, L_s", lambda: published.cuhk().assumption("L_f")),
+        ("left, right", lambda: published.bleex().tables["II"].column("middle")),
+        ("none", lambda: published.bleex().tables["V"].column("left")),
         ("cad, left, right", lambda: published.bleex_parameters("identified")),
         ("left, right", lambda: published.bleex_resistances("cad")),
     ],

@@ -166,7 +166,7 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
 def table_iii_model() -> ControlModel:
     """Make the model of document 2's Table III as printed, with negative inertias and friction that adds energy."""
     # θ is taken in radians, and b_k0, which has no number, as zero.
-    table = document().table("III")
+    table = document().tables["III"]
     hip, knee = table.column("hip"), table.column("knee")
     leg = load_leg("cuhk")
     both = {**hip, **knee}

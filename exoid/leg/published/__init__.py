@@ -1,7 +1,7 @@
 """Tables of both documents as data: values as printed, and assumptions.
 
 >>> from exoid import published
->>> published.bleex().table("V").quantity("X1")
+>>> published.bleex().tables["V"].values["X1"]
 Quantity(value=3.783, unit='kg·m', printed='3.783')
 >>> published.bleex_parameters("left")["J1"]
 2.38

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import Any
 
 from exoid.errors import BadArgumentError
 from exoid.tools.tables import DataTable, to_text
@@ -62,22 +62,6 @@ class PublishedTable:
         """Names of the columns (or rows) such as ``("left", "right")``; empty if there is only one."""
         return tuple(dict.fromkeys(name.split(".")[0] for name in self.values if "." in name))
 
-    def quantity(self, name: str) -> Quantity:
-        """Look up a number.
-
-        Args:
-            name: Name of the number, with the prefix of its column.
-
-        Returns:
-            Value, unit and printed digits.
-
-        Raises:
-            ExoidError: The table does not have that number.
-        """
-        if name not in self.values:
-            _unknown("quantity", name, self.values, where=f"Table {self.number}")
-        return self.values[name]
-
     def column(self, column: str) -> Mapping[str, Quantity]:
         """Return the numbers of one column.
 
@@ -91,7 +75,11 @@ class PublishedTable:
             ExoidError: The table does not have that column.
         """
         if column not in self.columns:
-            _unknown("column", column, self.columns, where=f"Table {self.number}")
+            raise BadArgumentError(
+                f"there is no column {column!r}",
+                where=f"Table {self.number}",
+                remedy=f"choose one of {', '.join(self.columns) or 'none'}",
+            )
         cells = ((name.split("."), quantity) for name, quantity in self.values.items())
         return MappingProxyType({name[-1]: quantity for name, quantity in cells if name[0] == column})
 
@@ -115,38 +103,6 @@ class Document:
     signs: str
     tables: Mapping[str, PublishedTable]
     assumptions: Mapping[str, Assumption]
-
-    def table(self, number: str) -> PublishedTable:
-        """Look up a table.
-
-        Args:
-            number: Roman number.
-
-        Returns:
-            The table as printed.
-
-        Raises:
-            ExoidError: The document does not have that table.
-        """
-        if number not in self.tables:
-            _unknown("table", number, self.tables, where=self.name)
-        return self.tables[number]
-
-    def assumption(self, name: str) -> Assumption:
-        """Look up an assumed number.
-
-        Args:
-            name: Name of the number.
-
-        Returns:
-            Value, unit and reason.
-
-        Raises:
-            ExoidError: There is no assumption of that name.
-        """
-        if name not in self.assumptions:
-            _unknown("assumption", name, self.assumptions, where=self.name)
-        return self.assumptions[name]
 
 
 def bleex() -> Document:
@@ -195,9 +151,3 @@ def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
             yield from _flat(cell, f"{prefix}{name}.")
         else:
             yield prefix + name, cell
-
-
-def _unknown(kind: str, name: str, known: Iterable[str], *, where: str) -> NoReturn:
-    raise BadArgumentError(
-        f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}"
-    )

@@ -29,9 +29,9 @@ def bleex_parameters(which: str) -> dict[str, float]:
     _one_of(which, BLEEX_SETS, "parameter set")
     document = bleex()
     if which == "cad":
-        printed = dict(document.table("V").values)
+        printed = dict(document.tables["V"].values)
     else:
-        printed = {**document.table("II").column(which), **document.table("III").column(which)}
+        printed = {**document.tables["II"].column(which), **document.tables["III"].column(which)}
     return {name: printed[name].value for name in BLEEX_PARAMETERS}
 
 
@@ -39,12 +39,12 @@ def cuhk_parameters() -> dict[str, float]:
     """Return the reduced parameters of the assumed CUHK-EXO plant (doc. 2, Table I with J_t); J1 does not contain J2.
 
     They describe the hardware with the payload of a wearer (see the assumptions of :func:`exoid.leg.published.cuhk`).
-    Table III of the document is not a physical leg; its values are in ``cuhk().table("III")``.
+    Table III of the document is not a physical leg; its values are in ``cuhk().tables["III"]``.
 
     Returns:
         X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, in the order hip, knee.
     """
-    return {name: cuhk().assumption(name).value for name in CUHK_PARAMETERS}
+    return {name: cuhk().assumptions[name].value for name in CUHK_PARAMETERS}
 
 
 def cuhk_cad_parameters() -> dict[str, float]:
@@ -91,7 +91,7 @@ def bleex_resistances(side: str) -> dict[str, float]:
         ExoidError: The side is neither left nor right.
     """
     _one_of(side, ("left", "right"), "side")
-    stiffness, friction = bleex().table("I").column(side), bleex().table("IV").column(side)
+    stiffness, friction = bleex().tables["I"].column(side), bleex().tables["IV"].column(side)
     resistances = {}
     for index, joint in ((2, "knee"), (3, "ankle")):
         for power in (2, 1, 0):
@@ -116,7 +116,7 @@ def cuhk_resistances() -> dict[str, float]:
         "c0_knee": "knee_coulomb",
         "d_knee": "knee_viscous",
     }
-    return {name: cuhk().assumption(source).value for name, source in sources.items()}
+    return {name: cuhk().assumptions[source].value for name, source in sources.items()}
 
 
 def _without_lower_inertia(cumulative: dict[str, float]) -> dict[str, float]:

@@ -51,7 +51,7 @@ def test_the_masses_that_docs_assume_are_within_the_bounds(bleex, name):
 
 def test_table_iii_of_document_2_is_no_leg():
     leg = exoid.load_leg("cuhk")
-    table = cuhk().table("III")
+    table = cuhk().tables["III"]
     printed = {**table.column("hip"), **table.column("knee")}
     found = check_physical(leg, [printed[name].value for name in leg.parameter_names])
     assert not found

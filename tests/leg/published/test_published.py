@@ -59,7 +59,7 @@ DOCUMENTS = {"bleex": published.bleex, "cuhk": published.cuhk}
 
 @pytest.mark.parametrize(("document", "table", "name", "digits", "unit"), PRINTED)
 def test_a_table_holds_the_printed_digits_and_unit(document, table, name, digits, unit):
-    quantity = DOCUMENTS[document]().table(table).quantity(name)
+    quantity = DOCUMENTS[document]().tables[table].values[name]
     assert quantity == Quantity(float(digits), unit, digits)
 
 
@@ -71,7 +71,7 @@ def test_tables_hold_as_many_numbers_as_are_printed():
         "IV": 4,
         "V": 9,
     }
-    assert len(published.cuhk().table("III").values) == 6 + 2 * 4
+    assert len(published.cuhk().tables["III"].values) == 6 + 2 * 4
 
 
 @pytest.mark.parametrize("which", PARAMETERS)
@@ -132,7 +132,7 @@ def test_friction_dissipates_in_the_librarys_sign():
 
 
 def test_the_cuhk_plant_has_the_magnitudes_of_table_iii_as_resistances():
-    table, plant = published.cuhk().table("III"), published.cuhk_resistances()
+    table, plant = published.cuhk().tables["III"], published.cuhk_resistances()
     for joint in ("hip", "knee"):
         printed = table.column(joint)
         assert plant[f"c0_{joint}"] == pytest.approx(-printed["sign_coefficient"].value, abs=5e-4)
@@ -162,24 +162,24 @@ def test_bleex_masses_and_lengths_are_the_assumed_ones():
 
 
 def test_columns_keep_the_legs_apart():
-    table = published.bleex().table("IV")
+    table = published.bleex().tables["IV"]
     assert table.columns == ("left", "right")
     assert {n: q.value for n, q in table.column("right").items()} == {"c03": -0.337, "c02": -0.4081}
-    assert published.bleex().table("V").columns == ()
+    assert published.bleex().tables["V"].columns == ()
 
 
 def test_published_numbers_are_read_only():
     document = published.bleex()
     with pytest.raises(TypeError):
-        document.table("V").values["X1"] = Quantity(0.0, "kg·m", "0")
+        document.tables["V"].values["X1"] = Quantity(0.0, "kg·m", "0")
     with pytest.raises(TypeError):
-        document.tables["V"] = document.table("I")
+        document.tables["V"] = document.tables["I"]
     with pytest.raises(dataclasses.FrozenInstanceError):
-        document.table("V").quantity("X1").value = 0.0
+        document.tables["V"].values["X1"].value = 0.0
     published.bleex_parameters("cad")["X1"] = 0.0
     assert published.bleex_parameters("cad")["X1"] == 3.783
 
 
 def test_a_table_prints_its_digits():
-    table = published.bleex().table("II")
+    table = published.bleex().tables["II"]
     assert ["right.Y1", "-0.4990", "kg·m"] in [line.split() for line in str(table).splitlines()]
