@@ -298,7 +298,7 @@ class _Part(NamedTuple):
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray, rate: float | None = None) -> FloatArray:
         """Torques of its joints [N·m], (N, k), from readings at a sampling rate [Hz]; None without noise."""
         if isinstance(self.drive, Coupling):
-            return self.drive.torque(reading, q, v)
+            return self.drive.torque(reading)
         if isinstance(self.drive, Motor) and self.drive.needs_velocity and rate is not None:
             # Noise around zero would change the direction of power from sample to sample, and pass for a lower
             # efficiency. The sign of the current is therefore that of its low-passed current.
@@ -308,7 +308,7 @@ class _Part(NamedTuple):
     def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Commands that make torques, (N, k)."""
         if isinstance(self.drive, Coupling):
-            return self.drive.command(torque, q, v)
+            return self.drive.command(torque)
         return self.drive.command(torque[:, 0], q[:, 0], v[:, 0])[:, None]
 
 

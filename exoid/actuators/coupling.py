@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,16 +14,13 @@ from exoid.leg.leg import Leg
 from exoid.tools.numbers import is_number
 from exoid.torques import DEFAULT_TERMS, Coulomb, CouplingFriction, CouplingInertia, Term
 
-from .motor import Motor
-
 
 @dataclass(frozen=True)
 class Coupling:
     """As many motors as joints, coupled by a constant matrix: q = A θ_m, and so τ_m = Aᵀ τ.
 
-    By virtual work τ_mᵀ θ̇_m = τᵀ q̇. Motor k is logged in the column of joint k: its torque as ``tm_<joint k>``, or its
-    current as ``i_<joint k>`` if ``motors`` describes the motors. Ratios of gears belong into A, or into the motors,
-    once.
+    By virtual work τ_mᵀ θ̇_m = τᵀ q̇. The torque of motor k is logged in the column of joint k, ``tm_<joint k>``: a
+    current times its torque constant (``tm_roll=current:0.05``). Ratios of gears belong into A.
 
     Friction and rotors of the motors act on several joints, as the terms of :func:`exoid.actuators.motor_terms`.
     ``identify`` adds them where the caller gives no terms.
@@ -31,23 +28,25 @@ class Coupling:
     Attributes:
         joints: Names of the joints, (k,).
         matrix: A, with a row for each joint and a column for each motor, (k, k).
-        motors: Motors whose currents are logged; empty if their torques are.
 
     Raises:
-        ExoidError: The matrix is not square, singular or not finite, or there are other numbers of motors.
+        ExoidError: The matrix is not square, singular or not finite, or joints are not named once.
 
     Example:
         >>> wrist = Coupling(("roll", "pitch"), ((0.5, 0.5), (0.5, -0.5)))  # a differential
-        >>> wrist.torque(np.array([[3.0, 1.0]]), np.zeros((1, 2)), np.zeros((1, 2)))
+        >>> wrist.torque(np.array([[3.0, 1.0]]))
         array([[4., 2.]])
     """
 
     joints: tuple[str, ...]
     matrix: tuple[tuple[float, ...], ...]
-    motors: tuple[Motor, ...] = ()
+
+    channel = "motor_torque"
+    unit = "N·m"
+    needs_velocity = False
 
     def __post_init__(self) -> None:
-        """Check joints, matrix and motors."""
+        """Check joints and matrix."""
         if isinstance(self.joints, str) or not all(isinstance(name, str) for name in self.joints):
             raise BadArgumentError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
         joints, matrix = tuple(self.joints), _rows(self.matrix)
@@ -68,28 +67,8 @@ class Coupling:
                 f"the matrix of the coupling of {', '.join(joints)} is singular",
                 remedy="motors must move the joints independently: check its rows",
             )
-        motors = tuple(self.motors)
-        if len(motors) not in (0, count) or not all(isinstance(motor, Motor) for motor in motors):
-            raise BadArgumentError(
-                f"{len(motors)} motors of a coupling of {count} joints", remedy="describe each, or none"
-            )
-        for name, value in (("joints", joints), ("matrix", matrix), ("motors", motors)):
-            object.__setattr__(self, name, value)
-
-    @property
-    def channel(self) -> str:
-        """Quantity of a recording that it turns into torque: "current", or "motor_torque" without motors."""
-        return "current" if self.motors else "motor_torque"
-
-    @property
-    def unit(self) -> str:
-        """Unit of its readings and commands."""
-        return "A" if self.motors else "N·m"
-
-    @property
-    def needs_velocity(self) -> bool:
-        """Whether torque depends on the direction of motion."""
-        return any(motor.needs_velocity for motor in self.motors)
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "matrix", matrix)
 
     @cached_property
     def inverse(self) -> FloatArray:
@@ -122,47 +101,27 @@ class Coupling:
             )
         return replace(self, joints=tuple(names[name] for name in self.joints))
 
-    def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    def torque(self, reading: FloatArray) -> FloatArray:
         """Compute the torques at the joints, τ = A⁻ᵀ τ_m.
 
         Args:
-            reading: Torques [N·m] or currents [A] of the motors, (N, k).
-            q: Joint angles [rad], (N, k).
-            v: Joint velocities [rad/s], (N, k).
+            reading: Torques of the motors [N·m], (N, k).
 
         Returns:
             Torques [N·m], (N, k).
-
-        Raises:
-            ExoidError: A motor refuses its currents.
         """
-        of_motors = self._by_motor(Motor.torque, reading, q, v) if self.motors else reading
-        return np.asarray(of_motors @ self.inverse)
+        return np.asarray(reading @ self.inverse)
 
-    def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the commands of the motors, τ_m = Aᵀ τ, as torques or as currents.
+    def command(self, torque: FloatArray) -> FloatArray:
+        """Compute the torques of the motors, τ_m = Aᵀ τ.
 
         Args:
             torque: Requested torques [N·m], (N, k).
-            q: Joint angles [rad], (N, k).
-            v: Joint velocities [rad/s], (N, k).
 
         Returns:
-            Motor torques [N·m] or currents [A], (N, k).
-
-        Raises:
-            ExoidError: The torque constant of a motor is not known.
+            Motor torques [N·m], (N, k).
         """
-        of_motors = np.asarray(torque @ np.array(self.matrix))
-        return self._by_motor(Motor.command, of_motors, q, v) if self.motors else of_motors
-
-    def _by_motor(
-        self, work: Callable[[Motor, FloatArray, FloatArray, FloatArray], FloatArray], *arrays: FloatArray
-    ) -> FloatArray:
-        """Let each motor turn its column into another, at its own angle and speed θ_m = A⁻¹ q."""
-        given, angle, speed = arrays[0], *(x @ self.inverse.T for x in arrays[1:])
-        each = [work(motor, given[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
-        return np.column_stack(each)
+        return np.asarray(torque @ np.array(self.matrix))
 
 
 def motor_terms(coupling: Coupling) -> tuple[Term, ...]:

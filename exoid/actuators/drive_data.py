@@ -71,8 +71,6 @@ def _written(table: Table) -> str:
             parts.append(f"{value['link']} at ({', '.join(f'{x:g}' for x in value['point'])}) m")
         elif key in ("angle", "moment_arm"):
             parts.append(f"{words} {min(value):.4g} … {max(value):.4g} {'rad' if key == 'angle' else 'm'}")
-        elif key == "motors":
-            parts += [f"motor {_written(motor)}" for motor in value]
         elif key != "type":
             parts.append(f"{words} {value:.6g}" if is_number(value) else f"{key} {value}")
     return ", ".join(parts)
@@ -155,17 +153,10 @@ def _moment_arms(table: Table) -> MomentArmTable:
 
 
 def _coupling(table: Table) -> Coupling:
-    _check_keys(table, {"joints", "matrix", "motors"}, REQUIRED[Coupling])
-    joints, motors = table["joints"], table.get("motors", [])
-    if not isinstance(joints, list | tuple) or not isinstance(motors, list | tuple):
-        raise UnreadableInputError(
-            "joints or motors of a coupling are no row", remedy='write joints = ["roll", "pitch"]'
-        )
-    if not all(isinstance(motor, Mapping) for motor in motors):
-        raise UnreadableInputError(
-            "a motor of the coupling is no table", remedy="write motors = [{ torque_constant = 0.1 }, …]"
-        )
-    return Coupling(tuple(joints), table["matrix"], tuple(_made(Motor, motor) for motor in motors))
+    _check_keys(table, {"joints", "matrix"}, REQUIRED[Coupling])
+    if not isinstance(table["joints"], list | tuple):
+        raise UnreadableInputError("joints of a coupling are no row", remedy='write joints = ["roll", "pitch"]')
+    return Coupling(tuple(table["joints"]), table["matrix"])
 
 
 def _table(drive: Drive | Coupling) -> dict[str, Any]:
@@ -174,8 +165,7 @@ def _table(drive: Drive | Coupling) -> dict[str, Any]:
     if isinstance(drive, Motor | SeriesElastic):
         return {"type": kind, **_settings(drive)}
     if isinstance(drive, Coupling):
-        motors = {"motors": [_settings(motor) for motor in drive.motors]} if drive.motors else {}
-        return {"type": kind, "joints": [*drive.joints], "matrix": [[*row] for row in drive.matrix], **motors}
+        return {"type": kind, "joints": [*drive.joints], "matrix": [[*row] for row in drive.matrix]}
     if isinstance(drive, LinearActuator):
         arm = drive.moment_arm
         limit: dict[str, Any] = {} if drive.max_force is None else {"max_force": float(drive.max_force)}

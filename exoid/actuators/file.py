@@ -31,7 +31,7 @@ def read_actuators(path: str | os.PathLike[str], leg: Leg) -> Actuators:
     * ``type = "linear"``: ``first`` and ``second``, each ``{ link = "thigh", point = [x, y, z] }`` [m]; or ``angle``
       (``angle_deg``) and ``moment_arm`` [m];
     * ``type = "series-elastic"``: ``stiffness`` and ``ratio``;
-    * ``type = "coupling"``: ``joints``, ``matrix``, and ``motors`` if currents are logged.
+    * ``type = "coupling"``: ``joints`` and ``matrix``.
 
     Args:
         path: The file, which may be one for ``--columns``, or "bleex" for the assumed cylinders of BLEEX.

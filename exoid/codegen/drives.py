@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exoid.actuators import Actuators, Attachments, Coupling, Drive, LinearActuator, Motor, SeriesElastic
+from exoid.actuators import Actuators, Attachments, Drive, LinearActuator, Motor, SeriesElastic
 from exoid.actuators.attachments import SHORTEST, SquaredLength
 from exoid.errors import ExoidError, NotSupportedError
 from exoid.torques.terms import SMOOTHING
@@ -20,8 +20,9 @@ def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
     for coupling in actuators.couplings.values():
         places = [names.index(name) for name in coupling.joints]
         for k, place in enumerate(places):
-            torque = _sum([(row[k], f"tau[{j}]") for row, j in zip(coupling.matrix, places, strict=True)], dialect)
-            commands[place] = _of_motor(coupling, k, torque, places, dialect)
+            commands[place] = _sum(
+                [(row[k], f"tau[{j}]") for row, j in zip(coupling.matrix, places, strict=True)], dialect
+            )
     return commands
 
 
@@ -34,14 +35,6 @@ def with_form_in_c(actuators: Actuators | None) -> tuple[Actuators | None, tuple
     except ExoidError as error:
         return None, (f"no function for commands of the drives: {error.what}",)
     return actuators, ()
-
-
-def _of_motor(coupling: Coupling, k: int, torque: str, places: list[int], dialect: Dialect) -> str:
-    """Command of one motor of a coupling."""
-    if not coupling.motors:
-        return torque
-    speed = _sum([(x, f"v[{j}]") for x, j in zip(coupling.inverse[k].tolist(), places, strict=True)], dialect)
-    return _command(coupling.motors[k], f"({torque})", "0", f"({speed})", dialect)
 
 
 def _sum(parts: list[tuple[float, str]], dialect: Dialect) -> str:

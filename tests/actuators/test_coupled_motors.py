@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, motor_terms
+from exoid.actuators import Actuators, Coupling, SeriesElastic, motor_terms
 from exoid.torques import CouplingFriction, TorqueModel, Viscous
 
 LEG = exoid.load_leg("cuhk")
@@ -19,19 +19,8 @@ def test_power_is_the_same_on_both_sides() -> None:
     """τ_mᵀ θ̇_m = τᵀ q̇ with q = A θ_m."""
     of_motors, speed = RNG.normal(size=(30, 2)), RNG.normal(size=(30, 2))
     v = speed @ np.array(MATRIX).T
-    tau = COUPLING.torque(of_motors, np.zeros((30, 2)), v)
+    tau = COUPLING.torque(of_motors)
     np.testing.assert_allclose((tau * v).sum(axis=1), (of_motors * speed).sum(axis=1), rtol=1e-12)
-
-
-def test_motors_of_a_coupling_turn_currents_into_torque_and_lose_power_in_their_gears() -> None:
-    motors = (Motor(0.1, ratio=1.0, efficiency=0.8), Motor(0.2, ratio=1.0))
-    lossy = Coupling(("hip", "knee"), MATRIX, motors)
-    q, v, torque = np.zeros((30, 2)), RNG.normal(size=(30, 2)), RNG.normal(size=(30, 2))
-    current = lossy.command(torque, q, v)
-    np.testing.assert_allclose(lossy.torque(current, q, v), torque, rtol=1e-10)
-    speed = v @ np.linalg.inv(np.array(MATRIX)).T
-    taken = (current * [0.1, 0.2] * speed).sum(axis=1)
-    assert (taken >= (torque * v).sum(axis=1) - 1e-12).all()
 
 
 def test_motor_torques_become_joint_torques_of_a_recording_and_back() -> None:

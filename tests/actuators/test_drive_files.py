@@ -49,9 +49,8 @@ SPRINGS = st.builds(SeriesElastic, POSITIVE, POSITIVE)
 def drives(draw):
     if draw(st.booleans()):
         size = draw(st.floats(0.01, 10.0))
-        motors = draw(st.just(()) | st.tuples(MOTORS, MOTORS))
         name = draw(st.text(st.characters(blacklist_categories=("Cs",)), min_size=1).filter(lambda n: n not in NAMES))
-        return {name: Coupling(("hip", "knee"), ((size, size), (size, -size)), motors)}
+        return {name: Coupling(("hip", "knee"), ((size, size), (size, -size)))}
     return {"left_hip": draw(MOTORS | SPRINGS), "left_knee": draw(MOTORS | LINEAR | SPRINGS)}
 
 
@@ -91,7 +90,6 @@ KEYS = [
     "stiffness",
     "joints",
     "matrix",
-    "motors",
 ]
 TYPES = st.sampled_from(["motor", "linear", "series-elastic", "coupling"])
 

@@ -67,7 +67,6 @@ DRIVES = {
     "singular matrix": lambda: Coupling(("hip", "knee"), ((1.0, 1.0), (1.0, 1.0))),
     "matrix with a hole": lambda: Coupling(("hip", "knee"), ((1.0, 1.0), (1.0, float("nan")))),
     "matrix of text": lambda: Coupling(("hip", "knee"), "A"),
-    "one motor for two": lambda: Coupling(("hip", "knee"), MATRIX, (Motor(0.1),)),
     "three angles": lambda: MomentArmTable((0.0, 0.1, 0.2), (1.0, 1.0, 1.0)),
     "angles twice": lambda: MomentArmTable((0.0, 0.1, 0.1, 0.3), ARMS),
     "angles in degrees": lambda: MomentArmTable((0.0, 10.0, 20.0, 30.0), ARMS),

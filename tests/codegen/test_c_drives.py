@@ -36,7 +36,6 @@ DRIVES = {
         },
     ),
     "coupled": Actuators.of(LEG, {"drive": Coupling(("hip", "ankle"), MATRIX)}),
-    "coupled motors": Actuators.of(LEG, {"drive": Coupling(("hip", "ankle"), MATRIX, (Motor(0.1, 2.0, 0.9),) * 2)}),
 }
 
 
