@@ -153,7 +153,7 @@ for words in (
 ):
     JOURNEYS[f"exoid {words}"] = partial(command, *words.split(), "--json")
 for words, file in (
-    *(("export est.json -o leg.urdf", "leg.urdf"), ("export est.json --mjcf leg.xml", "leg.xml")),
+    ("export est.json -o leg.urdf", "leg.urdf"),
     *((f"export est.json --c leg_{kind}.c --precision {kind}", f"leg_{kind}.c") for kind in ("double", "float")),
     *((f"export est.json --law {law} --c {law}.c", f"{law}.c") for law in IN_C),
     ("view bleex --pose left_hip=30 --html leg.html", ""),

@@ -15,7 +15,6 @@ from exoid.tools.tables import DataTable, Report
 from .data import EstimateData
 from .export import Export, export_urdf
 from .file import estimate_from_json, estimate_to_json, read_estimate, write_estimate
-from .mjcf import MjcfExport, export_mjcf
 from .text import provenance, report
 
 
@@ -107,30 +106,6 @@ class Estimate(Report, EstimateData):
                 be written, or it is the URDF that was identified.
         """
         return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
-
-    def to_mjcf(
-        self, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR
-    ) -> MjcfExport:
-        """Write the leg as MuJoCo's model file (MJCF), by MuJoCo's own writer, on a base that does not move.
-
-        Bodies are those of :meth:`to_urdf`, so that MuJoCo's inverse dynamics are the identified torques. Rotor inertia
-        becomes ``armature``, which MuJoCo does not read from a URDF, viscous friction ``damping`` and Coulomb friction
-        ``frictionloss``, each where it was identified. Shapes of the URDF are not in the file: thin rods, which touch
-        nothing, show the links. Each joint has a motor of its name. Needs MuJoCo: ``pip install 'exoid[ground]'``.
-
-        Args:
-            path: The file to write, such as ``leg.xml``.
-            pull: See :meth:`to_urdf`.
-            mass_factor: See :meth:`to_urdf`.
-
-        Returns:
-            What was written, which prints itself: what MuJoCo's joints have no place for.
-
-        Raises:
-            ExoidError: MuJoCo is not installed, the base floats, a link would be heavier or lighter than in the URDF by
-                more than the mass factor, or the file cannot be written.
-        """
-        return export_mjcf(self, path, pull=pull, mass_factor=mass_factor)
 
     def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class Export:
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
         """Parameters that the URDF has no place for."""
-        places = places_of(self.estimate.model, PLACES)
+        places = _places_of(self.estimate.model)
         return tuple(name for name in self.estimate.names[len(self.lift.names) :] if name not in places)
 
     def to_json(self) -> dict[str, Any]:
@@ -169,9 +169,14 @@ def export_urdf(
     for file in (urdf, sidecar):
         refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
         refuse_unwritable(file)
-    lifted, links, values, masses = lift_estimate(estimate, pull, mass_factor)
+    p = len(leg.parameter_names)
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
+    links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
+    masses = mass_changes(leg.description, links)
+    refuse_mass_changes(masses, mass_factor, leg.description.name)
+    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics: dict[str, dict[str, float]] = {}
-    places, value_of = places_of(estimate.model, PLACES), dict(zip(estimate.names, values.tolist(), strict=True))
+    places, value_of = _places_of(estimate.model), dict(zip(estimate.names, values.tolist(), strict=True))
     present = {name: place for name, place in places.items() if name in value_of}
     for name, (joint, attribute) in present.items():
         dynamics.setdefault(leg.joint_names[joint], {})[attribute] = max(0.0, value_of[name])
@@ -189,27 +194,6 @@ def export_urdf(
     return result
 
 
-class Lifted(NamedTuple):
-    """Estimate of links that can exist."""
-
-    lift: Lift  # the links, and by how much the estimate had to move
-    links: dict[str, FloatArray]  # inertia of each changed link, π about its frame, (10,)
-    values: FloatArray  # all parameters, (P,)
-    masses: tuple[MassChange, ...]  # masses before and after
-
-
-def lift_estimate(estimate: EstimateData, pull: float, mass_factor: float) -> Lifted:
-    """Find links that can exist for an estimate."""
-    leg = estimate.model.leg
-    p = len(leg.parameter_names)
-    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
-    links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
-    masses = mass_changes(leg.description, links)
-    refuse_mass_changes(masses, mass_factor, leg.description.name)
-    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
-    return Lifted(lifted, links, values, masses)
-
-
 def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
     p = len(rigid)
@@ -220,13 +204,13 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def places_of(model: TorqueModel, places: Mapping[tuple[type[Term], str], str]) -> dict[str, tuple[int, str]]:
-    """Joint and attribute for each parameter that a file has a place for."""
+def _places_of(model: TorqueModel) -> dict[str, tuple[int, str]]:
+    """Joint and attribute for each parameter that a URDF has a place for."""
     return {
-        name: (block.joints[0], places[type(block.term), symbol])
+        name: (block.joints[0], PLACES[type(block.term), symbol])
         for block in model.blocks
         for symbol, name in zip(block.term.symbols, block.names, strict=True)
-        if (type(block.term), symbol) in places
+        if (type(block.term), symbol) in PLACES
     }
 
 

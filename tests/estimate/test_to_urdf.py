@@ -77,13 +77,16 @@ def test_pinocchio_finds_the_estimate_again(leg, tmp_path):
 
 
 def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
-    """Rigid bodies and damping by its own inverse dynamics, dry friction from what it read in the URDF.
+    """Rigid bodies, damping and rotors by its own inverse dynamics, dry friction from what it read in the URDF.
 
     Its constraint on friction is another law than tanh, so it is switched off and added by hand.
     """
-    estimate = estimate_of(leg, rigid=near(leg, 0.1))
+    estimate = estimate_of(leg, (*FRICTION, Armature()), rigid=near(leg, 0.1))
     export = estimate.to_urdf(tmp_path / "leg.urdf")
     model = mujoco_model(export.urdf)
+    for joint, label in zip(leg.joint_names, leg.joint_labels, strict=True):
+        if f"Ia_{label}" in estimate:  # that of the hip is part of J1
+            model.dof_armature[model.joint(joint).dofadr] = estimate.value(f"Ia_{label}")
     friction = np.array([model.dof_frictionloss[model.joint(joint).dofadr[0]] for joint in leg.joint_names])
     q, v, a = motion_within(leg)
     torque = mujoco_torque(model, leg.joint_names, q, v, a)
