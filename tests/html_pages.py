@@ -8,6 +8,7 @@ import html5lib
 import pytest
 
 from exoid.view.report.page import Picture
+from exoid.view.scenes import Scene
 
 HEADINGS = ("h1", "h2", "h3", "h4")
 
@@ -19,9 +20,10 @@ def parsed(html):
 
 @contextmanager
 def undrawn():
-    """Reports without their drawings, which take most of the time: for tests of their words."""
+    """Reports without drawings and scenes, which take most of the time: for tests of their words."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Picture, "svg", b"")
+        patch.setattr(Scene, "html", lambda _: "<!DOCTYPE html><title>scene</title>")
         yield
 
 

@@ -122,9 +122,9 @@ def test_what_was_held_is_not_tested_and_two_values_are_named(leg):
     ids="-".join,
 )
 def test_two_estimators_of_one_recording_differ_by_no_more_than_the_sum_of_their_errors(leg, estimators):
-    """p-values are upper bounds: of 20 recordings none is called different, and the note says why."""
+    """p-values are upper bounds: of 8 recordings none is called different, and the note says why."""
     swing = Swing(leg, 50.0, 12.0, base=0.2)
-    for seed in range(20):
+    for seed in range(8):
         log = swing.with_noise(np.random.default_rng(seed), 0.3)
         one, other = (identify(leg, log, TERMS, each, preparation=EXACT) for each in estimators)
         found = exoid.compare(one, other)

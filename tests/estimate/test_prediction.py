@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
+import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Recording, TorsoMotion, Viscous, Wrench
 from exoid.estimate import predict_motion
 from exoid.signals import FiniteDifference
@@ -38,12 +40,13 @@ def torque(t):
     return np.array([np.interp(t, np.append(TIME, 1.5), column) for column in wave.T]).T
 
 
-def moved(leg, gravity=None):
-    """The true motion of a leg with friction and rotors, (150, 6)."""
+@cache
+def moved(pitch=0.0):
+    """The true motion of BLEEX's left leg with friction and rotors, (150, 6)."""
+    leg = exoid.load_leg("bleex")
     model = pin.Model(leg.model)
     model.armature = np.full(3, FRICTION["Ia"])
-    if gravity is not None:
-        model.gravity.linear = gravity
+    model.gravity.linear = leg.gravity_of_tilted_torso(pitch)
     data = model.createData()
 
     def rate(t, x):
@@ -67,7 +70,7 @@ def exact(leg):
 @pytest.mark.slow
 @pytest.mark.parametrize("horizon", [0.1, 0.5, 10.0])
 def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
-    true = moved(leg)
+    true = moved()
     recording = log_of(leg, true)
     predicted = predict_motion(exact, recording, horizon)
     np.testing.assert_array_equal(predicted.time, TIME)
@@ -78,14 +81,14 @@ def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
 @pytest.mark.slow
 def test_a_tilted_torso_is_part_of_the_prediction(leg, exact):
     pitch = 0.3
-    true = moved(leg, leg.gravity_of_tilted_torso(pitch))
+    true = moved(pitch)
     recording = log_of(leg, true, torso=TorsoMotion(pitch))
     np.testing.assert_allclose(predict_motion(exact, recording, 1.0).q, true[:, :3], atol=2e-4)
     assert np.abs(predict_motion(exact, log_of(leg, true), 1.0).q - true[:, :3]).max() > 0.02
 
 
 def test_a_wrong_model_parts_from_the_measurement_until_it_starts_anew(leg):
-    true = moved(leg)
+    true = moved()
     recording = log_of(leg, true)
     error = np.abs(predict_motion(known(leg, ()), recording, 0.5).q - true[:, :3]).max(axis=1)
     assert np.all(error[[0, 50, 100]] == 0.0)
@@ -93,7 +96,7 @@ def test_a_wrong_model_parts_from_the_measurement_until_it_starts_anew(leg):
 
 
 def test_what_cannot_be_predicted_is_refused(leg, exact):
-    true = moved(leg)
+    true = moved()
     recording = log_of(leg, true)
     with pytest.raises(ExoidError, match="no torque"):
         predict_motion(exact, Recording(time=TIME, q=true[:, :3], joint_names=leg.joint_names))
@@ -107,7 +110,7 @@ def test_what_cannot_be_predicted_is_refused(leg, exact):
 
 
 def test_a_leg_on_the_ground_is_not_predicted_as_one_in_the_air(leg, exact):
-    true = moved(leg)
+    true = moved()
     recording = log_of(leg, true)
     rail = Wrench(np.ones((len(TIME), 3)), np.zeros((len(TIME), 3)))
     for changes in ({"wrenches": {"torso": rail}}, {"contacts": {"left_foot": TIME > 1.0}}):

@@ -32,12 +32,16 @@ def found(estimate, recording):
     return exoid.interaction(estimate, recording)
 
 
+@pytest.fixture(scope="module")
+def drawn(estimate, recording, found):
+    return scene(estimate, recording=recording, interaction=found)
+
+
 def arrows(drawn, name="torque of the wearer"):
     return [path for layer in drawn.layers if layer.label == name for path in layer.paths]
 
 
-def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate, recording, found):
-    drawn = scene(estimate, recording=recording, interaction=found)
+def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(drawn, recording, found):
     paths = arrows(drawn)
     assert len(paths) == len(found.joint_names)
     (animation,) = [command for command in drawn.commands if command["type"] == "set_animation"]
@@ -54,8 +58,7 @@ def test_the_scene_has_an_arrow_for_each_joint_that_follows_the_torque(estimate,
         assert (np.sign(scales[known, 1])[big] == np.sign(size)[big]).all()
 
 
-def test_arrows_of_the_wearer_have_their_own_scale(estimate, recording, found):
-    drawn = scene(estimate, recording=recording, interaction=found)
+def test_arrows_of_the_wearer_have_their_own_scale(drawn, found):
     scales = {layer.label: layer.scale for layer in drawn.layers}
     length, torque = re.fullmatch(r"radius of ([0-9.]+) m = ([0-9.]+) N·m", scales["torque of the wearer"]).groups()
     assert length == scales["measured torque"].split()[2]
@@ -63,8 +66,8 @@ def test_arrows_of_the_wearer_have_their_own_scale(estimate, recording, found):
     assert scales["measured torque"] != scales["torque of the wearer"]
 
 
-def test_the_prediction_beside_a_wearer_is_that_without_one(estimate, recording, found):
-    assert scene(estimate, recording=recording, interaction=found).to_json()["predicted"] == "predicted without wearer"
+def test_the_prediction_beside_a_wearer_is_that_without_one(drawn, estimate, recording):
+    assert drawn.to_json()["predicted"] == "predicted without wearer"
     assert scene(estimate, recording=recording).to_json()["predicted"] == "predicted"
 
 

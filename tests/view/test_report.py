@@ -20,6 +20,7 @@ from exoid.view.report.fit import (
     predict_recording,
     torque_pictures,
 )
+from exoid.view.report.identification import summary
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
@@ -29,12 +30,17 @@ def swing():
     return data, exoid.identify(data.leg, data.train)
 
 
+def undrawn_report(*arguments):
+    """A report, and its tree, without drawings: its words."""
+    with undrawn():
+        page = identification_report(*arguments)
+        return page, check(page.html())
+
+
 @pytest.fixture(scope="module")
 def page(swing):
-    """Its words: without drawings."""
     data, estimate = swing
-    with undrawn():
-        return identification_report(estimate, [data.train], [data.test])
+    return undrawn_report(estimate, [data.train], [data.test])
 
 
 @pytest.fixture(scope="module")
@@ -54,8 +60,7 @@ def test_the_report_is_a_valid_page_that_loads_nothing(drawn):
 
 @pytest.mark.slow
 def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_value(page, swing):
-    _, estimate = swing
-    tree = check(page.html())
+    (_, tree), (_, estimate) = page, swing
     rows = {row[0].text: [cell.text for cell in row[1:]] for row in tree.find(".//table").iter("tr")}
     for name, value, bounds in zip(estimate.names, estimate.values, estimate.interval(), strict=True):
         numbers = [float(cell) for cell in (rows[name][0], *rows[name][2:4])]
@@ -70,20 +75,19 @@ def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_val
 def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, swing):
     data, estimate = swing
     nrmse = exoid.validate(estimate, data.test).nrmse
-    summary = " ".join(page.summary)
-    assert f"{estimate.identifiability.count('well')} well identified" in summary
-    assert all(f"{error:.3f}" in summary for error in nrmse)
+    said = " ".join(page[0].summary)
+    assert f"{estimate.identifiability.count('well')} well identified" in said
+    assert all(f"{error:.3f}" in said for error in nrmse)
 
 
 def test_without_a_held_out_recording_the_report_says_so(swing):
-    data, estimate = swing
-    with undrawn():
-        assert "no held-out recording" in " ".join(identification_report(estimate, [data.train]).summary)
+    _, estimate = swing
+    assert "no held-out recording" in " ".join(summary(estimate, []))
 
 
 def test_inputs_and_settings_are_listed(page, swing):
     _, estimate = swing
-    text = text_of(check(page.html()))
+    text = text_of(page[1])
     assert estimate.inputs[0].sha256 in text
     assert "Estimator: wls" in text
     assert "zero-phase" in text
@@ -94,8 +98,7 @@ def short(swing):
     """Too short a recording for too many parameters, its estimate, and the page's text."""
     part = swing[0].train.slice(0, 700)
     estimate = exoid.identify(swing[0].leg, part, (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness()))
-    with undrawn():
-        return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
+    return part, estimate, text_of(undrawn_report(estimate, [part])[1])
 
 
 def test_poorly_identified_parameters_are_named_with_those_they_correlate_with(short):
@@ -124,14 +127,13 @@ def particular(swing):
     terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
     prior = Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
-    with undrawn():
-        return estimate, identification_report(estimate, parts)
+    return estimate, *undrawn_report(estimate, parts)
 
 
 def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
-    estimate, page = particular
+    estimate, page, tree = particular
     assert set(estimate.identifiability) >= {"known", "prior"}
-    text = text_of(check(page.html()))
+    text = text_of(tree)
     assert "Known: X1 = 3.98" in text
     assert "Prior: J3 = 0.05 ± 0.0001" in text
     assert "1 fixed at a known value" in " ".join(page.summary)
@@ -142,16 +144,16 @@ def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
 
 
 def test_nonlinear_parameters_stand_below_the_linear_ones(particular):
-    estimate, page = particular
-    rows = [[cell.text for cell in row] for row in check(page.html()).find(".//table").iter("tr")]
+    estimate, _, tree = particular
+    rows = [[cell.text for cell in row] for row in tree.find(".//table").iter("tr")]
     assert [row[0] for row in rows[1:]] == [*estimate.names, *estimate.nonlinear.names]
     nonlinear = rows[-len(estimate.nonlinear) :]
     np.testing.assert_allclose([float(row[1]) for row in nonlinear], estimate.nonlinear.values, rtol=5e-2)
 
 
 def test_the_influence_of_every_recording_is_listed(particular):
-    estimate, page = particular
-    tables = {table.get("aria-label"): table for table in check(page.html()).iter("table")}
+    estimate, _, tree = particular
+    tables = {table.get("aria-label"): table for table in tree.iter("table")}
     rows = [[cell.text for cell in row] for row in tables["Influence of each recording"].find("tbody")]
     assert [row[0] for row in rows] == ["run0.csv", "run1.csv"]
     for row, change in zip(rows, estimate.influence.change, strict=True):
@@ -163,8 +165,7 @@ def test_the_influence_of_every_recording_is_listed(particular):
 def test_a_leg_without_friction_terms_has_no_friction_section(swing):
     data, _ = swing
     rigid = exoid.identify(data.leg, data.train, (Offset(),))
-    with undrawn():
-        titles = [section.title for section in identification_report(rigid, [data.train]).sections]
+    titles = [section.title for section in undrawn_report(rigid, [data.train])[0].sections]
     assert "Friction" not in titles
     assert "Residuals" in titles
 
@@ -248,7 +249,8 @@ def test_names_from_files_cannot_break_the_page():
     assert tree.findtext(".//h1") == evil
 
 
-def test_the_page_is_written_whole_or_not_at_all(page, tmp_path):
+def test_a_page_is_written_whole_or_not_at_all(tmp_path):
+    page = Page("Errors", ["None."], [])
     with pytest.raises(exoid.ExoidError, match="cannot be written"):
         page.save(tmp_path / "missing" / "report.html")
     page.save(tmp_path / "report.html")
