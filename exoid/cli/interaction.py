@@ -7,24 +7,21 @@ from typing import Annotated
 from typer import Option
 
 import exoid
-from exoid.errors import BadArgumentError
 
 from .column_map import with_remembered
 from .inputs import read_drives, read_logs
 from .messages import note
 from .numbers import parse_numbers
 from .option_groups import expand_options
-from .options import READ_AS_IT_IS, AsJson, EstimateName, Figures, LogNames, LogOptions, Report, Text, TorqueCutoff
+from .options import READ_AS_IT_IS, AsJson, EstimateName, Figures, LogName, LogOptions, Report, Text, TorqueCutoff
 from .outputs import check_outputs, print_result, save_page
 
 
 @expand_options()
 def interaction(
     estimate: EstimateName,
-    logs: LogNames,
-    output: Annotated[
-        Text, Option("--output", "-o", metavar="CSV", help="Write torque and band over time, of one LOG.")
-    ] = None,
+    log: LogName,
+    output: Annotated[Text, Option("--output", "-o", metavar="CSV", help="Write torque and band over time.")] = None,
     report: Report = None,
     figures: Figures = None,
     strides: Annotated[
@@ -34,22 +31,20 @@ def interaction(
     reading: LogOptions = READ_AS_IT_IS,
     as_json: AsJson = False,
 ) -> None:
-    """Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.
+    """Compute the torque between wearer and exoskeleton in the LOG, and test whether anything acts.
 
     It is what the joints need and the actuators do not give. The exit status is 2 for bad input.
 
     Example: exoid interaction est.json bleex_swing:test
     """
-    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.actuators], figures)
-    if output is not None and len(logs) > 1:
-        raise BadArgumentError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
+    check_outputs({"--output": output, "--report": report}, [estimate, log, reading.actuators], figures)
     loaded = exoid.Estimate.load(estimate)
-    reading = with_remembered(reading, loaded, estimate, logs)
-    recordings, drives = read_logs(logs, reading), read_drives(reading, loaded.model.leg)
+    reading = with_remembered(reading, loaded, estimate, [log])
+    (recording,), drives = read_logs([log], reading), read_drives(reading, loaded.model.leg)
     times = parse_numbers(strides, "--strides")
-    result = exoid.interaction(loaded, recordings, strides=times, cutoff=cutoff, actuators=drives)
+    result = exoid.interaction(loaded, recording, strides=times, cutoff=cutoff, actuators=drives)
     if output is not None:
         result.to_csv(output)
         note(f"wrote {output}")
-    save_page(lambda: exoid.view.report.interaction_report(loaded, result, recordings), figures, report)
+    save_page(lambda: exoid.view.report.interaction_report(loaded, result, recording), figures, report)
     print_result(result, as_json=as_json)

@@ -11,6 +11,7 @@ Texts = list[str] | None
 Number = float | None
 
 LegName = Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, or a URDF file.")]
+LogName = Annotated[str, Argument(metavar="LOG", help="A log, or a dataset's name:train or name:test.")]
 LogNames = Annotated[list[str], Argument(metavar="LOG...", help="Logs, or a dataset's name:train or name:test.")]
 EstimateName = Annotated[str, Argument(metavar="EST.JSON", help="Estimate of exoid identify -o.")]
 EstimateOutput = Annotated[Text, Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")]

@@ -14,7 +14,7 @@ COMMANDS = {
     "check": "check bleex wrong.csv --stop 10",
     "select": "select bleex train.csv --folds 3 --stop 8",
     "validate": "validate est.json train.csv test.csv wrong.csv",
-    "interaction": "interaction est.json train.csv test.csv",
+    "interaction": "interaction est.json test.csv",
     "compare": "compare est.json other.json",
     "export": "export est.json -o leg.urdf",
     "plan": "plan cuhk -o plan.csv --duration 3 --starts 1",

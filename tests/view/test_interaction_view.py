@@ -79,9 +79,6 @@ def test_no_arrow_where_nothing_was_evaluated(estimate, recording, found):
 def test_an_interaction_needs_its_recording(estimate, recording, found):
     with pytest.raises(ExoidError, match="without a recording"):
         scene(estimate, interaction=found)
-    both = exoid.interaction(estimate, [recording, recording])
-    with pytest.raises(ExoidError, match="several recordings"):
-        scene(estimate, recording=recording, interaction=both)
 
 
 def test_a_leg_without_the_joints_has_no_arrow(recording, found, estimate):
@@ -91,14 +88,14 @@ def test_a_leg_without_the_joints_has_no_arrow(recording, found, estimate):
 
 
 def test_the_report_shows_every_joint_and_the_findings(estimate, recording, found):
-    page = interaction_report(estimate, found, [recording])
+    page = interaction_report(estimate, found, recording)
     titles = [section.title for section in page.sections]
     assert titles[0] == "Torque of the wearer"
     assert "Replay" in titles
     over_time = next(section for section in page.sections if section.title == "Over time")
     assert len(over_time.blocks) == len(found.joint_names)
     short = exoid.interaction(estimate, recording.between(recording.time[0], recording.time[0] + 1.0))
-    assert "Findings" in [section.title for section in interaction_report(estimate, short, [recording]).sections]
+    assert "Findings" in [section.title for section in interaction_report(estimate, short, recording).sections]
 
 
 def test_the_figures_draw_what_they_are_given(found):

@@ -79,18 +79,6 @@ def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
     )
 
 
-def together(parts: tuple[tuple[JointAction, ...], ...]) -> tuple[JointAction, ...]:
-    """Join the tests of several recordings: something acts on a joint if it does in one of them."""
-    joined = []
-    for of_joint in zip(*parts, strict=True):
-        p_values = [each.p_value for each in of_joint if not np.isnan(each.p_value)]
-        least = [each.least for each in of_joint if not np.isnan(each.least)]
-        p_value = min(1.0, len(p_values) * min(p_values)) if p_values else np.nan
-        acts, steady = any(each.acts for each in of_joint), any(each.steady for each in of_joint)
-        joined.append(JointAction(p_value, acts, min(least, default=np.nan), steady))
-    return tuple(joined)
-
-
 def constant_torques(
     estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction], source: str
 ) -> Iterator[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
-from exoid.errors import BadArgumentError, NotIdentifiableError
+from exoid.errors import NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.torque_filter import to_predict
@@ -29,7 +29,7 @@ from exoid.signals import Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
-from exoid.tools.tables import DataTable, Report, with_parts
+from exoid.tools.tables import DataTable, Report, make_table
 
 from .action import (
     LEVEL,
@@ -39,7 +39,6 @@ from .action import (
     constant_torques,
     judge,
     rough_estimate,
-    together,
     too_few_samples,
 )
 from .evaluation import Evaluation, evaluate
@@ -51,7 +50,7 @@ HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "ou
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Interaction(ReadOnly, Report):
-    """Torque of the wearer on the leg, τ_w = W β − τ, over one or several recordings; prints itself as a table.
+    """Torque of the wearer on the leg, τ_w = W β − τ, over a recording; prints itself as a table.
 
     Samples near the ends of a recording, in which filters have not settled, are left out.
 
@@ -65,10 +64,9 @@ class Interaction(ReadOnly, Report):
         velocity: Velocity of the joints [rad/s], (N, n).
         phase: Phase of the gait, 0 to 1, (N,); not a number where there is none.
         actions: Test of each joint whether anything acts beyond the actuator, (n,).
-        source: Name of the recording, or of all.
-        period: Mean period of the gait [s]; None if nothing repeats, and for several recordings.
+        source: Name of the recording.
+        period: Mean period of the gait [s]; None if nothing repeats.
         phase_source: What begins a cycle; "" for no phase.
-        parts: Interaction of each recording where there are several; samples of all follow each other above.
         findings: What else than a wearer may explain the torque, and where the estimate is not supported by data.
         filter: Filter of the torque.
     """
@@ -83,7 +81,6 @@ class Interaction(ReadOnly, Report):
     source: str
     period: float | None = None
     phase_source: str = ""
-    parts: tuple[Interaction, ...] = ()
     findings: tuple[Finding, ...] = ()
     filter: TorqueFilter = field(kw_only=True)
 
@@ -146,8 +143,7 @@ class Interaction(ReadOnly, Report):
         """Turn the figures of an interaction into what JSON can hold.
 
         Returns:
-            Figures of each joint, whether the leg is worn, and the findings; the same of each recording where there
-            are several.
+            Figures of each joint, whether the leg is worn, and the findings.
         """
         means = (self.rms, self.peak, self.outside_band, self.mean, self.power)
         joints = {}
@@ -165,8 +161,7 @@ class Interaction(ReadOnly, Report):
             }
             begins = {"period": self.period, "begins": self.phase_source, "phase": found.phase.tolist()}
             data["gait"] = begins | {"joints": torques}
-        data["findings"] = json_value(self.findings)
-        return data | ({"recordings": [part.to_json() for part in self.parts]} if self.parts else {})
+        return data | {"findings": json_value(self.findings)}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the torque over time, with half the width of its band, velocity, and the phase if there is one.
@@ -176,15 +171,8 @@ class Interaction(ReadOnly, Report):
                 ``phase``, "nan" where a torque was not measured or the phase is not known.
 
         Raises:
-            ExoidError: There are several recordings, or the file cannot be written.
+            ExoidError: The file cannot be written.
         """
-        if self.parts:
-            raise BadArgumentError(
-                f"{len(self.parts)} recordings, whose times overlap, in one file",
-                where=str(path),
-                remedy="write each of interaction.parts to its own file",
-                command="give one LOG with -o",
-            )
         header = ["time", *(f"{kind}_{name}" for kind in ("interaction", "band", "v") for name in self.joint_names)]
         table = np.column_stack([self.time, self.torque, self.band, self.velocity])
         if not np.isnan(self.phase).all():
@@ -200,7 +188,6 @@ class Interaction(ReadOnly, Report):
 
     def _report(self) -> list[DataTable | str]:
         """Title, tables, findings and conclusion."""
-        tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
         phase = "" if self.period is None else f"; a cycle of {self.period:.3g} s begins at the {self.phase_source}"
         acting = ", ".join(name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts)
         conclusion = f"worn: something acts on {acting}" if acting else "not worn: nothing beyond model error"
@@ -208,7 +195,7 @@ class Interaction(ReadOnly, Report):
             conclusion = "worn or not: the estimate cannot tell"
         return [
             f"Torque of the wearer on the leg in {self.source}",
-            *tables,
+            make_table(HEADERS, self.rows()),
             f"{len(self.time)} samples, {self.filter}{phase}",
             *map(str, self.findings),
             f"{conclusion} (false alarms: at most {LEVEL:.0%} of recordings)",
@@ -236,7 +223,7 @@ class Interaction(ReadOnly, Report):
 
 def interaction(
     estimate: EstimateData,
-    recordings: Recording | Iterable[Recording],
+    recording: Recording,
     *,
     strides: ArrayLike | None = None,
     cutoff: float | None = None,
@@ -250,17 +237,17 @@ def interaction(
 
     Args:
         estimate: Estimate of the leg without a wearer.
-        recordings: Motions with torques, or with currents and drives.
-        strides: Times at which strides begin [s], of one recording; None for touch-downs or the period of the motion.
+        recording: Motion with torques, or with currents and drives.
+        strides: Times at which strides begin [s]; None for touch-downs or the period of the motion.
         cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
-        actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
+        actuators: Drives of the recording, as for :func:`exoid.identify`; None for those of the estimate.
 
     Returns:
         Torque over time with its band, figures of each joint, the test, and findings.
 
     Raises:
-        ExoidError: There is no recording, or one lacks a joint or any torque, is too short for the filter, or stands on
-            the ground throughout by unknown wrenches.
+        ExoidError: The recording lacks a joint or any torque, is too short for the filter, or stands on the ground
+            throughout by unknown wrenches.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -268,36 +255,8 @@ def interaction(
         >>> found.worn
         False
     """
-    estimate, several = to_predict(estimate, recordings, actuators)
-    if strides is not None and len(several) > 1:
-        raise BadArgumentError("strides of several recordings", remedy="pass one recording at a time with its strides")
+    estimate, (recording,) = to_predict(estimate, [recording], actuators)
     chosen = TorqueFilter.of(estimate, cutoff)
-    parts = tuple(_of_recording(estimate, each, chosen, strides) for each in several)
-    if len(parts) == 1:
-        return parts[0]
-    time, torque, band, velocity, phase = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("time", "torque", "band", "velocity", "phase")
-    )
-    return Interaction(
-        estimate.joint_names,
-        time,
-        torque,
-        band,
-        velocity,
-        phase,
-        together(tuple(part.actions for part in parts)),
-        ", ".join(part.source for part in parts),
-        parts=parts,
-        findings=ordered([finding for part in parts for finding in part.findings]),
-        filter=chosen,
-    )
-
-
-def _of_recording(
-    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, strides: ArrayLike | None
-) -> Interaction:
-    """Compute the interaction in one recording."""
     recording = for_leg(estimate.model, as_trained(estimate, recording))
     name, measured = source_of(recording), recording.measured
     even, preparation = recording.resampled(), chosen.preparation

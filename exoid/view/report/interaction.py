@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -20,31 +20,30 @@ from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_block
 from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
 
-def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
+def interaction_report(estimate: Estimate, found: Interaction, recording: Recording) -> Page:
     """Report an interaction: figures of each joint, torque over time and phase, and a replay with arrows.
 
     Args:
         estimate: The estimate.
         found: The interaction.
-        recordings: Recordings that it was computed from.
+        recording: Recording that it was computed from.
 
     Returns:
         A page: ``interaction_report(...).save("report.html")``.
     """
-    parts = {f"_{k}" if k > 1 else "": part for k, part in enumerate(found.parts or (found,), 1)}
     contents: dict[str, Iterator[Block]] = {
         "Torque of the wearer": _figures(found),
         "Findings": finding_blocks(found.findings),
-        "Over time": _over_time(estimate, parts),
-        "Over the gait": _over_gait(estimate.model.leg.joint_labels, parts),
-        "Replay": _replay(estimate, parts[""], recordings[0]),
+        "Over time": _over_time(estimate, found),
+        "Over the gait": _over_gait(estimate.model.leg.joint_labels, found),
+        "Replay": _replay(estimate, found, recording),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
     return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
 
 
 def _figures(found: Interaction) -> Iterator[Block]:
-    yield from (DataTable(part.source, HEADERS, part.rows()) for part in (*found.parts, found))
+    yield DataTable(found.source, HEADERS, found.rows())
     yield Text(
         [
             "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
@@ -54,31 +53,29 @@ def _figures(found: Interaction) -> Iterator[Block]:
     )
 
 
-def _over_time(estimate: Estimate, parts: Mapping[str, Interaction]) -> Iterator[Block]:
-    for suffix, part in parts.items():
-        time = part.time - part.time[0]
-        shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
-        for joint, label in enumerate(estimate.model.leg.joint_labels):
-            if not np.isnan(part.torque[:, joint]).all():
-                yield Picture(
-                    on_axes(plot_interaction, time[shown], part.torque[shown, joint], part.band[shown, joint], label),
-                    f"Torque of the wearer at the {label} over time with its 95 % band",
-                    f"{label}, {shown_part(part.time, part.source)}",
-                    f"wearer_torque{suffix}",
-                )
-
-
-def _over_gait(labels: tuple[str, ...], parts: Mapping[str, Interaction]) -> Iterator[Block]:
-    for suffix, part in parts.items():
-        if part.period is not None:
+def _over_time(estimate: Estimate, found: Interaction) -> Iterator[Block]:
+    time = found.time - found.time[0]
+    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
+    for joint, label in enumerate(estimate.model.leg.joint_labels):
+        if not np.isnan(found.torque[:, joint]).all():
             yield Picture(
-                partial(draw_gait_profile, profile=part.by_phase(), labels=labels),
-                "Torque and power of the wearer over the phase of the gait",
-                f"{part.source}: mean ± standard deviation; a cycle of {part.period:.3g} s begins at the "
-                f"{part.phase_source}",
-                f"wearer_gait{suffix}",
-                height=PAGE_COLUMN,
+                on_axes(plot_interaction, time[shown], found.torque[shown, joint], found.band[shown, joint], label),
+                f"Torque of the wearer at the {label} over time with its 95 % band",
+                f"{label}, {shown_part(found.time, found.source)}",
+                "wearer_torque",
             )
+
+
+def _over_gait(labels: tuple[str, ...], found: Interaction) -> Iterator[Block]:
+    if found.period is not None:
+        yield Picture(
+            partial(draw_gait_profile, profile=found.by_phase(), labels=labels),
+            "Torque and power of the wearer over the phase of the gait",
+            f"{found.source}: mean ± standard deviation; a cycle of {found.period:.3g} s begins at the "
+            f"{found.phase_source}",
+            "wearer_gait",
+            height=PAGE_COLUMN,
+        )
 
 
 def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iterator[Block]:

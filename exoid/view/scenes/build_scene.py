@@ -78,8 +78,6 @@ def scene(
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     _check_joints(geometries, recording, ghost)
-    if interaction is not None and interaction.parts:
-        raise BadArgumentError("the interaction of several recordings", remedy="pass one of interaction.parts")
     views = [
         view_leg(leg, geometry, q, replay, ghost_label, interaction)
         for leg, geometry, q in zip(legs, geometries, poses, strict=True)

@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from exoid.control.wearer import action
-from exoid.control.wearer.action import LEVEL, Evidence, JointAction, judge, together
+from exoid.control.wearer.action import LEVEL, Evidence, judge
 
 SAMPLES, TRAINED, JOINTS = 400, 300, 3
 
@@ -97,11 +97,3 @@ def test_joints_without_evidence_are_not_tested():
     )
     assert [np.isnan(each.p_value) for each in found] == [True, True]
     assert not any(each.acts or each.steady for each in found)
-
-
-def test_recordings_are_joined_by_the_smallest_p_value_times_their_number():
-    one = (JointAction(0.2, False, 1.0, False), JointAction(np.nan, False, np.nan, False))
-    other = (JointAction(1e-5, True, 0.5, True), JointAction(np.nan, False, np.nan, False))
-    first, second = together((one, other))
-    assert first == JointAction(2e-5, True, 0.5, True)
-    assert np.isnan(second.p_value)

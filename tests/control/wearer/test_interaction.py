@@ -12,7 +12,6 @@ from worn import filtered, log, push, swing, unworn_estimate
 import exoid
 from exoid import ExoidError, Payload, Recording, TorsoMotion
 from exoid.actuators import Motor
-from exoid.errors import BadArgumentError
 
 LEGS = ("bleex", "cuhk")
 
@@ -109,18 +108,6 @@ def test_logs_without_a_wearer_are_not_worn(name):
     estimate = exoid.identify(data.leg, data.train)
     assert not exoid.interaction(estimate, data.test).worn
     assert not exoid.interaction(estimate, data.train).worn
-
-
-def test_several_recordings_are_joined_and_kept_apart(leg, estimate, worn):
-    unworn = log(swing(leg, 31), seed=31)
-    both = exoid.interaction(estimate, [unworn, worn[1]])
-    assert [part.worn for part in both.parts] == [False, True]
-    assert both.worn
-    assert len(both.time) == sum(len(part.time) for part in both.parts)
-    assert len(both.to_json()["recordings"]) == 2
-    assert "each recording:" in str(both)
-    with pytest.raises(BadArgumentError):
-        both.to_csv("both.csv")
 
 
 def test_the_base_may_be_tilted(leg, estimate):
@@ -252,8 +239,3 @@ LOGS = {
 def test_logs_that_say_nothing_are_refused(estimate, worn, what):
     with pytest.raises(ExoidError):
         exoid.interaction(estimate, LOGS[what](worn[1]))
-
-
-def test_strides_of_several_recordings_are_refused(estimate, worn):
-    with pytest.raises(BadArgumentError):
-        exoid.interaction(estimate, [worn[1], worn[1]], strides=[1.0, 2.0])
