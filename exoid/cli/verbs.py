@@ -17,7 +17,7 @@ VERBS = {
     ),
     "select": "Select the friction of each joint of LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
-    "interaction": "Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.",
+    "interaction": "Compute the torque between wearer and exoskeleton in the LOG, and test whether anything acts.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
     "export": "Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.",
     "plan": "Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log.",

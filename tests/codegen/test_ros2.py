@@ -161,6 +161,7 @@ def test_the_node_sees_stamps_that_stand_still_and_messages_that_stop(built, rec
     assert tau[65:85].all()
 
 
+@pytest.mark.slow
 def test_parameters_lower_the_torque_and_raise_it_slowly(built, recorded):
     rows = rows_of("lqr", recorded)
     program = built("lqr")[1]
@@ -173,6 +174,7 @@ def test_parameters_lower_the_torque_and_raise_it_slowly(built, recorded):
     np.testing.assert_allclose(rising, ramp * whole, rtol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("parameter", "words"),
     [

@@ -67,6 +67,7 @@ def costs(angle=2.0, torque=10.0):
     return Q, np.diag(np.broadcast_to(torque, 2) ** -2.0)
 
 
+@pytest.mark.slow
 def test_the_gain_minimises_the_cost():
     """Against least squares for the torques of 5 s all at once, from a random state, without a Riccati equation."""
     count, pose = 500, np.array([0.4, 0.9])

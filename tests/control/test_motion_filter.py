@@ -51,7 +51,7 @@ def test_no_frequency_is_amplified(bandwidth, rate):
 
 
 def test_half_the_power_passes_at_the_bandwidth():
-    one, count, rate = MotionFilter(20.0, 2000.0), 1 << 14, 2000.0
+    one, count, rate = MotionFilter(20.0, 2000.0), 1 << 12, 2000.0
     pulse = np.zeros((count, 1))
     pulse[1] = 1.0
     gain = np.abs(np.fft.rfft(filtered(one, pulse, pulse)[2][:, 0]))

@@ -59,11 +59,6 @@ class JointFilters:
         """Whether all joints have the same filter."""
         return bool((self.b == self.b[:, :1]).all() and (self.a == self.a[:, :1]).all())
 
-    def response(self, frequency: float, rate: float) -> FloatArray:
-        """Frequency response of each joint, (n,), complex."""
-        delays = np.exp(-2j * np.pi * frequency / rate * np.arange(self.order + 1))
-        return np.asarray((delays @ self.b) / (delays @ self.a))
-
     def impulse_response(self, x: FloatArray) -> FloatArray:
         """Filter a short input (k,) until the output is over."""
         radius = max(float(np.abs(np.roots(a)).max(initial=0.0)) for a in self.a.T)

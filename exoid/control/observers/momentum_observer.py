@@ -122,14 +122,6 @@ class MomentumObserver:
         samples = pole / (1.0 - pole) + 0.5  # half a sample, as the balance is a mean over an interval
         return np.asarray(samples / self.rate + self.alignment.delay)
 
-    def response(self, frequency: float) -> FloatArray:
-        """Frequency response from the torque of the wearer to the reading at a frequency [Hz], complex, (n,)."""
-        gain = self.filters.response(frequency, self.rate) * np.sinc(frequency / self.rate)
-        late = 0.5 / self.rate + self.alignment.waiting
-        if self.alignment.filters is not None:
-            gain = gain * self.alignment.filters[0].response(frequency, self.rate)
-        return np.asarray(gain * np.exp(-2j * np.pi * frequency * late))
-
     @property
     def threshold(self) -> FloatArray:
         """Threshold of detection in standard deviations, (n,)."""
