@@ -13,7 +13,6 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.rig import (
-    Actuator,
     IdealTorque,
     Plant,
     Rates,
@@ -36,7 +35,6 @@ class SimulationOptions(TypedDict, total=False):
     """Options of a run, of one rig or of many; see :func:`simulate_many`."""
 
     sensors: Sensors | None
-    actuator: Actuator | None
     settle: float
     log_rate: float | None
     seed: int | np.random.Generator
@@ -63,7 +61,7 @@ def simulate_law(
         duration: Duration [s].
         start: Initial angles, at rest [rad], (n,); None to begin on the reference, with its velocity.
         name: Name of the controller in tables; None for its class.
-        **options: ``sensors``, ``actuator``, ``settle``, ``log_rate``, ``seed``, ``wearer`` and ``progress`` of
+        **options: ``sensors``, ``settle``, ``log_rate``, ``seed``, ``wearer`` and ``progress`` of
             :func:`simulate_many`.
 
     Returns:
@@ -87,7 +85,6 @@ def simulate_many(
     duration: float,
     *,
     sensors: Sensors | None = None,
-    actuator: Actuator | None = None,
     start: ArrayLike | None = None,
     settle: float = 0.0,
     log_rate: float | None = None,
@@ -104,7 +101,6 @@ def simulate_many(
         reference: Reference of B rigs, or of one, which all follow.
         duration: Duration [s].
         sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
-        actuator: Actuator between commanded and joint torque; None for an ideal one.
         start: Initial angles, at rest [rad], (n, B) or (n, 1).
         settle: Time at the beginning that the metrics leave out [s].
         log_rate: Rate of the log [Hz]; None for 100, or the controller's rate if that is higher.
@@ -147,7 +143,7 @@ def simulate_many(
         plant,
         reference,
         _OneForEach(laws) if isinstance(law, Sequence) else _Sampled(law),
-        actuator or IdealTorque(),
+        IdealTorque(),
         duration,
         start=start,
         sensors=sensors,

@@ -64,8 +64,9 @@ class SelfTuning:
     # the first estimate and of the expected changes. So parameters that the motion does not excite stay at β₀
     # (self-tuning regulators with certainty equivalence: K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
     #
-    # β̂ moves along straight lines inside a convex set, so the links are possible at every sample. Its distance from β₀
-    # and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque for parameters.
+    # β̂ moves along straight lines inside a convex set, so the links are possible at every sample if those of β₀ are. Its
+    # distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
+    # for parameters.
 
     feedback: TrackingLaw  # PD feedback
     source: Estimate  # first estimate β₀, whose covariance is P₀
@@ -140,7 +141,7 @@ class SelfTuning:
         found = inverse @ factor[:-1, -1]
         found[self.settings.model.nonnegative] = np.maximum(found[self.settings.model.nonnegative], 0.0)
         bodies = slice(len(leg.parameter_names))
-        if not check_physical(leg, found[bodies]):
+        if leg.chain is None or not check_physical(leg, found[bodies]):  # in space the check is a lift, too
             found[bodies] = lift(leg, found[bodies], inverse[bodies] @ inverse[bodies].T).values
         way = self._shortened((found - self.source.values)[:, None], BOUND)
         return np.asarray(self.source.values + way[:, 0])
