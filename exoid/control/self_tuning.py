@@ -64,9 +64,9 @@ class SelfTuning:
     # the first estimate and of the expected changes. So parameters that the motion does not excite stay at β₀
     # (self-tuning regulators with certainty equivalence: K. J. Åström, B. Wittenmark, Adaptive Control, 1995, ch. 3).
     #
-    # β̂ moves along straight lines inside a convex set, so the links are possible at every sample if those of β₀ are. Its
-    # distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their torque
-    # for parameters.
+    # β̂ moves along straight lines inside a convex set, so the links are possible at every sample if those of β₀ are.
+    # Its distance from β₀ and its rate are limited. Nobody may wear or touch the leg: the estimator would take their
+    # torque for parameters.
 
     feedback: TrackingLaw  # PD feedback
     source: Estimate  # first estimate β₀, whose covariance is P₀
