@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import combinations, product
 
 import numpy as np
@@ -25,7 +24,7 @@ from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
-from .group_rows import Group, Measured, check_recordings, map_recordings
+from .group_rows import Group, Measured, check_recordings
 from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
 from .problem import Problem
 from .recording_summary import (
@@ -151,8 +150,8 @@ def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:
     knowledge = problem.prior_knowledge
     for group in problem.groups:
         with within(group.name):
-            work = partial(summarize, group.model, for_cutoff=for_cutoff)
-            groups.append(replace(group, summaries=map_recordings(group.data, work)))
+            summaries = [summarize(group.model, one, for_cutoff=for_cutoff) for one in group.data]
+            groups.append(replace(group, summaries=summaries))
     for one, other in combinations(groups, 2):
         for a, b in product(one.summaries, other.summaries):
             if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts

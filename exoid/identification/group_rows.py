@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import pickle
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from os import PathLike
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +23,6 @@ from exoid.torques import TorqueModel
 from .recording_summary import RecordingSummary
 
 KEPT_BYTES = 2**26  # rows are kept between passes as long as together they stay below this, and made again otherwise,
-T = TypeVar("T")
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 """Which rows to use: recording index, times [s] → mask."""
@@ -36,35 +32,6 @@ Data = Sequence[Recording | Poses]
 
 Measured = Recording | Poses | Iterable[Recording | Poses]
 """One recording or several."""
-
-
-def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T]:
-    """Do work on each recording: one after the other, or on the workers of joblib's backend (``parallel_config``)."""
-    if not on_workers():
-        return [work(each) for each in data]
-    return _distribute(_on_first, work, (data[k : k + 1] for k in range(len(data))))
-
-
-def on_workers() -> bool:
-    """Tell whether joblib's backend, as ``joblib.parallel_config`` sets it, has several workers."""
-    joblib = sys.modules.get("joblib")  # who has set a backend has imported it; importing it here takes 0.1 s
-    return joblib is not None and int(joblib.effective_n_jobs(None)) > 1
-
-
-def _distribute(function: Callable[..., T], work: Callable[..., T], each: Iterable[object]) -> list[T]:
-    """Call a function of the work and of one thing after the other on the workers of joblib's backend."""
-    from joblib import Parallel, delayed  # noqa: PLC0415 - only with workers
-
-    return [pickle.loads(one) for one in Parallel()(delayed(_pickled)(function, work, thing) for thing in each)]
-
-
-def _pickled(function: Callable[..., T], *arguments: object) -> bytes:
-    return pickle.dumps(function(*arguments))  # Dask would turn named tuples into plain ones
-
-
-def _on_first(work: Callable[[Recording | Poses], T], data: Data) -> T:
-    """Read a recording where the work is done."""
-    return work(data[0])
 
 
 def check_recordings(given: Measured) -> Data:
@@ -119,7 +86,7 @@ class Group:
     @cached_property
     def each(self) -> list[list[RFactor]]:
         """One R factor a joint for each recording."""
-        return list(self.on_each(_r_factors, decimated=False))
+        return [_r_factors(self.blocks_of(index)) for index in range(len(self.data))]
 
     @cached_property
     def by_kind(self) -> list[list[RFactor]]:
@@ -143,18 +110,9 @@ class Group:
     def blocks(self, *, decimated: bool = False, first: int = 0) -> Iterator[RowBlock]:
         """Go over the rows, recording by recording, each in order of time; joints are counted from the first on."""
         for index in range(len(self.data)):
-            yield from self._blocks_of(index, decimated, first)
+            yield from self.blocks_of(index, decimated=decimated, first=first)
 
-    def on_each(self, work: Callable[[Iterable[RowBlock]], T], *, decimated: bool, first: int = 0) -> Iterator[T]:
-        """Let work go over the rows of each recording: here, or on workers, which send back no rows and keep none."""
-        indices = range(len(self.data))
-        if not on_workers():
-            yield from (work(self._blocks_of(index, decimated, first)) for index in indices)
-            return
-        alone = (Group("", self.model, self.data[k : k + 1], self.preparation) for k in indices)
-        yield from _distribute(partial(_on_rows, decimated=decimated, first=first), work, alone)
-
-    def _blocks_of(self, index: int, decimated: bool, first: int) -> Iterator[RowBlock]:
+    def blocks_of(self, index: int, *, decimated: bool = False, first: int = 0) -> Iterator[RowBlock]:
         """Go over the rows of one recording."""
         filed = self._filed.get(index) if decimated else None
         stretches = iter(filed or self._kept.get((index, decimated)) or self._make(index, decimated))
@@ -210,10 +168,6 @@ class Group:
             self._filed[index] = file
         if self.memory_share < 1.0:  # other groups need the memory of the kinematics
             self._prepared.clear()
-
-
-def _on_rows(work: Callable[[Iterable[RowBlock]], T], rows: Group, *, decimated: bool, first: int) -> T:
-    return work(rows.blocks(decimated=decimated, first=first))
 
 
 def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,6 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
 from .group_rows import Group
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,10 +124,11 @@ class Problem:
         for first, group in zip(self.starts[0], self.groups, strict=False):
             yield from group.blocks(decimated=decimated, first=int(first))
 
-    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the decimated rows of each recording, group by group, and bring back what it finds."""
+    def recordings(self) -> Iterator[Iterator[RowBlock]]:
+        """Go over the decimated rows of each recording, group by group."""
         for first, group in zip(self.starts[0], self.groups, strict=False):
-            yield from group.on_each(work, decimated=True, first=int(first))
+            for index in range(len(group.data)):
+                yield group.blocks_of(index, decimated=True, first=int(first))
 
     def widened(self, r_factor: RFactor, group: int) -> RFactor:
         """Put the columns of an R factor of one group where its parameters stand."""

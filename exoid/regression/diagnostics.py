@@ -18,7 +18,7 @@ from .model import RegressorModel
 from .noise import LagSums
 from .parameters import PriorKnowledge
 from .problem import RowProblem
-from .residuals import Noises, Point, Series, over_recordings
+from .residuals import Noises, Point, Series, series
 from .row_data import NoiseKind
 
 WELL = 0.1
@@ -131,8 +131,8 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
-    for found in over_recordings(problem, point, _autocorrelate):
-        for (kind, joint), (sums, pairs) in found.items():
+    for parts in series(problem, point):
+        for (kind, joint), (sums, pairs) in _autocorrelate(parts).items():
             samples[joint] += pairs[0]
             effective[joint] += pairs[0] * noises[kind, joint].effective_share
             if not kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:

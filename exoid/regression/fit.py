@@ -6,7 +6,6 @@ import itertools
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from exoid._typing import FloatArray
 from .least_squares import ROUNDING, TINY, RFactor, Solution, stack
 from .noise import AutoregressiveNoise
 from .problem import LeastSquaresProblem, RowProblem, RowSource
-from .residuals import Noises, Point, Series, matrix_root, over_recordings, sandwich
+from .residuals import Noises, Point, Series, matrix_root, sandwich, series
 
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
@@ -183,8 +182,8 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution)
     # and the information y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up
     # to those of the rows as they are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
     inverse = solution.inverse
-    work = partial(_changes, noises, matrix_root(inverse), point.clip)
-    changes = np.vstack(list(over_recordings(rows, point, work)))
+    root = matrix_root(inverse)
+    changes = np.vstack([_changes(noises, root, point.clip, parts) for parts in series(rows, point)])
     moved = np.abs(changes) > ROUNDING * np.abs(changes).max(axis=0, initial=0.0)
     count = moved.sum(axis=0)
     changes = np.where(moved, changes - changes.sum(axis=0) / np.maximum(count, 1), 0.0)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Protocol, TypeVar
+from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .least_squares import RFactor, Solution
 from .row_data import NoiseKind, RowBlock
-
-T = TypeVar("T")
 
 
 class LeastSquaresProblem(Protocol):
@@ -46,8 +44,8 @@ class RowSource(Protocol):
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """Index among the R factors of the one that holds the rows of a kind and joint."""
 
-    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
+    def recordings(self) -> Iterator[Iterator[RowBlock]]:
+        """Go over the decimated rows of one recording after the other."""
 
 
 class RowProblem(LeastSquaresProblem, RowSource, Protocol):

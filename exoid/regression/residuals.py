@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from exoid._typing import FloatArray
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import RowProblem, RowSource
+from .problem import RowSource
 from .row_data import NoiseKind, RowBlock
 
 
@@ -45,35 +44,14 @@ Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
-T = TypeVar("T")
-
-
-def over_recordings(problem: RowSource, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
-    """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
-    # The rows may be elsewhere, on a disk or on other workers: what the work finds should be small.
-    yield from problem.gather(partial(_on_series, work, _weigher(problem, point)))
-
-
-def _on_series(
-    work: Callable[[Iterator[Series]], T],
-    weigh: Callable[[Iterable[RowBlock]], Iterator[Series]],
-    blocks: Iterable[RowBlock],
-) -> T:
-    return work(weigh(blocks))
-
-
-def series(problem: RowProblem, point: Point) -> Iterator[Series]:
-    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
-    return _weigher(problem, point)(problem.blocks(decimated=True))
-
-
-def _weigher(problem: RowSource, point: Point) -> Callable[[Iterable[RowBlock]], Iterator[Series]]:
-    """Make a function that weighs rows and knows no more of the problem than that needs: it may go to a worker."""
+def series(rows: RowSource, point: Point) -> Iterator[Iterator[Series]]:
+    """Go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
     weights = [
-        [point.weights[problem.weight_index(NoiseKind(at_rest, 0), joint)] for at_rest in (False, True)]
-        for joint in range(len(problem.columns))
+        [point.weights[rows.weight_index(NoiseKind(at_rest, 0), joint)] for at_rest in (False, True)]
+        for joint in range(len(rows.columns))
     ]
-    return partial(_weigh, problem.columns, weights, point)
+    for blocks in rows.recordings():
+        yield _weigh(rows.columns, weights, point, blocks)
 
 
 def _weigh(
@@ -102,8 +80,8 @@ def fit_noise(
     # restricted maximum likelihood does). Samples left out do not count.
     roots = [matrix_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
-    for found in over_recordings(problem, point, partial(_lag_sums, roots)):
-        for key, of_joint in found.items():
+    for parts in series(problem, point):
+        for key, of_joint in _lag_sums(roots, parts).items():
             sums[key] = sums.get(key, 0.0) + of_joint
     return {key: _model(*found) for key, found in sums.items()}
 
@@ -140,8 +118,8 @@ def sandwich(problem: RowSource, point: Point, solution: Solution) -> Sandwich:
     for _ in range(5):  # noise and covariance depend on each other, and are computed in turn
         noises = fit_noise(problem, point, covariance)
         meat = solution.prior_noise.copy()
-        for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):
-            meat += found
+        for parts in series(problem, point):
+            meat += _meat(noises, len(meat), parts)
         half = inverse @ matrix_root(meat)  # so that no variance is negative, however ill-conditioned the rows
         before, covariance = covariance, half @ half.T
         if settled(before, covariance):

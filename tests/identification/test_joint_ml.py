@@ -204,8 +204,8 @@ def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score
     reduced = [eliminate(*pair) for pair in zip(system.trajectories, linear, strict=True)]
     matrix, gradient = system.join(reduced, state, LEVELS)
     rows = system.influence(state, LEVELS)
-    W = np.vstack([block.rows.W.reshape(-1, len(swing.truth)) for block in rows.recordings])
-    tau = np.concatenate([block.rows.tau.ravel() for block in rows.recordings])
+    W = np.vstack([block.rows.W.reshape(-1, len(swing.truth)) for block in rows.blocks])
+    tau = np.concatenate([block.rows.tau.ravel() for block in rows.blocks])
     np.testing.assert_allclose(W.T @ W, matrix, rtol=1e-5, atol=1e-6 * np.abs(matrix).max())
     score = W.T @ (tau - W @ state.values)
     np.testing.assert_allclose(score, gradient, rtol=1e-4, atol=1e-6 * np.abs(gradient).max())

@@ -86,8 +86,8 @@ def test_scores_of_whitened_rows_sum_up_to_those_of_the_rows(swing):
     noises = sandwich(problem, fit.point, fit.solution).noises
     assert max(noise.order for noise in noises.values()) > 0
     delay = max(noise.order for noise in noises.values())
-    for part in module.over_recordings(problem, fit.point, list):
-        for series in part:
+    for parts in module.series(problem, fit.point):
+        for series in parts:
             joint = module._WhitenedJoint(noises[series.kind, series.joint], len(series.columns), delay)
             X, Y, residual, places = joint.add(series, np.inf)
             assert len(places) == len(series.residual)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import NamedTuple, TypeVar
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,6 @@ from exoid.torques import Motion, TorqueModel
 from .bordered import BorderedRows, ReducedSystem, eliminate
 from .trajectory import WIDTH, Trajectory
 
-T = TypeVar("T")
-
 HALVINGS = 10  # a step that does not reduce the sum of squares is halved so often
 PROBES = 6  # random vectors with which traces are estimated
 QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
@@ -30,23 +28,22 @@ class LinearisedRows(NamedTuple):
     """Weighted residuals of measured channels, such as angles and torques, and their derivatives by β."""
 
     columns: Sequence[NDArray[np.intp]]  # parameters that act on each channel, as indices
-    recordings: Sequence[RowBlock]  # rows of each recording
+    blocks: Sequence[RowBlock]  # rows of each recording
 
     @staticmethod
-    def of(recordings: Sequence[RowBlock]) -> LinearisedRows:
+    def of(blocks: Sequence[RowBlock]) -> LinearisedRows:
         """Collect recordings; poses may have the first channels only."""
-        channels = max(block.rows.W.shape[1] for block in recordings)
-        every = np.arange(recordings[0].rows.W.shape[2])
-        return LinearisedRows([every] * channels, recordings)
+        channels = max(block.rows.W.shape[1] for block in blocks)
+        every = np.arange(blocks[0].rows.W.shape[2])
+        return LinearisedRows([every] * channels, blocks)
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """All rows have one weight."""
         return 0
 
-    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the rows of each recording."""
-        for block in self.recordings:
-            yield work([block])
+    def recordings(self) -> Iterator[Iterator[RowBlock]]:
+        """Go over the rows of each recording."""
+        return (iter([block]) for block in self.blocks)
 
 
 def linearised_block(

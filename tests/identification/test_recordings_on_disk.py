@@ -1,8 +1,7 @@
-"""Recordings on disk, and on workers of joblib's backends, give the estimate of the same recordings in memory."""
+"""Recordings on disk give the estimate of the same recordings in memory."""
 
 from __future__ import annotations
 
-import joblib
 import numpy as np
 import pytest
 from log_writers import write_parquet
@@ -10,7 +9,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import ExoidError, Recording, Recordings
+from exoid import Recording, Recordings
 from exoid.signals import FiniteDifference, Poses
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
@@ -89,32 +88,6 @@ def test_they_are_a_sequence(folder):
     assert len(stored[1:3]) == 2
     assert stored[-1].source.name == "part.12.parquet"
     assert [each.source.name for each in stored[:2]] == ["part.8.csv", "part.9.csv"]
-
-
-def dask_of_threads():
-    distributed = pytest.importorskip("distributed")
-    # an address of its own: Dask asks the network for one, which may be missing
-    options = {"n_workers": 2, "processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": ":0"}
-    return distributed.Client(distributed.LocalCluster(**options))
-
-
-@pytest.mark.slow
-def test_workers_of_dask_give_the_estimate_of_memory(folder, in_memory):
-    with dask_of_threads(), joblib.parallel_config("dask"):
-        found = identify(SWING.leg, Recordings.from_folder(folder), TERMS)
-        with pytest.raises(ExoidError, match="no such file"):
-            identify(SWING.leg, Recordings.from_files(["nowhere.csv"]))
-    assert_same(found, identify(SWING.leg, in_memory, TERMS))
-
-
-@pytest.mark.slow
-def test_processes_give_the_estimate_of_memory_also_for_settings_that_are_searched(folder, in_memory):
-    terms = (exoid.Viscous(), exoid.torques.Stribeck(velocity=exoid.torques.NonlinearParameter(0.1, 0.01, 1.0)))
-    with joblib.parallel_config(n_jobs=2):
-        found = identify(SWING.leg, Recordings.from_folder(folder)[:2], terms)
-    expected = identify(SWING.leg, in_memory[:2], terms)
-    np.testing.assert_allclose(found.values, expected.values, rtol=1e-6, atol=1e-8)
-    np.testing.assert_allclose(found.nonlinear.values, expected.nonlinear.values, rtol=1e-6)
 
 
 @pytest.mark.slow
