@@ -40,8 +40,7 @@ def check_group(
         return checkup, None
     speed = checkup.ranges.speed
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
-    rows = friction_rows(leg, speed) if checkup.friction is None else checkup.friction
-    return checkup, friction_form_error(leg, speed, residual_rms, share, rows)
+    return checkup, friction_form_error(leg, speed, residual_rms, share, friction_rows(leg, speed))
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:

@@ -13,10 +13,10 @@ from exoid.errors import ExoidError
 from exoid.estimate.model_error import COUNT, KINDS, ModelError, with_alternatives
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import chain, decimated, form_rows, prepare
+from exoid.regression.rows import chain, decimated, form_rows
 from exoid.signals import Recording
 
-from .findings.sample import FittedLeg, few_of, some_samples
+from .findings.sample import FittedLeg, averaged, few_of, prepared_for_checks, some_samples
 
 TINY = 1e-12  # smallest norm to divide by
 
@@ -92,7 +92,8 @@ def friction_rows(fitted: FittedLeg, speed: FloatArray) -> list[Rows]:
     moving = [one for one in few_of(fitted.data) if isinstance(one, Recording)]
     for one in some_samples(fitted.model, moving):
         try:
-            prepared = decimated(prepare(model, one, fitted.preparation))
+            preparation = fitted.preparation
+            prepared = decimated(prepared_for_checks(model, averaged(one, preparation), preparation))
         except ExoidError:  # too short for the filter
             continue
         found.append(chain([form_rows(model, prepared, stretch) for stretch in prepared.stretches()]))

@@ -14,7 +14,6 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.late_velocity import late_velocities
-from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
@@ -47,10 +46,8 @@ class Checkup(NamedTuple):
 
     findings: tuple[Finding, ...] = ()  # the worst first
     ranges: MotionRanges | None = None  # ranges of the motion; None where no rows could be formed
-    # rows of parameters and friction of other forms, of each recording in motion; None where they were not formed with
-    # the preparation of the fit
-    friction: tuple[Rows, ...] | None = None
-    torque_spread: FloatArray | None = None  # standard deviation of the torque of each joint [N·m], (n,); None likewise
+    # standard deviation of the torque of each joint [N·m], (n,); None without rows with the preparation of the fit
+    torque_spread: FloatArray | None = None
 
 
 def check_fit(fitted: FittedLeg) -> Checkup:
@@ -60,16 +57,15 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     fitted = fitted._replace(data=few_of(fitted.data))
     found = list(signal_findings(fitted.model, fitted.data))
     sample = fitted.sampled()
-    alike = sample.preparation is fitted.preparation
     try:
-        evidence = gather(sample, fitted.values, other_friction=alike)
+        evidence = gather(sample, fitted.values)
     except ExoidError:
         return Checkup(ordered(found))
     found += [*out_of_plane_base(sample), *gravity_size(sample)]
     checked = CheckedFit.of(sample, evidence)
     found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
     ranges = reduce(MotionRanges.joined, evidence.ranges)
-    return Checkup(ordered(found), ranges, *((tuple(evidence.friction), checked.spread) if alike else ()))
+    return Checkup(ordered(found), ranges, checked.spread if sample.preparation is fitted.preparation else None)
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:

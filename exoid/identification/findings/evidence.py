@@ -29,8 +29,6 @@ class Evidence(NamedTuple):
     factors: list[FloatArray]  # R factor of the rows of each joint, (M, P + K + 1) with M columns that act
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)
     ranges: Sequence[MotionRanges] = ()  # ranges of the motion of each
-    # rows of parameters and friction of other forms, of each recording in motion; empty if not formed
-    friction: Sequence[Rows] = ()
 
     @classmethod
     def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray) -> Evidence:

@@ -11,12 +11,12 @@ import numpy as np
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
-from exoid.estimate.model_error import AlternativeFriction
+from exoid.regression.model import RegressorModel
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.recording_data import change_samples
-from exoid.torques import Motion, TorqueModel
+from exoid.torques import TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
 
@@ -120,46 +120,36 @@ def segments(recording: Recording) -> Iterator[Recording]:
         yield recording.slice(int(start), int(start) + 10_000)
 
 
-def gather(fitted: FittedLeg, values: FloatArray, *, other_friction: bool = False) -> Evidence:
-    """Form rows of parameters and nuisance columns, and of parameters and friction of other forms if asked for."""
-    rigid, ready, errors = values[: len(fitted.model.leg.parameter_names)], [], []
-    still = AlternativeFriction(rigid, np.zeros(len(fitted.model.joint_names)))  # its speed is known later
+def gather(fitted: FittedLeg, values: FloatArray) -> Evidence:
+    """Form rows of parameters and nuisance columns."""
+    ready, errors = [], []
     for one in fitted.data:
         try:
-            prepared = prepare(fitted.model, one, fitted.preparation)
+            ready.append((one, decimated(prepared_for_checks(fitted.model, one, fitted.preparation))))
         except ExoidError as error:
             errors.append(error)
-            continue
-        if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
-            prepared = prepared._replace(usable=prepared.usable & one.driven)
-        # Other friction, and many faults, differ most where joints turn round: no reversal is taken out.
-        prepared = prepared._replace(reversals=None)
-        if other_friction and isinstance(one, Recording):
-            assert isinstance(prepared.motion, Motion)
-            prepared = prepared._replace(motion=still.motion(prepared.motion))
-        ready.append((one, decimated(prepared)))
     if not ready:
         raise errors[0]
     ranges = []
     for _, prepared in ready:
         motion, used = prepared.motion, prepared.inside
         ranges.append(MotionRanges.of(motion.q[used], motion.v[used], motion.a[used]))
-    speed = np.max([one.speed for one in ranges], axis=0)
-    friction = AlternativeFriction(rigid, speed) if other_friction else None
-    both = [_rows(fitted, one, prepared, values, friction) for one, prepared in ready]
+    rows = [_rows(fitted, one, prepared, values) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
-    others = tuple(other for _, other in both if other is not None)
-    return Evidence.of([rows for rows, _ in both], at_rest, fitted.fixed)._replace(ranges=ranges, friction=others)
+    return Evidence.of(rows, at_rest, fitted.fixed)._replace(ranges=ranges)
 
 
-def _rows(
-    fitted: FittedLeg,
-    one: Recording | Poses,
-    prepared: Prepared,
-    values: FloatArray,
-    friction: AlternativeFriction | None,
-) -> tuple[Rows, Rows | None]:
-    """Form the decimated rows of one recording: those with nuisance columns, and those with other friction."""
+def prepared_for_checks(model: RegressorModel, one: Recording | Poses, preparation: Preparation) -> Prepared:
+    """Prepare a recording, with all rows at reversals and none of passive joints."""
+    # Other friction, and many faults, differ most where joints turn round.
+    prepared = prepare(model, one, preparation)._replace(reversals=None)
+    if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
+        prepared = prepared._replace(usable=prepared.usable & one.driven)
+    return prepared
+
+
+def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, values: FloatArray) -> Rows:
+    """Form the decimated rows of one recording."""
     model, moving = fitted.model, isinstance(one, Recording)
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
@@ -168,17 +158,7 @@ def _rows(
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
     columns = library(model, fitted.arms).columns
     drift = len(model.names) + next(k for k, column in enumerate(columns) if column.kind == "drift")
-    faults = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
-    extras = (faults,) if friction is None or not moving else (faults, friction)
-    every = WithColumns(model, extras)
+    every = WithColumns(model, (NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms),))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
-    if len(extras) == 1:
-        return rows, None
-    count = len(model.names) + len(columns)
-    with_friction = np.r_[: len(model.names), count : len(every.names)]
-    W = rows.W.transpose(2, 1, 0)  # column by column, as they lie in memory
-    return (
-        rows._replace(W=W[:count].transpose(2, 1, 0), acting=rows.acting[:, :count]),
-        rows._replace(W=W[with_friction].transpose(2, 1, 0), acting=rows.acting[:, with_friction]),
-    )
+    return rows
