@@ -84,21 +84,3 @@ def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_al
     assert false < 0.10
     assert found > 0.9
     assert alarms < 0.05
-
-
-LEVELS = np.array([0.05, 0.25, 0.5, 0.75])
-SHARES = np.array([0.047, 0.214, 0.458, 0.715])
-"""Share of p-values below each level of 400 replicates; docs/intervals.md says why some are smaller than it."""
-
-
-@pytest.mark.nightly
-def test_p_values_of_equal_parameters_are_uniform_or_a_little_larger(sides, replicates):
-    """Within two standard errors of the measured shares; parameters of one replicate are correlated."""
-    names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
-    equal = [k for k, name in enumerate(names) if truth["left"][name] == truth["right"][name]]
-    p = np.array([t.compare("left", "right").p_values[equal] for t in replicates])
-    of_each = (p[..., None] < LEVELS).mean(axis=1)
-    shares, errors = of_each.mean(axis=0), of_each.std(axis=0, ddof=1) / np.sqrt(len(p))
-    print("share of p below 0.05, 0.25, 0.5, 0.75:", shares.round(3), "standard errors", errors.round(3))
-    assert (shares < LEVELS + 2.0 * errors).all()
-    assert (np.abs(shares - SHARES) < 2.0 * errors).all()

@@ -25,7 +25,6 @@ from .evidence import Evidence
 from .loop_gap import loop_gaps
 from .physics import (
     CheckedFit,
-    far_from_urdf,
     impossible_leg,
     large_residuals,
     negative_friction,
@@ -108,7 +107,7 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
             found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
         if not found:
-            found += [*far_from_urdf(checked), *turned_segment(checked)]
+            found += turned_segment(checked)
     yield from found
     if not explained and not any(finding.severity == "error" for finding in found):
         yield from impossible_leg(checked)

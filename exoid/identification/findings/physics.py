@@ -189,26 +189,6 @@ def negative_friction(checked: CheckedFit) -> Iterator[Finding]:
         yield Finding("impossible-leg", "", value, unit, "warning", message, remedy, parameters=names)
 
 
-def far_from_urdf(checked: CheckedFit) -> Iterator[Finding]:
-    """Find segments whose mass moment or inertia is far from the URDF's, beyond their errors; only of planar legs."""
-    leg = checked.fitted.model.leg
-    for k, joint in enumerate(leg.joint_names if leg.limbs else ()):
-        urdf, found, errors = (_segments(leg, x)[k] for x in (leg.parameters, checked.fitted.values, checked.std))
-        pairs = (
-            ("mass moment", float(np.hypot(*urdf[:2])), float(np.hypot(*found[:2])), errors[:2].max(), "kg·m"),
-            ("inertia", float(urdf[2]), float(found[2]), float(errors[2]), "kg·m²"),
-        )
-        for what, drawn, identified, error, unit in pairs:
-            if drawn <= 0.0 or abs(identified - drawn) < 4.0 * error or 0.5 < identified / drawn < 2.0:
-                continue
-            ratio = identified / drawn
-            message = (
-                f"the {what} of {leg.link_names[k]} is {identified:.3g} {unit}, {ratio:.3g} times that of the URDF"
-            )
-            remedy = "check the URDF's inertias, what the leg carried, and the unit of the torque"
-            yield Finding("far-from-urdf", joint, ratio, "1", "info", message, remedy)
-
-
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:
     """Values of (X, Y, J) of each segment among all, (n, 3)."""
     rigid = len(leg.parameter_names)

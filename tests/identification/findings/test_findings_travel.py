@@ -96,7 +96,7 @@ def test_a_prediction_worse_than_a_constant_is_an_error():
 
 
 def test_findings_survive_json_and_are_ordered():
-    info = Finding("far-from-urdf", "knee", 2.0, "1", "info", "m", "r")
+    info = Finding("angle-offset", "knee", 2.0, "1", "info", "m", "r")
     error = Finding("dropout", "hip", 0.1, "1", "error", "m", "r", (0.0, 0.2), ("X1",), "a.csv")
     assert records(Finding, json.loads(json.dumps(json_value((info, error))))) == (info, error)
     assert ordered((info, error)) == (error, info)

@@ -115,14 +115,6 @@ def test_negative_rotor_inertia_is_found():
     assert finding.value < 0.0
 
 
-def test_a_leg_far_from_its_urdf_is_information():
-    leg, log = clean()
-    light = leg.with_parameters(leg.parameters * np.where(np.arange(9) >= 6, 0.4, 1.0))
-    finding = next(f for f in exoid.check(light, log) if f.kind == "far-from-urdf")
-    assert (finding.joint, finding.severity, finding.parameters) == (leg.joint_names[2], "info", ())
-    assert finding.value == pytest.approx(2.5, rel=0.1)
-
-
 def test_a_shared_factor_of_torque_and_model_changes_no_finding():
     """A log in other units of force and the leg in the same units have the same faults."""
     leg, log = clean()

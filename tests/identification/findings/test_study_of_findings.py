@@ -16,19 +16,6 @@ import fault_lists
 import faulty_logs
 import study_findings as study
 
-SILENT = {"none", "noise that grows with speed", "noise that grows with torque"}
-"""Disturbances under which intervals hold."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("which", range(len(fault_lists.DISTURBANCES)))
-def test_a_disturbance_has_the_right_finding(which):
-    disturbance = fault_lists.DISTURBANCES[which]
-    largest = max(disturbance.sizes, key=abs) if disturbance.name != "torque saturated" else min(disturbance.sizes)
-    outcome = study.disturbed("bleex", which, largest, 0)
-    assert outcome.warned == (disturbance.name not in SILENT)
-    assert outcome.named == bool(disturbance.kinds)
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize("leg", ["bleex", "cuhk", "hyq"])
