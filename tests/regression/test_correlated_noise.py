@@ -154,15 +154,6 @@ def test_poses_and_recordings_of_several_rates_make_one_estimate(swing, estimato
     assert (textbook.std < 1.1 * alone.std).all()
 
 
-def test_rows_that_do_not_fit_into_memory_are_made_again(swing, monkeypatch):
-    estimates = []
-    for kept in (2**26, 0):
-        monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
-        estimates.append(identify(swing.leg, noisy(swing, 13), TERMS, "huber"))
-    assert (estimates[0].values == estimates[1].values).all()
-    assert (estimates[0].covariance == estimates[1].covariance).all()
-
-
 def test_the_noise_found_is_the_noise_made(swing):
     problem = problem_of(swing, 14)
     fit = wls(problem)
