@@ -5,9 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
-import signal
 import sys
-import threading
 from typing import Annotated, Any
 
 import typer
@@ -69,8 +67,6 @@ def main() -> None:
 
     The exit status is 2 for bad input, and 1 for an error of the program.
     """
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _terminate)
     os.environ["MPLBACKEND"] = "agg"  # figures are files: another backend may be unknown, or open windows
     words = [word for word in sys.argv[1:] if word not in (TRACEBACK, QUIET)]
     quiet.set(QUIET in sys.argv[1:])
@@ -87,12 +83,6 @@ def main() -> None:
         line, status = describe_error(error)
         typer.echo(f"exoid: {line}", err=True)
         sys.exit(status)
-
-
-def _terminate(*_: object) -> None:
-    """End as Ctrl-C does, so that workers and servers end too."""
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    sys.exit(128 + signal.SIGTERM)
 
 
 def _run(words: list[str]) -> None:

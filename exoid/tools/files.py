@@ -2,7 +2,6 @@
 
 A file appears under its name only when it is complete. A symbolic link stays, and the file that it names is written. A
 file that is replaced keeps its mode and, where the system allows it, its owner. Devices, pipes and sockets are refused.
-A writer that was killed leaves a hidden file, which the next writer of the same file removes.
 """
 
 from __future__ import annotations
@@ -12,8 +11,6 @@ import errno
 import hashlib
 import json
 import os
-import platform
-import re
 import secrets
 import shutil
 import stat
@@ -207,27 +204,12 @@ def _is_standard_output(target: Path) -> bool:
 
 
 def _beside(target: Path, ending: str) -> Path:
-    """Make a new hidden name in the same folder, with the machine and the process that writes."""
-    writer = f"{platform.node()[:NAME_KEPT]}-{os.getpid()}-{secrets.token_hex(8)}"
-    return target.with_name(f".{target.name[:NAME_KEPT]}.{writer}.{ending}")
-
-
-def _is_running(process: int) -> bool:
-    """Tell whether a process of this machine runs."""
-    try:
-        os.kill(process, 0)
-    except OSError as error:  # it may be another user's
-        return not isinstance(error, ProcessLookupError)
-    return True
+    """Make a new hidden name in the same folder."""
+    return target.with_name(f".{target.name[:NAME_KEPT]}.{secrets.token_hex(8)}.{ending}")
 
 
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
     """Write a temporary file with the mode and the owner of the file that it will replace."""
-    like = re.compile(re.escape(part.name.rsplit("-", 2)[0]) + r"-(\d{1,9})-[0-9a-f]{16}\.part")
-    with suppress(OSError):  # it is another user's
-        for path in part.parent.iterdir() if os.name == "posix" else ():  # elsewhere a signal of 0 ends a process
-            if (found := like.fullmatch(path.name)) and not _is_running(int(found[1])):
-                path.unlink(missing_ok=True)  # a writer of the same file, on this machine, was killed
     with part.open("xb") as file:
         file.writelines(pieces)
         file.flush()

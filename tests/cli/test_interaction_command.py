@@ -61,6 +61,7 @@ def test_strides_give_the_phase(interaction):
     assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
 
 
+@pytest.mark.slow
 def test_the_report_is_one_page_with_the_torque_and_a_scene(interaction, tmp_path):
     path = tmp_path / "report.html"
     assert interaction("worn.csv", "--report", str(path))[0] == 0

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
-import sys
 import threading
 from pathlib import Path
 
@@ -154,44 +152,3 @@ def test_an_estimate_knows_its_inputs_by_their_content(estimate, method, name):
     with pytest.raises(ExoidError, match="is an input, which the output would replace"):
         getattr(Estimate.load(estimate / "est.json"), method)(estimate / name)
     assert (estimate / name).read_bytes() == before
-
-
-KILLED = """
-import sys, time
-from exoid.tools.files import write_whole
-
-def pieces():
-    yield "x" * 100_000
-    print("begun", flush=True)
-    time.sleep(60)
-
-write_whole(sys.argv[1], pieces())
-"""
-
-
-@posix
-@pytest.mark.slow
-def test_what_a_killed_writer_leaves_is_removed_by_the_next_one(write, tmp_path):
-    """A second writer, which is still at work, keeps its file, and so does a file of another name."""
-    target, other = tmp_path / "est [1].json", tmp_path / "est.json"
-    writers = [
-        subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True)
-        for path in (target, target, other)
-    ]
-    try:
-        assert [writer.stdout.readline() for writer in writers] == ["begun\n"] * 3
-        for writer in (writers[0], writers[2]):
-            writer.kill()
-            writer.wait()
-        assert len(list(tmp_path.glob(".*.part"))) == 3
-        write(target)
-        kept = [path.name for path in tmp_path.glob(".*.part")]
-        assert sorted(f"-{writers[k].pid}-" in name for k in (1, 2) for name in kept) == [False, False, True, True]
-    finally:
-        for writer in writers:
-            writer.kill()
-            writer.communicate()
-    write(target)
-    write(other)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["est [1].json", "est.json"]
-    assert target.read_text() == "new"
