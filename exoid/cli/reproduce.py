@@ -12,7 +12,9 @@ from .progress import progress_bar
 
 
 def reproduce(
-    document: Annotated[Literal["bleex", "cuhk", "stance"], Argument(help="Exoskeleton of the document, or stance.")],
+    document: Annotated[
+        Literal["bleex", "cuhk", "tracking", "stance"], Argument(help="Exoskeleton of the document, or a study.")
+    ],
     seed: Annotated[int, Option(min=0, metavar="N", help="Seed of random poses and sensor noise.")] = 0,
     figures: Figures = None,
     report: Report = None,
@@ -20,7 +22,8 @@ def reproduce(
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side.
 
-    "stance" is a study beside the documents: BLEEX swings, stands and walks, with and without force plates.
+    "tracking" is document 2's comparison of controllers, on a leg identified from noisy data. "stance" is a study
+    beside the documents: BLEEX swings, stands and walks, with and without force plates.
 
     Example: exoid reproduce cuhk --report cuhk.html
     """
@@ -32,6 +35,10 @@ def reproduce(
             found = replays.bleex_report(replays.reproduce_bleex(seed, progress=progress)[0])
         elif document == "cuhk":
             found = replays.cuhk_report(replays.reproduce_cuhk(seed, progress=progress)[0])
+        elif document == "tracking":
+            from exoid.lab.reproduce.tracking_report import cuhk_tracking_report  # noqa: PLC0415 - see above
+
+            found = cuhk_tracking_report(replays.reproduce_cuhk_tracking(seed, progress=progress))
         else:
             found = replays.stance_report(replays.reproduce_stance(seed, progress=progress))
     show_report(found, figures, report, as_json=as_json)

@@ -42,13 +42,6 @@ if TYPE_CHECKING:
     from exoid.rig import Payload, Plant
 
 
-class DocumentOptions(NamedTuple):
-    """Options of document 2's comparison."""
-
-    rotor: Annotated[Number, Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None
-    wrong: Annotated[bool, Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False
-
-
 class MotionOptions(NamedTuple):
     """The motion to follow; None for the default of each."""
 
@@ -69,12 +62,9 @@ class RigOptions(NamedTuple):
 
 @expand_options(without={"reading": ("payload", "base_position", "wrench")})
 def track(
-    what: Annotated[
-        str, Argument(metavar="EST.JSON|cuhk|bleex", help="An estimate, document 2's comparison, or BLEEX.")
-    ],
-    seed: Annotated[int, Option(min=0, help="Seed of sensor noise; for cuhk of the whole experiment.")] = 0,
-    document: DocumentOptions = DocumentOptions(),  # noqa: B008 - a tuple does not change
-    gains: GainOptions = GainOptions(),  # noqa: B008
+    what: Annotated[str, Argument(metavar="EST.JSON|bleex", help="An estimate, or BLEEX of document 1.")],
+    seed: Annotated[int, Option(min=0, help="Seed of sensor noise.")] = 0,
+    gains: GainOptions = GainOptions(),  # noqa: B008 - a tuple does not change
     motion: MotionOptions = MotionOptions(),  # noqa: B008
     reading: LogOptions = READ_AS_IT_IS,
     rig: RigOptions = RigOptions(),  # noqa: B008
@@ -85,9 +75,8 @@ def track(
 ) -> None:
     """Run controllers on a rig and compare tracking error, torque, energy and chatter.
 
-    cuhk replays document 2's comparison of controllers, on a leg identified from noisy data. With an estimate, rig and
-    controllers have the same model; --rig-payload and --rig-friction change the rig. With --dry-run a controller reads
-    a log, and nothing moves.
+    Rig and controllers have the same model; --rig-payload and --rig-friction change the rig. With --dry-run a
+    controller reads a log, and nothing moves.
 
     Example: exoid track est.json --rate 50
     """
@@ -99,17 +88,12 @@ def track(
     if logs and is_readable(what):
         reading = with_remembered(reading, exoid.Estimate.load(what), what, logs)
     if dry.dry_run is not None:
-        refuse({**given(motion, rig, document), "--report": report}, "--dry-run has no rig")
+        refuse({**given(motion, rig), "--report": report}, "--dry-run has no rig")
         _dry_run(what, dry, gains, reading, figures, as_json=as_json)
         return
     refuse(given(dry), "there is no --dry-run")
     with progress_bar(f"tracking {what}") as progress:
-        if what == "cuhk":
-            refuse(given(gains, motion, rig), "cuhk is document 2's comparison; name an estimate")
-            found = _of_document(document, seed, progress)
-        else:
-            refuse(given(document), "it is an option of cuhk")
-            found = _of_leg(what, gains, motion, rig, reading, seed, progress)
+        found = _of_leg(what, gains, motion, rig, reading, seed, progress)
     show_report(found, figures, report, as_json=as_json)
 
 
@@ -128,16 +112,6 @@ def _dry_run(
     if figures is not None:
         save_figures(figures, {"dry_run": law_replay_figure(replay)})
     print_result(replay, as_json=as_json)
-
-
-def _of_document(document: DocumentOptions, seed: int, progress: Callable[[float], None]) -> ReplayReport:
-    """Run document 2's comparison."""
-    from exoid.lab import reproduce  # noqa: PLC0415 - see above
-    from exoid.lab.reproduce.tracking_report import cuhk_tracking_report  # noqa: PLC0415
-
-    inertia = {} if document.rotor is None else {"rotor": document.rotor}
-    replay = reproduce.reproduce_cuhk_tracking(seed, wrong=document.wrong, progress=progress, **inertia)
-    return cuhk_tracking_report(replay)
 
 
 def _of_leg(
@@ -213,7 +187,8 @@ def _source(what: str) -> exoid.Estimate | Plant:
         leg = exoid.load_leg("bleex", inertias="identified")
         return exoid.rig.Plant.build(leg, exoid.published.bleex_resistances("left"))
     if not is_readable(what):
-        raise BadArgumentError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
+        remedy = "name an estimate of exoid identify -o, or bleex; exoid reproduce tracking has document 2's comparison"
+        raise BadArgumentError(f"no estimate {what!r}", remedy=remedy)
     return exoid.Estimate.load(what)
 
 

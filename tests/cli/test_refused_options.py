@@ -17,10 +17,7 @@ SHORT = "--duration 8 --highest 0.6 --starts 1 --noise 0.3"
 REFUSED = {
     "track": [
         ("absent.json", "absent.json: no such file"),
-        ("cuhk --kp 1", "--kp has no effect"),
-        ("cuhk --rotor -1", "rotors of -1"),
-        ("bleex --rotor 0", "--rotor has no effect"),
-        ("bleex --wrong", "--wrong has no effect"),
+        ("cuhk", "exoid reproduce tracking"),
         ("bleex --kp 1,2", "--kp 1,2"),
         ("bleex --kp stiff", "--kp stiff"),
         ("bleex --kp -5", "kp is"),
@@ -35,7 +32,6 @@ REFUSED = {
         ("cuhk.json --dry-run log.csv --law nonsense", "no controller 'nonsense'"),
         ("cuhk.json --dry-run log.csv --kp 10,10", "gravity_support has no gains"),
         ("cuhk.json --dry-run log.csv --rig-payload 1", "--rig-payload has no effect"),
-        ("cuhk.json --dry-run log.csv --wrong", "--wrong has no effect"),
         ("cuhk.json --dry-run log.csv --rate 1000", "1000 Hz"),
         ("cuhk.json --dry-run log.csv --limit 0,0", "limit"),
         ("cuhk.json --dry-run log.csv --limit 1,2,3", "--limit 1,2,3"),

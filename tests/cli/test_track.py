@@ -1,4 +1,4 @@
-"""``exoid track``: laws side by side on an estimate, on BLEEX, and document 2's comparison."""
+"""``exoid track``: laws side by side on an estimate and on BLEEX, and document 2's comparison."""
 
 import json
 from functools import partial
@@ -138,7 +138,7 @@ def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp
 
 
 @pytest.mark.slow
-def test_document_2s_comparison_is_printed(track, monkeypatch):
+def test_document_2s_comparison_is_printed(exoid_, monkeypatch):
     """The replay itself is tested with the others; here a short one stands in."""
     short = partial(healthy_gait, period=2.0)
     gait = short(1.2)
@@ -146,18 +146,17 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
     laws = {"pd_30hz": control.pd(22.0, 2.2, rate=30.0), **control.standard_laws(plant, 22.0, 2.2, gait, 2.0)}
     runs = control.compare_laws(plant, laws, gait, 4.0, settle=2.0)
 
-    def replay(seed, *, wrong, progress, rotor=0.8):
-        assert not wrong
+    def replay(seed, *, progress):
         progress(1.0)
-        return reproduce.cuhk_tracking.TrackingReplay(None, runs, {}, rotor, seed)
+        return reproduce.cuhk_tracking.TrackingReplay(None, runs, {}, 0.8, seed)
 
     monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
-    code, out, err = track("cuhk", "--json", "--seed", 3, "--rotor", 0.5)
+    code, out, err = exoid_("reproduce", "tracking", "--json", "--seed", 3)
     assert (code, err) == (0, "")
     data = json.loads(out)
     assert (list(data), data["seed"]) == (["laws", "gains", "seed"], 3)
     assert list(data["laws"]) == ["pd_30hz", *NAMES]
-    code, out, _ = track("cuhk")
+    code, out, _ = exoid_("reproduce", "tracking")
     assert code == 0
     assert "rotors of 0.8 kg·m²" in out
     assert "document 2 calls their power comparable" in " ".join(out.split())
@@ -212,7 +211,7 @@ def test_a_dry_run_prints_writes_and_draws_the_torque(track, saved, logged, tmp_
     assert np.abs(np.diff(table[:, 1:3], axis=0)).max() <= 1.0 + 1e-9
 
 
-@pytest.mark.parametrize("law", ["transparent", "feedforward_pd", "lqr", "adaptive"])
+@pytest.mark.parametrize("law", ["transparent", "feedforward_pd", "lqr", "self_tuning"])
 def test_every_controller_has_a_dry_run(track, saved, logged, law):
     code, out, err = track(saved, "--dry-run", logged, "--law", law, "--json")
     assert code == 0, err
