@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
@@ -20,14 +17,14 @@ from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, m
 from exoid.leg.rewriting import rewrite
 from exoid.regression.least_squares import scaled_inverse
 from exoid.tools.files import refuse_content, refuse_unwritable, write_together
-from exoid.tools.json_values import json_value
+from exoid.tools.json_values import named
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Coulomb, Term, TorqueModel, Viscous
 from exoid.torques.catalog import term_to_json
 
 from .data import EstimateData
 
-SCHEMA = "exoid-sidecar-1"
+SCHEMA = "exoid-sidecar-2"
 
 PLACES: dict[tuple[type[Term], str], str] = {(Coulomb, "c0"): "friction", (Viscous, "d"): "damping"}
 """Attribute of ``<dynamics>`` for a symbol of a type of term; another type may mean another thing by it."""
@@ -40,27 +37,21 @@ class Export:
     Attributes:
         urdf: The URDF.
         sidecar: The file beside it, with everything that a URDF has no place for.
-        sha256: Hash of the URDF, by which the sidecar knows it.
         estimate: Estimate that was exported.
         lift: The links, and by how much the estimate had to move to be possible.
         values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
             move, the other terms move along as their correlation with these says.
         masses: Links whose inertia was written, with their masses before and after.
         not_dissipative: Friction below zero, which a URDF must not state: written as 0, and as it is in the sidecar.
-        pull: Weight of the URDF's own links where the estimate is not that of possible links.
-        mass_factor: Largest factor between masses before and after that was allowed.
     """
 
     urdf: Path
     sidecar: Path
-    sha256: str
     estimate: EstimateData
     lift: Lift
     values: FloatArray
     masses: tuple[MassChange, ...]
     not_dissipative: tuple[str, ...]
-    pull: float
-    mass_factor: float
 
     @property
     def changed_links(self) -> tuple[str, ...]:
@@ -83,36 +74,20 @@ class Export:
         terms = [term_to_json(term) for term in estimate.model.terms]
         return {
             "schema": SCHEMA,
-            "urdf": {"name": self.urdf.name, "sha256": self.sha256},
+            "urdf": self.urdf.name,
             "joints": list(leg.joint_names),
-            "locked": dict(leg.locked),
-            "cumulative": leg.cumulative,
-            **({"base": leg.base} if leg.base != "fixed" else {}),
-            **({"contacts": dict(leg.contacts)} if leg.contacts else {}),
-            **({"loops": json_value(leg.closure.loops)} if leg.closure else {}),
-            "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
-            "units": dict(zip(estimate.names, estimate.units, strict=True)),
+            "values": named(estimate.names, self.values),
+            "units": named(estimate.names, estimate.units),
             "only_here": list(self.only_in_sidecar),
-            "not_dissipative": list(self.not_dissipative),
             "terms": terms,
             "term_of": _term_of(estimate.model, [term["term"] for term in terms]),
-            "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
+            "shapes": named(estimate.nonlinear.names, estimate.nonlinear.values),
             "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
-            "estimate": {
-                "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
-                "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
-                "estimator": estimate.estimator,
-                "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
-            },
+            "estimate": {"values": named(estimate.names, estimate.values), "std": named(estimate.names, estimate.std)},
             "lift": {
                 "feasible": self.lift.feasible,
                 "distance": self.lift.distance,
-                "divergence": self.lift.divergence,
-                "moved": self.lift.moved,
-                "links": list(self.changed_links),
                 "masses": {mass.link: [mass.before, mass.after] for mass in self.masses},
-                "pull": self.pull,
-                "mass_factor": self.mass_factor if np.isfinite(self.mass_factor) else None,
             },
         }
 
@@ -146,8 +121,8 @@ class Export:
         ]
         moved = make_table(("parameter", "estimate", "exported", "moved", "in std"), rows)
         what = (
-            "no links that can exist, with masses near the URDF's, have the estimated parameters; with a pull of "
-            f"{self.pull:g} towards the URDF's links, the nearest are {self.lift.distance:.3g} std away"
+            "no links that can exist, with masses near the URDF's, have the estimated parameters; the nearest, with a "
+            f"pull towards the URDF's links, are {self.lift.distance:.3g} std away"
         )
         return to_text(*lines, what, moved, masses)
 
@@ -187,8 +162,7 @@ def export_urdf(
         f"masses, which motion does not reveal, are nearest to {leg.description.name}; all else is as it was there."
     )
     text = rewrite(leg.description, links, dynamics, note)
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    result = Export(urdf, sidecar, digest, estimate, lifted, values, masses, negative, pull, mass_factor)
+    result = Export(urdf, sidecar, estimate, lifted, values, masses, negative)
     beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
     write_together({urdf: text, sidecar: f"{beside}\n"})
     return result

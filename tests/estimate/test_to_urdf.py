@@ -288,13 +288,12 @@ def test_the_sidecar_has_what_the_urdf_has_no_place_for(tmp_path):
     export = estimate.to_urdf(tmp_path / "my.leg.urdf")
     assert export.sidecar == tmp_path / "my.leg.exoid.json"
     data = json.loads(export.sidecar.read_text(encoding="utf-8"))
-    assert data["schema"] == "exoid-sidecar-1"
+    assert data["schema"] == "exoid-sidecar-2"
     assert data["only_here"] == ["Ia_knee", "Ia_ankle", "b1_knee", "b0_knee", "offset_hip"]
     assert data["values"] == dict(zip(estimate.names, estimate.values.tolist(), strict=True))
     assert data["merged"] == {"Ia_hip": {"J1": pytest.approx(1.0)}}
     assert data["terms"][0]["smoothing"] == SMOOTHING
-    assert data["urdf"] == {"name": "my.leg.urdf", "sha256": exoid.leg.description.read_description(export.urdf).sha256}
-    assert data["estimate"]["urdf"]["sha256"] == leg.description.sha256
+    assert data["urdf"] == "my.leg.urdf"
     for name in data["only_here"]:
         assert name in str(export)
     assert "J1" in str(export)
@@ -325,11 +324,10 @@ def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_ho
     again = reloaded(leg, export.urdf)
     np.testing.assert_allclose(again.parameters, export.lift.values, rtol=1e-9)
     text = str(export)
-    assert f"the nearest are {export.lift.distance:.3g} std away" in text
+    assert f"are {export.lift.distance:.3g} std away" in text
     data = json.loads(export.sidecar.read_text(encoding="utf-8"))["lift"]
     assert data["feasible"] is False
     assert data["distance"] == export.lift.distance
-    assert data["moved"]["J3"] == pytest.approx(export.lift.values[8] - rigid[8])
     change = export.values - estimate.values
     pull = np.linalg.solve(estimate.covariance, change)
     np.testing.assert_allclose(pull[9:], 0.0, atol=1e-6 * np.abs(pull).max())
