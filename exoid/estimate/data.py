@@ -21,6 +21,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
+from exoid.torques.motion import BLOCK
 from exoid.torques.with_columns import WithColumns
 
 from .evidence import Evidence, Support, freeze
@@ -28,7 +29,7 @@ from .finding import Finding
 from .model_error import ModelError, with_alternatives
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
-from .torque_band import TorqueBand, parameter_variance, torque_std
+from .torque_band import TorqueBand, parameter_variance
 
 
 @dataclass(frozen=True)
@@ -272,7 +273,12 @@ class EstimateData(ParameterTable):
         """
         model = self.band_model if measured else self.model.loaded_by(self.values)
         variance = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        return torque_std(model, variance, model.motion(q, v, a, torso))
+        motion = model.motion(q, v, a, torso)
+        std = np.empty((len(motion.q), len(model.row_names)))
+        for start in range(0, len(std), BLOCK):
+            rows = slice(start, start + BLOCK)
+            std[rows] = np.sqrt(variance(model.columns(motion.rows(rows)).transpose(2, 1, 0)))
+        return std
 
     @property
     def band_model(self) -> TorqueModel | WithColumns:

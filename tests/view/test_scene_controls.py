@@ -69,20 +69,25 @@ def test_keys_step_and_play(browser, url):
         assert page.problems == []
 
 
-def test_a_key_on_a_button_presses_only_that_button(browser, url):
-    with browser.page(url) as page:
+def test_buttons_and_lists_act_by_themselves(browser, url):
+    with browser.page(url, (1280, 800)) as page:
         page.wait_for(READY)
         page.evaluate("document.querySelector('#show-names').focus()")
         press(page, " ")
         assert not page.evaluate("window.exoid.viewer.animator.playing")
-
-
-def test_the_speed_can_be_chosen(browser, url):
-    with browser.page(url) as page:
-        page.wait_for(READY)
         script = "(s => { s.value = '0.25'; s.dispatchEvent(new Event('change')); })"
         page.evaluate(f"{script}(document.querySelector('#player select'))")
         assert page.evaluate("window.exoid.viewer.animator.mixer.timeScale") == 0.25
+        display = "getComputedStyle(document.querySelector('.dg.main')).display"
+        assert page.evaluate(display) == "none"
+        click(page, "#show-viewer")
+        assert page.evaluate(display) == "block"
+        weights, torques = page.evaluate("[...document.querySelectorAll('#layers small')].map(s => s.textContent)")
+        assert weights.startswith("arrow of")
+        assert weights.endswith(" N")
+        assert "N·m" in torques
+        heights = page.evaluate("[...document.querySelectorAll('#legend label')].map(l => l.offsetHeight)")
+        assert min(heights) >= 24  # far enough apart for a finger
 
 
 def test_names_and_numbers_are_those_of_the_recording(browser, url, data):
@@ -129,24 +134,6 @@ def test_the_torque_plot_follows_the_playback(browser, url, data, estimate):
         assert page.evaluate(TIME) == pytest.approx(0.5 * data.test.duration, abs=0.1)
 
 
-def test_the_viewers_own_controls_are_behind_one_button(browser, url):
-    with browser.page(url) as page:
-        page.wait_for(READY)
-        display = "getComputedStyle(document.querySelector('.dg.main')).display"
-        assert page.evaluate(display) == "none"
-        click(page, "#show-viewer")
-        assert page.evaluate(display) == "block"
-
-
-def test_arrows_have_a_scale(browser, url):
-    with browser.page(url) as page:
-        page.wait_for(READY)
-        weights, torques = page.evaluate("[...document.querySelectorAll('#layers small')].map(s => s.textContent)")
-    assert weights.startswith("arrow of")
-    assert weights.endswith(" N")
-    assert "N·m" in torques
-
-
 def test_feet_come_first_and_all_plots_of_two_legs_are_seen(browser, exo, tmp_path):
     stand = standing(exo, "both", seconds=2.0)
     scene(exo, recording=replace(stand.recording, wrenches=stand.wrenches)).save(tmp_path / "stand.html")
@@ -164,13 +151,6 @@ def test_feet_come_first_and_all_plots_of_two_legs_are_seen(browser, exo, tmp_pa
     assert {at for name, at, _ in charts if name not in left} == {charts[1][1]}
     assert max(bottom for *_, bottom in charts) < 700.0
     assert inside == [True, 0]
-
-
-def test_boxes_of_the_legend_are_far_enough_apart_for_a_finger(browser, url):
-    with browser.page(url, (1280, 800)) as page:
-        page.wait_for(READY)
-        heights = page.evaluate("[...document.querySelectorAll('#legend label')].map(l => l.offsetHeight)")
-    assert min(heights) >= 24
 
 
 def test_a_phone_shows_panels_inside_its_window(browser, url):
