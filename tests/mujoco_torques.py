@@ -5,10 +5,10 @@ import numpy as np
 
 
 def mujoco_model(path):
-    """Model of a URDF without what exoid keeps apart: damping, friction, limits and contacts."""
+    """Model of a URDF or MJCF without what exoid keeps apart: friction, limits, contacts, joints that mimic others."""
     model = mujoco.MjModel.from_xml_path(str(path))
     off = mujoco.mjtDisableBit
-    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
+    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT | off.mjDSBL_EQUALITY
     return model
 
 

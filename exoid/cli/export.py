@@ -41,18 +41,20 @@ def export(
         print_result(export_law(found, target, options), as_json=as_json)
     elif target.c is not None:
         print_result(found.to_c(target.c, precision=target.precision or "double"), as_json=as_json)
+    elif target.mjcf is not None:
+        print_result(found.to_mjcf(target.mjcf, **links._asdict()), as_json=as_json)
     else:
         print_result(found.to_urdf(str(target.output), **links._asdict()), as_json=as_json)
 
 
 def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptions) -> None:
     """Refuse options that have no effect on what is written."""
-    output, c, ros2, precision, law = target
+    output, c, mjcf, ros2, precision, law = target
     in_c = c is not None or ros2 is not None
     of_law = [name for name, value in given(options).items() if value is not None]
     refuse({"--precision": None if in_c else precision}, "nothing is written as C; give --c LEG.C")
-    several = sum(each is not None for each in (output, c, ros2)) != 1
-    one = "give one of -o LEG.URDF and --c LEG.C, or --law NAME --ros2 DIR"
+    several = sum(each is not None for each in (output, c, mjcf, ros2)) != 1
+    one = "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML, or --law NAME --ros2 DIR"
     rules = (
         (several, "one file is written at a time", one),
         (in_c and links != LinkOptions(), "--mass-factor and --pull have no effect on C", "write a URDF with -o"),

@@ -8,6 +8,7 @@ from .export import Export
 from .ground_prediction import GroundForce, ground_forces
 from .ground_validation import StandingTorques, joint_torques
 from .grouped import GroupedEstimate
+from .mjcf import MjcfExport
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
 from .parameter import Parameter
@@ -24,6 +25,7 @@ __all__ = [
     "Export",
     "GroundForce",
     "GroupedEstimate",
+    "MjcfExport",
     "ModelError",
     "NonlinearParameters",
     "Parameter",

@@ -15,6 +15,7 @@ from exoid.tools.tables import DataTable, Report
 from .data import EstimateData
 from .export import Export, export_urdf
 from .file import estimate_from_json, estimate_to_json, read_estimate, write_estimate
+from .mjcf import MjcfExport, export_mjcf
 from .text import provenance, report
 
 
@@ -106,6 +107,29 @@ class Estimate(Report, EstimateData):
                 be written, or it is the URDF that was identified.
         """
         return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
+
+    def to_mjcf(
+        self, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR
+    ) -> MjcfExport:
+        """Write the leg as MuJoCo's model file (MJCF), by MuJoCo's own converter, on a base that does not move.
+
+        MuJoCo reads the URDF of :meth:`to_urdf`, with ``damping`` and ``frictionloss``. Rotor inertia, which a URDF
+        cannot hold, becomes ``armature``. Each identified joint has a motor of its name. Shapes are left out. MuJoCo
+        writes six digits. Needs MuJoCo: ``pip install 'exoid[ground]'``.
+
+        Args:
+            path: The file to write, such as ``leg.xml``.
+            pull: See :meth:`to_urdf`.
+            mass_factor: See :meth:`to_urdf`.
+
+        Returns:
+            What was written, which prints itself: what MuJoCo's joints have no place for.
+
+        Raises:
+            ExoidError: MuJoCo is not installed or refuses the bodies, the base floats, a link would be heavier or
+                lighter than in the URDF by more than the mass factor, or the file cannot be written.
+        """
+        return export_mjcf(self, path, pull=pull, mass_factor=mass_factor)
 
     def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ class Export:
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
         """Parameters that the URDF has no place for."""
-        places = _places_of(self.estimate.model)
+        places = places_of(self.estimate.model, PLACES)
         return tuple(name for name in self.estimate.names[len(self.lift.names) :] if name not in places)
 
     def to_json(self) -> dict[str, Any]:
@@ -151,7 +151,7 @@ def export_urdf(
     refuse_mass_changes(masses, mass_factor, leg.description.name)
     values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics: dict[str, dict[str, float]] = {}
-    places, value_of = _places_of(estimate.model), dict(zip(estimate.names, values.tolist(), strict=True))
+    places, value_of = places_of(estimate.model, PLACES), dict(zip(estimate.names, values.tolist(), strict=True))
     present = {name: place for name, place in places.items() if name in value_of}
     for name, (joint, attribute) in present.items():
         dynamics.setdefault(leg.joint_names[joint], {})[attribute] = max(0.0, value_of[name])
@@ -178,13 +178,13 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def _places_of(model: TorqueModel) -> dict[str, tuple[int, str]]:
-    """Joint and attribute for each parameter that a URDF has a place for."""
+def places_of(model: TorqueModel, places: Mapping[tuple[type[Term], str], str]) -> dict[str, tuple[int, str]]:
+    """Joint and attribute for each parameter that a file has a place for."""
     return {
-        name: (block.joints[0], PLACES[type(block.term), symbol])
+        name: (block.joints[0], places[type(block.term), symbol])
         for block in model.blocks
         for symbol, name in zip(block.term.symbols, block.names, strict=True)
-        if (type(block.term), symbol) in PLACES
+        if (type(block.term), symbol) in places
     }
 
 

@@ -84,7 +84,7 @@ REFUSED = {
         ("bleex --html nowhere/leg.html", "nowhere/leg.html", "cannot be written"),
     ],
     "export": [
-        ("est.json -o leg.urdf --c leg.c", "one file", "give one of -o LEG.URDF and --c LEG.C"),
+        ("est.json -o leg.urdf --c leg.c", "one file", "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML"),
         ("est.json -o leg.urdf --precision float", "--precision has no effect"),
         ("est.json --c leg.c --mass-factor 3", "--mass-factor and --pull have no effect"),
         ("est.json --c leg.c --pull 3", "--mass-factor and --pull have no effect"),
