@@ -39,8 +39,6 @@ class RecursiveEstimator:
             None to begin with nothing.
         reversal_speed: Speed below which rows of a joint with dry friction are left out [rad/s]; 0 for none.
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
-        consistent: Whether estimates are those of physically possible links, with M(q) positive definite, and friction
-            and rotor inertia not below zero.
         false_alarms: Rate of false alarms of the detection of sudden changes [1/h]; 0 for no detection.
 
     Raises:
@@ -65,7 +63,6 @@ class RecursiveEstimator:
         start: Estimate | None = None,
         reversal_speed: float = 0.1,
         torque_limits: ArrayLike | None = None,
-        consistent: bool = False,
         false_alarms: float = 0.1,
     ) -> None:
         settings = Settings(
@@ -75,7 +72,6 @@ class RecursiveEstimator:
             memory=memory,
             reversal_speed=reversal_speed,
             torque_limits=torque_limits,
-            consistent=consistent,
             false_alarms=false_alarms,
         )
         self.settings = settings

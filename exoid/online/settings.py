@@ -34,7 +34,6 @@ class Settings:
     memory: float = 20.0
     reversal_speed: float = 0.1
     torque_limits: ArrayLike | None = None
-    consistent: bool = False
     false_alarms: float = 0.1
 
     def __post_init__(self) -> None:

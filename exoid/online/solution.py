@@ -11,10 +11,8 @@ from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
-from exoid.leg.lift import check_physical, lift
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import TINY, RFactor, solve, stack
-from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
@@ -107,29 +105,24 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     inflation = inflations(settings, state.correlation)
     samples = np.append(rows[:-1] / inflation, rows[-1])
     factors = [RFactor(R[j], round(rows[j]), float(samples[j])) for j in range(len(R))]
-    knowledge = PriorKnowledge(nonnegative=settings.consistent)
-    bounds = model.nonnegative if settings.consistent else None
 
     def rms_of(values: FloatArray) -> FloatArray:
         """RMS residuals; those of earlier weights where rows are too few to tell the size of the noise."""
         few = (rows[:-1] < FEWEST_ROWS) & bool(R[-1].any())
         return np.asarray(np.where(few, 1.0 / state.weights, residual_rms(state.information, values)))
 
-    first = state.values if R[-1].any() else solve(stack(factors), model.names, knowledge, bounds).values
+    first = state.values if R[-1].any() else solve(stack(factors), model.names).values
     weights = 1.0 / rms_of(first)
     own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
-    solution = solve(stack(factors, own.tolist()), model.names, knowledge, bounds)
+    solution = solve(stack(factors, own.tolist()), model.names)
     rms = rms_of(solution.values)
     noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 4)
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
-    values, count = solution.values, len(model.leg.parameter_names)
-    if settings.consistent and not check_physical(model.leg, values[:count]):  # the nearest links that are possible
-        values = np.append(lift(model.leg, values[:count], covariance[:count, :count]).values, values[count:])
     return Estimate(
         model=model,
-        values=values,
+        values=solution.values,
         covariance=0.5 * (covariance + covariance.T),
         condition_number=max(solution.condition_number, 1.0),
         dof=max(solution.dof, 1.0),
@@ -140,7 +133,6 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         findings=findings,
         evidence=Evidence(
             parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
-            bounded=tuple(model.names[k] for k in solution.bounded),
             cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",
         ),
     )

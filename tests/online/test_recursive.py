@@ -173,25 +173,6 @@ def test_it_begins_with_an_estimate_that_another_session_saved(leg, truth, tmp_p
     assert (np.abs(online.estimate.values - truth) <= 4.0 * start.std + 0.01 * np.abs(truth)).all()
 
 
-def test_the_mass_matrix_is_positive_definite_at_every_step(leg, truth):
-    """From so little data and with so much noise that plain values are those of no leg."""
-    q, _, _, tau = swing(leg, truth, 3.0, noise=20.0)
-    online = RecursiveEstimator(leg, TERMS, rate=RATE, consistent=True, memory=np.inf)
-    twin = RecursiveEstimator(leg, TERMS, rate=RATE, memory=np.inf)
-    poses, indefinite = np.random.default_rng(0).uniform(-1.5, 1.5, (50, 3)), 0
-    for start in range(0, len(q), 100):
-        online.update(q[start : start + 100], None, None, tau[start : start + 100])
-        twin.update(q[start : start + 100], None, None, tau[start : start + 100])
-        try:
-            estimates = online.estimate, twin.estimate
-        except exoid.ExoidError:
-            continue
-        smallest = [np.linalg.eigvalsh(one.leg.mass_matrix(poses)).min() for one in estimates[:1]]
-        assert min(smallest) > 0.0
-        indefinite += not exoid.lift.check_physical(leg, estimates[1].values[:9]).physical
-    assert indefinite > 0
-
-
 def test_samples_that_cannot_be_are_left_out_and_counted(leg, truth):
     q, _, _, tau = swing(leg, truth, 12.0)
     time = np.arange(len(q)) / RATE
