@@ -39,9 +39,9 @@ def swing(leg: exoid.Leg, seed: int, noise: float = 0.0, joints: tuple[str, ...]
     return log.select([name for name in names if name in (*leg.joint_names, *joints)]) if joints else log
 
 
-@pytest.fixture(params=[four_bar_knee, two_rod_ankle], ids=["knee", "ankle"])
-def leg(request, tmp_path) -> exoid.Leg:
-    return request.param(0).leg(tmp_path)
+@pytest.fixture(params=[four_bar_knee, two_rod_ankle], ids=["knee", "ankle"], scope="module")
+def leg(request, tmp_path_factory) -> exoid.Leg:
+    return request.param(0).leg(tmp_path_factory.mktemp("leg"))
 
 
 @pytest.mark.slow
@@ -88,14 +88,15 @@ def test_a_loop_described_wrongly_is_named_with_its_size(tmp_path):
     for millimetres in (0.3, 5.0):
         shifted = machine.loops.replace(f"{x:.5f}, 0.00000, {z:.5f}", f"{x + 1e-3 * millimetres}, 0, {z}")
         assert shifted != machine.loops
-        found = list(loop_gaps(machine.leg(tmp_path, shifted).closure, log))
+        wrong = machine.leg(tmp_path, shifted)
+        found = list(loop_gaps(wrong.closure, log))
         assert bool(found) is (millimetres > 1.0)
     assert found[0].value == pytest.approx(5e-3, rel=0.02)
     assert "four-bar" in found[0].message
     one = log.select(["hip", "knee", "rear_pin"])
-    (finding,) = loop_gaps(machine.leg(tmp_path, shifted).closure, one)
+    (finding,) = loop_gaps(wrong.closure, one)
     assert finding.value > 2e-3
-    described = signal_findings(TorqueModel(machine.leg(tmp_path, shifted), ()), [log])
+    described = signal_findings(TorqueModel(wrong, ()), [log])
     assert "loop-gap" in [finding.kind for finding in described]
 
 

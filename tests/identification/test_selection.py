@@ -102,6 +102,7 @@ def test_progress_rises_to_one(selection):
     assert len(shares) >= 6
 
 
+@pytest.mark.slow
 def test_models_for_all_joints_are_compared_with_the_choice_joint_by_joint(selection):
     """The hip has presliding, the knee has none: no model for both is as good in time and at speed."""
     errors = {one.name: one.mean + one.fast for one in selection[0].candidates[1:5]}
@@ -110,6 +111,7 @@ def test_models_for_all_joints_are_compared_with_the_choice_joint_by_joint(selec
     assert errors["by joint"] < min(alike)
 
 
+@pytest.mark.slow
 def test_a_selection_prints_itself_turns_into_json_and_identifies_again(leg, selection):
     found = selection[0]
     assert "dissipates at every speed" in str(found)

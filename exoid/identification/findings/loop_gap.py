@@ -14,7 +14,7 @@ from exoid.signals import Recording
 LARGEST_GAP = 1e-3
 """Gap that is a finding [m], root mean square: encoders and play leave less, see tests/identification/findings."""
 
-SAMPLES = 2000
+SAMPLES = 500
 """Samples of a recording that are compared, spread evenly."""
 
 
