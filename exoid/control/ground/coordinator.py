@@ -1,0 +1,316 @@
+"""Coordination of functions: a checked state machine as a table, support by known contacts, bounded torque."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.control.functions import SEAT, SIDES, Contacts, Function, minimum_jerk
+from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
+
+from .hypotheses import CERTAIN
+
+SAFE = "safe stop"
+"""State of the fall-back: support as long as contacts are known, then damping."""
+
+
+class Rule(NamedTuple):
+    """Row of the table: in a function, a condition leads to another function.
+
+    Attributes:
+        function: Function that runs.
+        condition: "request" of the wearer for the other function, "end" of this one, or "known": contacts and posture
+            are those at which the other one begins.
+        then: Function that follows.
+    """
+
+    function: str
+    condition: str
+    then: str
+
+
+TABLE = (
+    *(Rule("stand", "request", name) for name in ("sit", "walk", "stairs up", "stairs down", "slope")),
+    Rule("sit", "request", "rise"),
+    Rule("rise", "end", "stand"),
+    *(Rule(name, "request", "stand") for name in ("walk", "stairs up", "stairs down", "slope")),
+    Rule(SAFE, "known", "stand"),
+    Rule(SAFE, "known", "sit"),
+)
+"""The usual table. Every function has one more rule, to :data:`SAFE`, where contacts stay unknown or unexpected."""
+
+
+class Decision(NamedTuple):
+    """What the coordinator decided at a sample.
+
+    Attributes:
+        function: Function that runs, or :data:`SAFE`.
+        phase: Its phase.
+        level: "support", "frozen" (support of the last known contacts, shares frozen) or "damping".
+        shares: Share of the load of each foot, and of a seat, that the law may use; empty for damping.
+    """
+
+    function: str
+    phase: float
+    level: str
+    shares: Mapping[str, float]
+
+
+@dataclass
+class CoordinatorMemory:
+    """What the coordinator keeps between samples."""
+
+    function: str
+    phase: float = 0.0
+    known: Contacts = frozenset()  # contacts when they were last known
+    since_known: float = 0.0  # time since then, or since the beginning [s]
+    unexpected: float = 0.0  # time for which contacts were not those of the function [s]
+    settled: float = 0.0  # time for which contacts have been known without a change [s]
+    request: str | None = None
+    waiting: float = 0.0  # time since the request [s]
+    loaded: dict[str, float] = field(default_factory=dict)  # course of the share of each contact, 0 to 1
+    torque: FloatArray | None = None  # last torque [N·m], (n,)
+    slope: FloatArray | None = None  # its rate [N·m/s], (n,)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Coordinator:
+    """Decides which function runs and which contacts a law may use, and bounds torque, its power, rate and jerk.
+
+    Attributes:
+        functions: Functions by name, see :data:`exoid.control.functions.FUNCTIONS`.
+        limit: Largest torque of each joint [N·m], (n,).
+        table: Rules of the state machine.
+        power: Largest power of a joint [W].
+        rise_time: Time in which the torque may cross its range [s]: the rate is bounded by 2 limit / rise_time.
+        jerk_time: Time in which this rate may be reached [s].
+        damping: Damping of the fall-back [N·m·s/rad].
+        hold: Time for which the last support is kept while contacts are unknown [s].
+        patience: Time after which a request that cannot be granted is dropped, and after which contacts that the
+            function does not expect lead to :data:`SAFE` [s].
+        transfer: Time in which a foot takes its share [s].
+        rate: Rate of the decisions [Hz].
+
+    Raises:
+        ExoidError: The table names an unknown function, a state has no exit or no way to "stand", a function that ends
+            leads to one with other contacts, or a number is not positive.
+    """
+
+    functions: Mapping[str, Function]
+    limit: FloatArray
+    table: Sequence[Rule] = TABLE
+    power: float = 500.0
+    rise_time: float = 0.08
+    jerk_time: float = 0.01
+    damping: float = 8.0
+    hold: float = 0.15
+    patience: float = 1.5
+    transfer: float = 0.1
+    rate: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Check numbers and table."""
+        times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.power, self.rate]
+        checked(times, "times, power and rate of a coordinator", above=0.0)
+        checked(self.limit, "the limits of a coordinator [N·m]", above=0.0)
+        check_table(self.functions, self.table)
+
+    def begin(self, function: str = "stand", phase: float = 0.0) -> CoordinatorMemory:
+        """Make the memory before the first sample.
+
+        Args:
+            function: Function that runs.
+            phase: Its phase.
+
+        Returns:
+            The memory.
+
+        Raises:
+            ExoidError: There is no such function.
+        """
+        if function not in (*self.functions, SAFE):
+            raise BadArgumentError(f"no function {function!r}", remedy=f"use one of {', '.join(self.functions)}")
+        return CoordinatorMemory(function, phase)
+
+    def decide(
+        self,
+        memory: CoordinatorMemory,
+        probability: Mapping[Contacts, float],
+        flexion: FloatArray,
+        request: str | None = None,
+    ) -> Decision:
+        """Decide at a sample.
+
+        Args:
+            memory: Memory, which this changes.
+            probability: Probability of each set of contacts ("left", "right", "seat"); the rest is unknown.
+            flexion: Flexion of both legs [rad], (2, 3).
+            request: Function that the wearer asks for; None for nothing new.
+
+        Returns:
+            The decision.
+        """
+        dt = 1.0 / self.rate
+        best = max(probability, key=lambda each: probability[each])
+        known = probability[best] > CERTAIN
+        memory.settled = memory.settled + dt if known and best == memory.known else 0.0
+        if known:
+            memory.known, memory.since_known = best, 0.0
+        else:
+            memory.since_known += dt
+        self._advance(memory, best if known else None, flexion, request, dt)
+        # a leg that may be in the air bears nothing, whatever the last state was
+        bears = {name: sum(p for each, p in probability.items() if name in each) for name in (*SIDES, SEAT)}
+        least = CERTAIN if known else 0.5
+        kept = [name for name in memory.known if bears[name] >= least]
+        feet = [name for name in kept if name != SEAT]
+        level = "support" if known else "frozen" if memory.since_known < self.hold else "damping"
+        for name in (*SIDES, SEAT):
+            course = memory.loaded.get(name, 0.0)
+            if level != "frozen":
+                memory.loaded[name] = min(course + dt / self.transfer, 1.0) if name in kept and known else 0.0
+            elif name not in kept:
+                memory.loaded[name] = 0.0
+        if level == "damping" or not feet:
+            return Decision(memory.function, memory.phase, "damping", {})
+        shares = {name: float(minimum_jerk(np.asarray(memory.loaded[name]))) for name in kept}
+        if max(shares[name] for name in feet) <= 0.0:
+            shares |= dict.fromkeys(feet, 1.0) if len(feet) == 1 else {}
+        return Decision(memory.function, memory.phase, level, shares)
+
+    def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
+        """Bound torque and power, and rate and jerk of the torque.
+
+        The rate is what still lets the torque stop at its aim, √(jerk |error|), half of what it might be. Limits of torque and power come
+        before those of rate and jerk.
+
+        Args:
+            memory: Memory, which this changes.
+            wanted: Torque that is wanted [N·m], (n,); zero for what is not finite.
+            v: Joint velocities [rad/s], (n,).
+
+        Returns:
+            Torque within the bounds [N·m], (n,).
+        """
+        dt, most = 1.0 / self.rate, np.minimum(self.limit, self.power / np.maximum(np.abs(v), 1e-6))
+        aim = np.clip(np.nan_to_num(wanted, nan=0.0, posinf=0.0, neginf=0.0), -most, most)
+        fastest = 2.0 * self.limit / self.rise_time
+        jerk = fastest / self.jerk_time
+        last = np.zeros_like(aim) if memory.torque is None else memory.torque
+        slope = np.zeros_like(aim) if memory.slope is None else memory.slope
+        error = aim - last
+        goal = np.sign(error) * np.minimum(np.minimum(fastest, np.sqrt(jerk * np.abs(error))), np.abs(error) / dt)
+        slope = slope + np.clip(goal - slope, -jerk * dt, jerk * dt)
+        memory.torque = np.clip(last + slope * dt, -most, most)
+        memory.slope = np.where(np.abs(last + slope * dt) > most, 0.0, slope)
+        return memory.torque
+
+    def _advance(
+        self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray, request: str | None, dt: float
+    ) -> None:
+        """Move the phase on, and follow the rules."""
+        if request is not None:
+            memory.request, memory.waiting = request, 0.0
+        elif memory.request is not None:
+            memory.waiting += dt
+            memory.request = memory.request if memory.waiting < self.patience else None
+        if memory.function == SAFE:
+            self._recover(memory, contacts, flexion)
+            return
+        function = self.functions[memory.function]
+        expected = function.expected(memory.phase)
+        soon = function.expected(memory.phase + 0.1)
+        memory.unexpected = 0.0 if contacts in (expected, soon) else memory.unexpected + dt
+        # the phase waits for a contact that is late, and hurries to one that came early
+        pace = 1.0 if contacts in (None, expected) else 1.5 if contacts == soon else 0.3
+        memory.phase += pace * dt / function.duration
+        memory.phase = memory.phase % 1.0 if function.cyclic else min(memory.phase, 1.0)
+        if memory.unexpected > self.patience or memory.since_known > max(self.patience, self.hold):
+            self._enter(memory, SAFE)
+            return
+        for rule in self.table:
+            if rule.function != memory.function or rule.then == SAFE:
+                continue
+            asked = rule.condition == "request" and memory.request == rule.then
+            ended = rule.condition == "end" and memory.phase >= 1.0
+            if (asked or ended) and contacts is not None and self._may(memory, rule, contacts, flexion):
+                self._enter(memory, rule.then)
+                return
+
+    def _may(self, memory: CoordinatorMemory, rule: Rule, contacts: Contacts, flexion: FloatArray) -> bool:
+        """Whether a function may follow: it is not half-way, and the other one's entry holds."""
+        function = self.functions[memory.function]
+        done = function.cyclic or memory.phase >= 1.0 or memory.function == "stand"
+        return done and _begins(self.functions[rule.then], contacts, flexion)
+
+    def _recover(self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray) -> None:
+        """Leave the safe stop when contacts were known for 0.3 s and belong to a function at rest."""
+        memory.phase = 1.0
+        if contacts is None or memory.settled < 0.3:
+            return
+        for rule in self.table:
+            if rule.function == SAFE and rule.condition == "known":
+                rests = self.functions[rule.then].exit
+                if rests.holds(contacts, flexion):
+                    self._enter(memory, rule.then, 1.0)
+                    return
+
+    @staticmethod
+    def _enter(memory: CoordinatorMemory, function: str, phase: float = 0.0) -> None:
+        memory.function, memory.phase, memory.unexpected, memory.request = function, phase, 0.0, None
+
+
+def _begins(function: Function, contacts: Contacts, flexion: FloatArray) -> bool:
+    """Whether a function may begin; a stride may begin from standing on both feet."""
+    if function.cyclic:
+        entry = function.entry
+        return contacts == frozenset(SIDES) and entry._replace(contacts=contacts).holds(contacts, flexion)
+    return function.entry.holds(contacts, flexion)
+
+
+def check_table(functions: Mapping[str, Function], table: Sequence[Rule]) -> None:
+    """Check a state machine when it is made.
+
+    Args:
+        functions: Functions by name.
+        table: Rules.
+
+    Raises:
+        ExoidError: A rule names an unknown function or condition, a state has no exit, "stand" cannot be reached from
+            it, a function that ends leads to one that begins with other contacts, or one begins with no foot on the
+            ground.
+    """
+    states = (*functions, SAFE)
+    for rule in table:
+        unknown = [name for name in (rule.function, rule.then) if name not in states]
+        if unknown or rule.condition not in ("request", "end", "known"):
+            raise BadArgumentError(
+                f"the rule {rule.function} -> {rule.then} on {rule.condition!r}",
+                remedy=f"functions are {', '.join(functions)}; conditions are request, end and known",
+            )
+        if rule.condition == "end" and functions[rule.function].exit.contacts != functions[rule.then].entry.contacts:
+            raise BadArgumentError(
+                f"{rule.function} ends on other contacts than those on which {rule.then} begins",
+                remedy="put a function between them",
+            )
+    for name in states:
+        if not any(rule.function == name and rule.then != name for rule in table):
+            raise BadArgumentError(f"the state {name!r} has no exit", remedy="add a rule that leads out of it")
+        reached, new = {name}, {name}
+        while new:
+            new = {rule.then for rule in table if rule.function in reached} - reached
+            reached |= new
+        if "stand" not in reached:
+            raise BadArgumentError(f"no way leads from {name!r} to 'stand'", remedy="add a rule")
+    for name, function in functions.items():
+        for start, contacts in function.contacts:
+            if not contacts & {*SIDES}:
+                raise BadArgumentError(
+                    f"{name} has no foot on the ground from phase {start:.3g}",
+                    remedy="no law supports a machine in the air; raise its feet less",
+                )

@@ -1,0 +1,467 @@
+"""Which feet, and whether a seat, bear the machine: a hidden Markov filter over sets of contacts (Rabiner 1989)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain, combinations
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.estimate import EstimateData
+from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.reduction.planar import GRAVITY
+from exoid.rig.ground import Sole
+from exoid.signals import Recording
+from exoid.torques.model import TorqueModel
+
+UNKNOWN = "unknown"
+"""Name of the hypothesis that no set of contacts explains the torques."""
+
+MOST = 9
+"""Largest number of hypotheses: two feet, a seat, and the unknown."""
+
+CERTAIN = 0.99
+"""Probability from which a set of contacts counts as known."""
+
+FREEZES, MOVES = 0.03, 0.5
+"""Time for which a reading does not change at all [s], while the machine moves so fast [rad/s]: its sensor is frozen."""
+
+BLOCK = 0.01
+"""Time between two decisions [s]."""
+
+
+class ContactNoise(NamedTuple):
+    """Standard deviations of what is not in the model, and prior rates; tuned by scripts/study_coordination.py."""
+
+    angle: float = 1e-4  # noise of encoders [rad]
+    torque: float = 0.5  # noise of torques [N·m]
+    gyro: float = 0.005  # noise of the gyroscope [rad/s]
+    acceleration: float = 0.05  # noise of the accelerometer [m/s²]
+    force: float = 6.0  # error of the model in base rows [N], beside that of its parameters
+    moment: float = 1.5  # error of the model in rows of joints and of the pitch [N·m]
+    relative: float = 0.04  # error of the model over the size of each row, as after a step that filters smear
+    cone: float = 1.2  # ratio of force along and across the ground from which a contact counts as impossible
+    freedom: float = 4.0  # degrees of freedom of Student's t: jolts are no evidence against a contact
+    temper: float = 0.5  # share of the evidence of a block that is new, as filtered samples depend on each other
+    change: float = 0.02  # probability that a contact changes in a block
+    switch: float = 0.85  # probability that a healthy switch is right, late ones included
+    late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
+
+
+class GroundReadings(NamedTuple):
+    """Readings of N samples at the rate of the filter.
+
+    Attributes:
+        q: Joint angles [rad], (N, n).
+        tau: Torques of the actuators [N·m], (N, n).
+        gyro: Angular velocity of the base [rad/s], (N, 3).
+        force: Specific force at the sensor [m/s²], (N, 3).
+        known: Rows of measured forces, such as those of crutches [N, N·m], (N, base_rows + n); None for none.
+        switches: Whether the switch of a foot is closed, (N,) each; a link without a switch is left out.
+    """
+
+    q: FloatArray
+    tau: FloatArray
+    gyro: FloatArray
+    force: FloatArray
+    known: FloatArray | None = None
+    switches: Mapping[str, BoolArray] = {}
+
+
+class Belief(NamedTuple):
+    """Probabilities of the sets of contacts after K blocks.
+
+    Attributes:
+        probability: Probability of each hypothesis, (K, H).
+        wrench: Expected force forward and up [N] and moment [N·m] on each sole, in its axes about its middle, given
+            the most probable set, (K, S, 3); zero for a sole that is not in it.
+        healthy: Weight of each switch, 0 to 1, (K, F).
+    """
+
+    probability: FloatArray
+    wrench: FloatArray
+    healthy: FloatArray
+
+
+@dataclass
+class Memory:
+    """What the filter keeps between two calls: states of its low-passes, last probabilities, doubts of switches."""
+
+    channels: list[FloatArray] | None  # states of the low-passes; None before the first sample
+    probability: FloatArray  # (H,)
+    disagreement: FloatArray  # running share of the time in which each switch contradicts the torques, (F,)
+    left: int = 0  # samples since the last block
+    last: FloatArray | None = None  # last sample of angles, torques and gyroscope
+    still: NDArray[np.intp] | None = None  # samples for which each of them has not changed
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactFilter:
+    """Hidden Markov filter over the sets of contacts of an identified machine with a floating base.
+
+    The rows e = Y β − [0; τ] − Σ Jᵀw of known forces are what unknown contacts explain. A set h with Jacobian J_h and
+    forces f ~ N(0, P) makes e ~ N(0, Σ + J_hᵀ P J_h): its part N_hᵀ e outside the contacts is an innovation, and a
+    contact that is not needed costs evidence (MacKay 2003, ch. 28). Σ holds the covariance of β, noise and model error.
+    All channels pass the same causal low-pass. Use :meth:`of`.
+
+    Attributes:
+        model: Torque model of the estimate.
+        values: Its parameters, (P,).
+        covariance: Their covariance, (P, P).
+        soles: Sole of each link that may bear load; one of the root link is a seat.
+        imu_position: Place of the IMU in the axes of the root link [m], (3,).
+        rate: Rate of the readings [Hz].
+        cutoff: Cut-off frequency of the low-pass [Hz].
+        noise: Noise and prior rates.
+    """
+
+    model: TorqueModel
+    values: FloatArray
+    covariance: FloatArray
+    soles: Mapping[str, Sole]
+    imu_position: FloatArray
+    rate: float = 500.0
+    cutoff: float = 40.0
+    noise: ContactNoise = field(default_factory=ContactNoise)
+
+    @classmethod
+    def of(
+        cls,
+        estimate: EstimateData,
+        soles: Mapping[str, Sole],
+        imu_position: Sequence[float] = (0.0, 0.0, 0.0),
+        *,
+        rate: float = 500.0,
+        cutoff: float = 40.0,
+        noise: ContactNoise | None = None,
+    ) -> ContactFilter:
+        """Make the filter of an estimate.
+
+        Args:
+            estimate: Estimate of a planar machine with a floating base.
+            soles: Sole of each link that may bear load, see :class:`exoid.rig.ground.Sole`; one of the root link is a
+                seat.
+            imu_position: Place of the IMU in the axes of the root link [m].
+            rate: Rate of the readings [Hz].
+            cutoff: Cut-off frequency of the low-pass [Hz]. It delays by 3/(2π cutoff).
+            noise: Noise and prior rates; None for the default ones.
+
+        Returns:
+            The filter.
+
+        Raises:
+            ExoidError: The base does not float, or there are too many contacts or none.
+        """
+        leg = estimate.leg
+        if leg.base != "floating" or leg.base_rows != 3:
+            raise NotSupportedError(
+                "contacts are told from the rows of a planar machine with a floating base",
+                where=leg.description.name,
+                remedy='identify the legs with base="floating"',
+            )
+        if not soles or 2 ** len(soles) + 1 > MOST:
+            raise BadArgumentError(f"{len(soles)} soles", remedy="give one to three: two feet and a seat")
+        if not 0.0 < 4.0 * cutoff <= rate * (1.0 + 1e-9):
+            raise BadArgumentError(f"a cut-off of {cutoff:g} Hz at {rate:g} Hz", remedy="at most a quarter of the rate")
+        place = np.asarray(imu_position, dtype=np.float64)
+        model, values = estimate.model, np.asarray(estimate.values)
+        return cls(
+            model, values, np.asarray(estimate.covariance), dict(soles), place, rate, cutoff, noise or ContactNoise()
+        )
+
+    @cached_property
+    def sets(self) -> tuple[frozenset[str], ...]:
+        """Sets of contacts, one a hypothesis; the last hypothesis, :data:`UNKNOWN`, has none."""
+        links = tuple(self.soles)
+        return tuple(map(frozenset, chain.from_iterable(combinations(links, k) for k in range(len(links) + 1))))
+
+    @cached_property
+    def feet(self) -> tuple[str, ...]:
+        """Links with soles that are not the root link."""
+        return tuple(link for link in self.soles if link != self.model.leg.description.root_link)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the hypotheses."""
+        return (*("+".join(sorted(links)) or "air" for links in self.sets), UNKNOWN)
+
+    def begin(self) -> Memory:
+        """Make the memory before the first sample.
+
+        Returns:
+            The memory: all sets are equally probable.
+        """
+        H = len(self.sets) + 1
+        return Memory(None, np.full(H, 1.0 / H), np.zeros(len(self.feet)))
+
+    def advance(self, memory: Memory, readings: GroundReadings) -> Belief:
+        """Take in readings of any number of samples, and decide after each whole block of 10 ms.
+
+        Args:
+            memory: Memory of the earlier samples, which this changes.
+            readings: The next samples.
+
+        Returns:
+            Probabilities after each block that these samples complete.
+
+        Raises:
+            ExoidError: A reading is not finite.
+        """
+        if not all(np.isfinite(x).all() for x in readings[:4]):
+            raise BadArgumentError("a reading is not finite", remedy="hold the last torque, and damp")
+        every = max(1, round(BLOCK * self.rate))
+        ends = np.arange(every - 1 - memory.left, len(readings.q), every)
+        memory.left = (memory.left + len(readings.q)) % every
+        low, speed, change = self._filtered(memory, readings, ends)
+        likelihood, wrenches = self._evidence(low, speed, change)
+        frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > MOVES)
+        likelihood[frozen] = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
+        switched = self._switched(readings)
+        own = [self.feet.index(link) for link in switched]
+        flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
+        K, H = likelihood.shape
+        probability, healthy = np.empty((K, H)), np.ones((K, len(self.feet)))
+        for k in range(K):
+            belief = self._changes @ memory.probability
+            score = self.noise.temper * (likelihood[k] - likelihood[k].max())
+            if flags.size:
+                weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
+                score = score + self._switch_score(readings, flags[k], weight)
+                healthy[k, own] = weight
+            belief = belief * np.exp(score - score.max())
+            memory.probability = probability[k] = belief / belief.sum()
+            if flags.size:
+                down = self._members(readings) @ memory.probability
+                # 0.3 s: a switch that is 80 ms late stays below half weight, one that is stuck loses all of it
+                memory.disagreement[own] += BLOCK / 0.3 * (np.abs(flags[k] - down) - memory.disagreement[own])
+        best = probability.argmax(axis=1)
+        return Belief(probability, wrenches[np.arange(K), best], healthy)
+
+    def over(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> Belief:
+        """Run over a log as on line.
+
+        Args:
+            recording: Log with torques and the motion of the base, at the rate of the filter. Wrenches on links
+                without a sole are known forces.
+            switches: Foot switches, (N,) each; None for the log's contacts.
+
+        Returns:
+            Probabilities after each block.
+
+        Raises:
+            ExoidError: The log has no torques or no motion of the base.
+        """
+        return self.advance(self.begin(), self.readings(recording, switches))
+
+    def readings(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> GroundReadings:
+        """Take the readings out of a log, see :meth:`over`.
+
+        Args:
+            recording: The log.
+            switches: Foot switches, (N,) each; None for the log's contacts.
+
+        Returns:
+            The readings.
+
+        Raises:
+            ExoidError: The log has no torques or no motion of the base.
+        """
+        base = recording.base
+        if recording.tau is None or base is None:
+            raise BadArgumentError(
+                "contacts cannot be told",
+                remedy="give a log with torques and the IMU of the base, base_gyro_x and so on",
+            )
+        leg, known = self.model.leg, None
+        for link, wrench in recording.wrenches.items():
+            if link not in self.feet:
+                J = leg.frame_jacobian(recording.q, link, wrench.point)
+                rows = np.einsum("ncr,nc->nr", J, np.hstack([wrench.force, wrench.moment]))
+                known = rows if known is None else known + rows
+        flags = (
+            {link: x for link, x in recording.contacts.items() if link in self.feet} if switches is None else switches
+        )
+        return GroundReadings(recording.q, recording.tau, base.angular_velocity, base.specific_force, known, flags)
+
+    def part(self, link: str, wrench: FloatArray) -> NDArray[np.str_]:
+        """Name the part of a sole that bears load: "heel", "flat" or "toe", by its centre of pressure.
+
+        Args:
+            link: Link of the foot.
+            wrench: Its wrench of :class:`Belief`, (K, 3).
+
+        Returns:
+            Part after each block, (K,); "" without load.
+        """
+        leg, sole = self.model.leg, self.soles[link]
+        forward = sole.points @ leg.plane.forward
+        half = 0.5 * float(np.ptp(forward))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # the moment about −lateral of an upward force at x is x f: centre of pressure over half the sole
+            place = np.where(wrench[:, 1] > 0.0, wrench[:, 2] / (wrench[:, 1] * max(half, 1e-9)), np.nan)
+        names = np.where(place > 0.8, "toe", np.where(place < -0.8, "heel", "flat"))
+        return np.where(np.isnan(place), "", names)
+
+    def _switched(self, readings: GroundReadings) -> tuple[str, ...]:
+        return tuple(link for link in self.feet if link in readings.switches) if readings.switches else ()
+
+    def _members(self, readings: GroundReadings) -> FloatArray:
+        """Whether each switched foot is in each set, (F, H); half for the unknown."""
+        links = self._switched(readings)
+        return np.array([[*(float(link in links_) for links_ in self.sets), 0.5] for link in links])
+
+    def _switch_score(self, readings: GroundReadings, flags: FloatArray, weight: FloatArray) -> FloatArray:
+        """Log-likelihood of the switches under each set; readings of one delay are one piece of evidence."""
+        right = 1.0 - np.abs(self._members(readings) - flags[:, None])
+        each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
+        mixed = weight[:, None] * each + 0.5 * (1.0 - weight[:, None])
+        return np.asarray(np.log(mixed).sum(axis=0) * BLOCK / self.noise.late)
+
+    @cached_property
+    def _changes(self) -> FloatArray:
+        """Prior of transitions: contacts change one by one; the unknown is rare, (H, H), from column to row."""
+        sets, p = self.sets, self.noise.change
+        A = np.array([[p ** (1.5 * len(a ^ b) - 0.5 * (a != b)) for b in sets] for a in sets])
+        A = np.pad(A, (0, 1), constant_values=p**2)
+        A[-1, -1] = 0.5  # and it ends soon
+        A[np.arange(len(sets)), np.arange(len(sets))] = 0.0
+        A += np.diag(1.0 - A.sum(axis=0))
+        return np.asarray(A)
+
+    @cached_property
+    def _filters(self) -> tuple[FloatArray, ...]:
+        """Low-pass (ω/(s + ω))³, and the same of the first and second derivative, as second-order sections."""
+        omega, out = 2.0 * np.pi * self.cutoff, []
+        for order in range(3):
+            zpk = scipy.signal.bilinear_zpk(np.zeros(order), np.full(3, -omega), omega**3, self.rate)
+            out.append(scipy.signal.zpk2sos(*zpk))
+        return tuple(out)
+
+    @cached_property
+    def _gains(self) -> FloatArray:
+        """Standard deviation of filtered white noise and of its derivatives, (3,)."""
+        impulse = np.zeros(int(self.rate))
+        impulse[0] = 1.0
+        return np.array([np.linalg.norm(scipy.signal.sosfilt(sos, impulse)) for sos in self._filters])
+
+    def _filtered(
+        self, memory: Memory, readings: GroundReadings, ends: NDArray[np.intp]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Pass all channels through the low-pass: values, and derivatives of angles and rates, at the blocks' ends."""
+        known = readings.known if readings.known is not None else np.zeros((len(readings.q), len(self.model.row_names)))
+        angles = np.hstack([readings.q, readings.gyro])
+        channels = (np.hstack([angles, readings.tau, readings.force, known]), angles, readings.q)
+        if memory.channels is None:  # as if the machine had been at rest
+            memory.channels = [
+                scipy.signal.sosfilt_zi(sos)[:, :, None] * x[0] for sos, x in zip(self._filters, channels, strict=True)
+            ]
+        out = []
+        for k, (sos, x) in enumerate(zip(self._filters, channels, strict=True)):
+            y, memory.channels[k] = scipy.signal.sosfilt(sos, x, axis=0, zi=memory.channels[k])
+            out.append(y[ends])
+        return out[0], out[1], out[2]
+
+    def _frozen(self, memory: Memory, readings: GroundReadings) -> BoolArray:
+        """Samples at which an angle, a torque or the gyroscope has not changed at all for a while."""
+        x = np.hstack([readings.q, readings.tau, readings.gyro])
+        last = x[0] - 1.0 if memory.last is None else memory.last
+        still = np.zeros(x.shape[1], dtype=np.intp) if memory.still is None else memory.still
+        row = np.arange(1, len(x) + 1)[:, np.newaxis]
+        changed = np.where(np.diff(x, axis=0, prepend=last[np.newaxis]) != 0.0, row, -still)
+        count = row - np.maximum.accumulate(changed, axis=0)
+        memory.last, memory.still = x[-1], count[-1]
+        return np.asarray((count >= FREEZES * self.rate).any(axis=1))
+
+    def _evidence(self, low: FloatArray, speed: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Log-likelihood of each hypothesis, (K, H), and the expected wrenches of each set, (K, H, S, 3)."""
+        leg, noise = self.model.leg, self.noise
+        n, b, K = len(leg.joint_names), leg.base_rows, len(low)
+        q, gyro, tau, force, known = np.split(low, np.cumsum([n, 3, n, 3]), axis=1)
+        v, a, turning = speed[:, :n], change, speed[:, n:]
+        base = BaseKinematics(gyro, turning, force).moved(-self.imu_position)
+        W = self.model.regressor(q, v, a, base)  # (K, b + n, P)
+        e = W @ self.values - known
+        e[:, b:] -= tau
+        low_gain, _, second = self._gains
+        acceleration = np.zeros(b + n)
+        acceleration[:2] = (noise.acceleration * low_gain) ** 2
+        acceleration[2] = (noise.gyro * self._gains[1]) ** 2
+        acceleration[b:] = (noise.angle * second) ** 2
+        M = leg.mass_matrix(q)
+        size = np.array([noise.force] * 2 + [noise.moment] * (b + n - 2))
+        S = np.einsum("kri,ij,ksj->krs", W, self.covariance, W) + np.einsum("kri,i,ksi->krs", M, acceleration, M)
+        spread = size**2 + (noise.relative * e) ** 2
+        spread[:, b:] += (noise.torque * low_gain) ** 2
+        S[:, range(b + n), range(b + n)] += spread
+        L = np.linalg.cholesky(S)
+        white = np.linalg.solve(L, e[..., None])  # (K, R, 1)
+        columns = {link: self._columns(q, link) for link in self.soles}
+        loads = {link: np.linalg.solve(L, each) for link, each in columns.items()}
+        up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
+        up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
+        likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
+        for h, links in enumerate(self.sets):
+            G = np.concatenate(
+                [np.zeros((K, b + n, 0)), *(loads[link] for link in self.soles if link in links)], axis=2
+            )
+            inner = np.eye(G.shape[2]) + np.swapaxes(G, 1, 2) @ G  # |I + G Gᵀ| = |I + Gᵀ G|, and Woodbury
+            x = np.swapaxes(G, 1, 2) @ white
+            y = np.linalg.solve(inner, x)
+            distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
+            likelihood[:, h] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
+            own = [k for k, link in enumerate(self.soles) if link in links]
+            if own:
+                each = y[..., 0].reshape(K, len(own), 3)
+                wrenches[:, h, own] = each * self._prior
+                for k, link in enumerate(link for link in self.soles if link in links):
+                    likelihood[:, h] -= self._impossible(np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k]), up)
+        wide = np.einsum(
+            "kij,j->kij", np.linalg.inv(L), np.array([self._weight] * 2 + [0.3 * self._weight] * (b + n - 2))
+        )
+        inner = np.eye(b + n) + wide @ np.swapaxes(wide, 1, 2)
+        distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
+        likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
+        return likelihood, wrenches
+
+    def _impossible(self, force: FloatArray, up: FloatArray) -> FloatArray:
+        """Penalty of a force in base axes, (K, 2), that pulls, or lies far outside the friction cone; up is (K, 2)."""
+        normal = (force * up).sum(axis=1)
+        along = np.abs(force[:, 0] * up[:, 1] - force[:, 1] * up[:, 0])
+        beyond = along / self.noise.cone - normal
+        return np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0)
+
+    def _student(self, distance: FloatArray, logdet: FloatArray, rows: int) -> FloatArray:
+        nu = self.noise.freedom
+        return np.asarray(-0.5 * (nu + rows) * np.log1p(np.maximum(distance, 0.0) / nu) - 0.5 * logdet)
+
+    @cached_property
+    def _weight(self) -> float:
+        """Weight of the machine [N]."""
+        return GRAVITY * float(sum(body.mass for body in self.model.leg.model.inertias))
+
+    @cached_property
+    def _prior(self) -> FloatArray:
+        """Standard deviations of forward and upward force [N] and of the moment about the middle of a sole [N·m]."""
+        half = max(0.5 * float(np.ptp(sole.points @ self.model.leg.plane.forward)) for sole in self.soles.values())
+        return np.array([0.2, 0.5, 0.5 * max(half, 0.01)]) * self._weight
+
+    def _columns(self, q: FloatArray, link: str) -> FloatArray:
+        """Columns Jᵀ P^½ of the wrench on a sole about its middle, (K, R, 3); a point has a small moment."""
+        leg = self.model.leg
+        J = leg.frame_jacobian(q, link, self.soles[link].centre)
+        plane = leg.plane
+        rows = np.concatenate(
+            [
+                np.tensordot(np.array([plane.forward, plane.up]), J[:, :3], (1, 1)).swapaxes(0, 1),
+                np.einsum("i,kij->kj", -plane.lateral, J[:, 3:])[:, None],
+            ],
+            axis=1,
+        )
+        return np.asarray(np.swapaxes(rows, 1, 2) * self._prior)

@@ -1,0 +1,136 @@
+"""Functions are data: feet stay where they bear, stairs are cleared, limits are kept, and a stride comes from a CSV."""
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError, load_exo, load_leg
+from exoid.control import functions
+from exoid.control.functions import FUNCTIONS, PHASE, SIDES, Body, joint_angles
+from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
+from exoid.signals.link_wrenches import link_placements
+
+MACHINES = {"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES}
+
+
+@pytest.fixture(params=MACHINES)
+def machine(request):
+    return load_exo(request.param, base="floating"), MACHINES[request.param]
+
+
+@pytest.fixture
+def body(machine):
+    return Body.of(*machine)
+
+
+def soles(body, function):
+    hip = function.torso[:, 0] + 1j * function.torso[:, 1]
+    return np.array([body.sole(hip, function.torso[:, 2], function.flexion[:, k]) for k in range(2)])
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_function_is_within_the_limits_of_the_machine_and_has_a_foot_on_the_ground(machine, body, name):
+    leg, _ = machine
+    function = FUNCTIONS[name](body)
+    q = function.joints(leg)
+    assert ((q >= leg.limits.lower) & (q <= leg.limits.upper)).all()
+    assert all(contacts & {*SIDES} for _, contacts in function.contacts)
+    assert function.entry.holds(function.contacts[0][1], function.flexion[0])
+    assert function.exit.holds(function.expected(1.0 - 1e-6), function.flexion[-1])
+    assert not function.entry.holds(frozenset(), function.flexion[0])
+
+
+@pytest.mark.parametrize("name", ["stand", "sit", "rise", "stairs up", "stairs down"])
+def test_a_foot_that_bears_stays_where_it_is(body, name):
+    function = FUNCTIONS[name](body)
+    places = soles(body, function)
+    for k, side in enumerate(SIDES):
+        down = np.array([side in function.expected(p) for p in PHASE])
+        rows = np.flatnonzero(down)
+        for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+            if len(run) < 3:  # the last phase is the first one of the next cycle
+                continue
+            toe = places[k, run[1:-1], 1]  # the toe stays when the heel rises
+            np.testing.assert_allclose(toe, toe[0], rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize("up", [True, False])
+def test_a_foot_does_not_pass_through_a_step(up):
+    body, riser, tread = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES), 0.17, 0.29
+    places = soles(body, functions.stairs(body, up=up, riser=riser, tread=tread))
+    for foot in places:
+        points = np.column_stack([foot, foot.mean(axis=1)])
+        ground = (riser if up else -riser) * np.floor(points.real / tread + 0.5)
+        assert (points.imag - ground).min() > -1e-6
+
+
+def test_the_lowest_sole_of_a_walk_is_on_the_ground_and_a_swinging_toe_is_not(body):
+    function = functions.walk(body)
+    low = soles(body, function).imag.min(axis=2)
+    assert abs(low.min(axis=0)).max() < 0.012  # the path of the hip is smooth
+    swing = np.array([["left" not in function.expected(p) for p in PHASE], ["right" not in function.expected(p) for p in PHASE]])
+    middle = low[swing]
+    assert middle.max() > 0.03
+
+
+def test_joint_angles_reach_the_planned_places(machine, body):
+    """The soles by Pinocchio are where the planned ones are."""
+    leg, own = machine
+    function = functions.stairs(body)
+    q = function.joints(leg)
+    for k, (link, sole) in enumerate(own.items()):
+        rotation, origin = link_placements(leg, q, link)
+        place = origin + rotation @ sole.centre
+        hip = function.torso[:, 0] + 1j * function.torso[:, 1]
+        np.testing.assert_allclose(
+            hip + place[:, 0] + 1j * place[:, 2], soles(body, function)[k].mean(axis=1), rtol=0, atol=1e-9
+        )
+
+
+def test_sitting_scales_with_chair_and_wearer():
+    small, tall = Body(0.38, 0.38, 0.1, -0.07, 0.12), Body(0.47, 0.47, 0.12, -0.08, 0.14)
+    low, high = (functions.sit(tall, seat=seat) for seat in (0.40, 0.50))
+    assert high.torso[-1, 1] - low.torso[-1, 1] == pytest.approx(0.1)
+    assert functions.sit(small).torso[-1, 1] == functions.sit(tall).torso[-1, 1]
+    assert functions.sit(small).flexion[-1, 0, 0] < functions.sit(tall).flexion[-1, 0, 0]
+
+
+def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):
+    """The healthy stride, written as a table, makes the same walk."""
+    stride = functions.stride_flexion("healthy", 1.0)
+    rows = np.column_stack([PHASE, np.rad2deg(stride)])[::2]
+    path = tmp_path / "stride.csv"
+    np.savetxt(path, rows, delimiter=",", header="phase,hip_deg,knee_deg,ankle_deg", comments="")
+    np.testing.assert_allclose(functions.stride_flexion(path, 1.0), stride, rtol=0, atol=5e-3)
+    body = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
+    again = functions.walk(body, reference=path, scale=1.0)
+    np.testing.assert_allclose(again.flexion, functions.walk(body, scale=1.0).flexion, rtol=0, atol=0.02)
+
+
+def test_a_slope_turns_the_walk_and_leaves_the_torso(body):
+    level, up = functions.walk(body), functions.slope(body, 0.1)
+    assert np.allclose(up.flexion[..., 0] - level.flexion[..., 0], 0.1)
+    way = up.torso[-1] - up.torso[0]
+    assert np.arctan2(way[1], way[0]) == pytest.approx(0.1)
+    assert way[2] == 0.0
+
+
+REFUSED = {
+    "high riser": lambda body, path: functions.stairs(body, up=False, tread=0.6),
+    "low seat": lambda body, path: functions.sit(body, seat=0.02),
+    "steep": lambda body, path: functions.slope(body, 0.5),
+    "no duration": lambda body, path: functions.rise(body, duration=0.0),
+    "no norm": lambda body, path: functions.walk(body, reference="Sprint"),
+    "no file": lambda body, path: functions.walk(body, reference="missing.csv"),
+    "no knee": lambda body, path: functions.walk(body, reference=path),
+    "no leg": lambda body, path: Body(0.4, -0.4),
+    "one leg": lambda body, path: joint_angles(load_leg("bleex"), np.zeros((1, 2, 3))),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_done_is_refused(name, tmp_path):
+    path = tmp_path / "bad.csv"
+    path.write_text("phase,hip_deg\n" + "\n".join(f"{k / 10},{k}" for k in range(10)))
+    body = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
+    with pytest.raises(ExoidError):
+        REFUSED[name](body, path)
