@@ -1,5 +1,6 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
+from . import functions as functions
 from . import ground as ground
 from . import wearer as wearer
 from .closed_loop import compare_laws, simulate_law, simulate_many
@@ -23,6 +24,7 @@ from .replay import LawReplay, replay_law
 from .self_tuning import self_tuning
 from .sensitivity_amplification import sensitivity_amplification
 from .standard_laws import LAWS, mean_pose, standard_laws
+from .toe_clearance import ToeClearance, toe_clearance
 from .tracking import Tracking
 
 __all__ = [
@@ -40,6 +42,7 @@ __all__ = [
     "SensorNoise",
     "State",
     "StatefulLaw",
+    "ToeClearance",
     "Tracking",
     "compare_laws",
     "computed_torque",

@@ -90,7 +90,11 @@ def toe_clearance(
     curve = scipy.interpolate.CubicSpline(time, q)
     v, a = curve(time, 1), curve(time, 2)
     Y = estimate.model.regressor(q, v, a)  # (N, n, P)
-    drive = np.linalg.solve(leg.mass_matrix(q), Y)
+    still, unit = estimate.model.regressor(q, v, np.zeros_like(q)), np.eye(n)
+    M = np.stack(  # with the rotors
+        [(estimate.model.regressor(q, v, np.tile(row, (len(q), 1))) - still) @ estimate.values for row in unit], axis=2
+    )
+    drive = np.linalg.solve(M, Y)
     E = np.empty_like(drive)
     for j, (stiff, damp) in enumerate(zip(*gains, strict=True)):
         b, den = scipy.signal.bilinear([1.0], [1.0, float(damp), float(stiff)], 1.0 / float(steps[0]))
@@ -98,7 +102,7 @@ def toe_clearance(
     rng = np.random.default_rng(seed)
     errors = rng.multivariate_normal(np.zeros(len(estimate.values)), estimate.covariance, DRAWS)  # (D, P)
     slope = np.stack(
-        [(height(q + 1e-6 * row) - height(q - 1e-6 * row)) / 2e-6 for row in np.eye(n)], axis=1
+        [(height(q + 1e-6 * row) - height(q - 1e-6 * row)) / 2e-6 for row in unit], axis=1
     )  # ∂c/∂q by central differences, (N, n)
     planned = height(q)
     drawn = planned - errors @ np.einsum("nj,njp->np", slope, E).T

@@ -67,7 +67,9 @@ def test_the_lowest_sole_of_a_walk_is_on_the_ground_and_a_swinging_toe_is_not(bo
     function = functions.walk(body)
     low = soles(body, function).imag.min(axis=2)
     assert abs(low.min(axis=0)).max() < 0.012  # the path of the hip is smooth
-    swing = np.array([["left" not in function.expected(p) for p in PHASE], ["right" not in function.expected(p) for p in PHASE]])
+    swing = np.array(
+        [["left" not in function.expected(p) for p in PHASE], ["right" not in function.expected(p) for p in PHASE]]
+    )
     middle = low[swing]
     assert middle.max() > 0.03
 

@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.functions import SEAT, SIDES, Contacts, Function, minimum_jerk
+from exoid.control.functions import SEAT, SIDES, Contacts, Function
 from exoid.errors import BadArgumentError
 from exoid.tools.numbers import checked
 
 from .hypotheses import CERTAIN
+from .law import share_course
 
 SAFE = "safe stop"
 """State of the fall-back: support as long as contacts are known, then damping."""
@@ -178,7 +179,7 @@ class Coordinator:
                 memory.loaded[name] = 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
-        shares = {name: float(minimum_jerk(np.asarray(memory.loaded[name]))) for name in kept}
+        shares = {name: float(share_course(memory.loaded[name])) for name in kept}
         if max(shares[name] for name in feet) <= 0.0:
             shares |= dict.fromkeys(feet, 1.0) if len(feet) == 1 else {}
         return Decision(memory.function, memory.phase, level, shares)
@@ -186,7 +187,7 @@ class Coordinator:
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
         """Bound torque and power, and rate and jerk of the torque.
 
-        The rate is what still lets the torque stop at its aim, √(jerk |error|), half of what it might be. Limits of torque and power come
+        The rate is √(jerk |error|) at most, so that the torque can stop at its aim. Limits of torque and power come
         before those of rate and jerk.
 
         Args:

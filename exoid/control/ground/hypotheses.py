@@ -31,7 +31,7 @@ CERTAIN = 0.99
 """Probability from which a set of contacts counts as known."""
 
 FREEZES, MOVES = 0.03, 0.5
-"""Time for which a reading does not change at all [s], while the machine moves so fast [rad/s]: its sensor is frozen."""
+"""Time for which a reading does not change at all [s] while the machine moves so fast [rad/s]: a frozen sensor."""
 
 BLOCK = 0.01
 """Time between two decisions [s]."""
@@ -55,7 +55,7 @@ class ContactNoise(NamedTuple):
     late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
 
 
-class GroundReadings(NamedTuple):
+class ContactReadings(NamedTuple):
     """Readings of N samples at the rate of the filter.
 
     Attributes:
@@ -201,7 +201,7 @@ class ContactFilter:
         H = len(self.sets) + 1
         return Memory(None, np.full(H, 1.0 / H), np.zeros(len(self.feet)))
 
-    def advance(self, memory: Memory, readings: GroundReadings) -> Belief:
+    def advance(self, memory: Memory, readings: ContactReadings) -> Belief:
         """Take in readings of any number of samples, and decide after each whole block of 10 ms.
 
         Args:
@@ -260,7 +260,7 @@ class ContactFilter:
         """
         return self.advance(self.begin(), self.readings(recording, switches))
 
-    def readings(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> GroundReadings:
+    def readings(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> ContactReadings:
         """Take the readings out of a log, see :meth:`over`.
 
         Args:
@@ -288,7 +288,7 @@ class ContactFilter:
         flags = (
             {link: x for link, x in recording.contacts.items() if link in self.feet} if switches is None else switches
         )
-        return GroundReadings(recording.q, recording.tau, base.angular_velocity, base.specific_force, known, flags)
+        return ContactReadings(recording.q, recording.tau, base.angular_velocity, base.specific_force, known, flags)
 
     def part(self, link: str, wrench: FloatArray) -> NDArray[np.str_]:
         """Name the part of a sole that bears load: "heel", "flat" or "toe", by its centre of pressure.
@@ -309,15 +309,15 @@ class ContactFilter:
         names = np.where(place > 0.8, "toe", np.where(place < -0.8, "heel", "flat"))
         return np.where(np.isnan(place), "", names)
 
-    def _switched(self, readings: GroundReadings) -> tuple[str, ...]:
+    def _switched(self, readings: ContactReadings) -> tuple[str, ...]:
         return tuple(link for link in self.feet if link in readings.switches) if readings.switches else ()
 
-    def _members(self, readings: GroundReadings) -> FloatArray:
+    def _members(self, readings: ContactReadings) -> FloatArray:
         """Whether each switched foot is in each set, (F, H); half for the unknown."""
         links = self._switched(readings)
         return np.array([[*(float(link in links_) for links_ in self.sets), 0.5] for link in links])
 
-    def _switch_score(self, readings: GroundReadings, flags: FloatArray, weight: FloatArray) -> FloatArray:
+    def _switch_score(self, readings: ContactReadings, flags: FloatArray, weight: FloatArray) -> FloatArray:
         """Log-likelihood of the switches under each set; readings of one delay are one piece of evidence."""
         right = 1.0 - np.abs(self._members(readings) - flags[:, None])
         each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
@@ -352,7 +352,7 @@ class ContactFilter:
         return np.array([np.linalg.norm(scipy.signal.sosfilt(sos, impulse)) for sos in self._filters])
 
     def _filtered(
-        self, memory: Memory, readings: GroundReadings, ends: NDArray[np.intp]
+        self, memory: Memory, readings: ContactReadings, ends: NDArray[np.intp]
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Pass all channels through the low-pass: values, and derivatives of angles and rates, at the blocks' ends."""
         known = readings.known if readings.known is not None else np.zeros((len(readings.q), len(self.model.row_names)))
@@ -368,7 +368,7 @@ class ContactFilter:
             out.append(y[ends])
         return out[0], out[1], out[2]
 
-    def _frozen(self, memory: Memory, readings: GroundReadings) -> BoolArray:
+    def _frozen(self, memory: Memory, readings: ContactReadings) -> BoolArray:
         """Samples at which an angle, a torque or the gyroscope has not changed at all for a while."""
         x = np.hstack([readings.q, readings.tau, readings.gyro])
         last = x[0] - 1.0 if memory.last is None else memory.last
@@ -435,7 +435,7 @@ class ContactFilter:
         normal = (force * up).sum(axis=1)
         along = np.abs(force[:, 0] * up[:, 1] - force[:, 1] * up[:, 0])
         beyond = along / self.noise.cone - normal
-        return np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0)
+        return np.asarray(np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0))
 
     def _student(self, distance: FloatArray, logdet: FloatArray, rows: int) -> FloatArray:
         nu = self.noise.freedom

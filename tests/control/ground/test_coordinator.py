@@ -22,7 +22,9 @@ def run(machine, memory, contacts, seconds, flexion=None, request=None, chance=0
     """Decide for some time; the last decision."""
     posture = ALL["stand"].flexion[0] if flexion is None else flexion
     for k in range(round(seconds * machine.rate)):
-        decision = machine.decide(memory, {contacts: chance, frozenset(): 1.0 - chance}, posture, None if k else request)
+        decision = machine.decide(
+            memory, {contacts: chance, frozenset(): 1.0 - chance}, posture, None if k else request
+        )
     return decision
 
 

@@ -1,0 +1,28 @@
+"""``exoid coordinate`` runs a day, prints a table or JSON, and draws it."""
+
+import json
+
+import pytest
+
+pytest.importorskip("mujoco")
+
+
+@pytest.mark.slow
+def test_a_day_is_told_right(exoid_, tmp_path):
+    done = exoid_("coordinate", "cuhk", "--seconds", "30", "--events", "3", "--json", "--figures", str(tmp_path / "day"))
+    assert done.code == 0, done.err
+    data = json.loads(done.out)
+    assert data["mode_accuracy"] >= 0.99
+    assert {"sit", "rise", "stand", "walk", "stairs up", "stairs down", "slope"} == set(data["functions"])
+    assert all(0.0 <= each["accuracy"] <= 1.0 for each in data["functions"].values())
+    assert data["events"]["beyond_limits"] == 0
+    assert "100" in done.err or "%" in done.err  # progress
+    assert {path.suffix for path in (tmp_path / "day").iterdir()} == {".pdf", ".svg"}
+
+
+@pytest.mark.parametrize("arguments", [("panda",), ("bleex", "--seconds", "3"), ("bleex", "--events", "-1")])
+def test_what_cannot_be_run_is_refused(exoid_, arguments, monkeypatch):
+    monkeypatch.setattr("exoid.lab.coordination.study.calibrate", lambda plant, seed: None)
+    done = exoid_("coordinate", *arguments)
+    assert done.code == 2
+    assert len(done.err.strip().splitlines()) == 1

@@ -1,0 +1,140 @@
+"""Which contacts hold is told from the rows of the identified machine, whatever the switches say."""
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError, load_leg
+from exoid.control.ground import ContactFilter
+from exoid.experiments.ground import bleex_machine
+from exoid.lab.coordination import day, study
+from exoid.rig.ground import Sole
+from exoid.torques.model import TorqueModel
+
+SETS = ("air", "left_foot", "right_foot", "torso", "left_foot+right_foot", "left_foot+torso", "right_foot+torso")
+
+
+def filter_of(plant, soles):
+    """The filter that knows the machine to 1 %."""
+    model, truth = TorqueModel.at_start(plant.leg, study.TERMS), plant.values
+    values = np.array([truth[name] for name in model.names])
+    return ContactFilter(model, values, np.diag((0.01 * values) ** 2), soles, np.array(study.SENSORS.imu_position))
+
+
+@pytest.fixture(scope="module")
+def told():
+    """Episodes by name with their filter and log."""
+    plant, out = bleex_machine(), {}
+    for name, seconds in (("walk", 5.0), ("rise", 3.0)):
+        episode = day.run_function(plant, name, seconds, np.random.default_rng(1))
+        out[name] = filter_of(plant, episode.run.plant.soles), episode, study._log(episode, [1])
+    return out
+
+
+@pytest.mark.parametrize("name", ["walk", "rise"])
+def test_the_set_of_contacts_is_right_further_than_100_ms_from_a_transition(told, name):
+    contacts, episode, log = told[name]
+    right, far = study._judge(contacts, episode, contacts.over(log, {}))
+    assert far.sum() > 150
+    assert right[far].mean() > 0.99
+    assert max(study._delays(contacts, episode, contacts.over(log, {})), default=0.0) <= 0.06
+
+
+@pytest.mark.parametrize(
+    "fault", [np.ones_like, np.zeros_like, lambda x: np.roll(x, 40)], ids=["closed", "open", "late"]
+)
+def test_a_wrong_switch_does_not_fool_it(told, fault):
+    contacts, episode, log = told["walk"]
+    switches = {"left_foot": fault(log.contacts["left_foot"]), "right_foot": log.contacts["right_foot"]}
+    right, far = study._judge(contacts, episode, contacts.over(log, switches))
+    assert right[far].mean() > 0.99
+
+
+def test_the_seat_is_told_to_be_left_within_60_ms(told):
+    contacts, episode, log = told["rise"]
+    (delay,) = study._seat_off([contacts], [episode], [contacts.over(log)])
+    assert delay <= 0.06
+
+
+def test_forces_are_told_beside_the_set(told):
+    """Upward force on the foot that bears, by the middle of single support, to 5 % of the weight."""
+    contacts, episode, log = told["walk"]
+    belief = contacts.over(log)
+    ends = study._blocks(contacts, len(log))
+    true = episode.run.feet["left_foot"].force[ends, 2]
+    single = np.convolve(episode.truth()["right"][ends], np.ones(21), "same") == 0
+    error = (belief.wrench[:, 0, 1] - true)[single]
+    assert single.sum() > 20
+    assert np.sqrt(np.mean(error**2)) < 0.05 * 9.81 * 49.1
+    parts = contacts.part("left_foot", belief.wrench[:, 0])
+    assert set(parts[single]) <= {"heel", "flat", "toe"}
+
+
+def test_blocks_that_come_one_by_one_give_the_same_as_a_log(told):
+    contacts, _, log = told["walk"]
+    readings, memory = contacts.readings(log), contacts.begin()
+    whole = contacts.over(log).probability[:60]
+    pieces = []
+    for start in range(0, 300, 7):  # blocks of 5 samples do not divide pieces of 7
+        part = slice(start, min(start + 7, 300))
+        arrays = [None if x is None else x[part] for x in readings[:5]]
+        each = readings._replace(
+            **dict(zip(readings._fields[:5], arrays, strict=True)),
+            switches={link: x[part] for link, x in readings.switches.items()},
+        )
+        pieces.append(contacts.advance(memory, each).probability)
+    np.testing.assert_allclose(np.concatenate(pieces), whole, rtol=0, atol=1e-9)
+
+
+def test_a_frozen_sensor_makes_contacts_unknown(told):
+    contacts, episode, log = told["walk"]
+    readings = contacts.readings(log)
+    q = readings.q.copy()
+    q[1000:, 1] = q[1000, 1]
+    belief = contacts.advance(contacts.begin(), readings._replace(q=q))
+    others = np.delete(episode.run.v[study._blocks(contacts, len(q))], 1, axis=1)
+    fast = np.abs(others).max(axis=1) > 1.0
+    late = np.arange(len(belief.probability)) > 210
+    assert (belief.probability[fast & late, -1] > 0.5).mean() > 0.9
+
+
+def test_hypotheses_have_names(told):
+    names = told["walk"][0].names
+    assert set(SETS) <= set(names)
+    assert names[-1] == "unknown"
+    assert len(names) == 9
+
+
+REFUSED = {
+    "no base": lambda plant: ContactFilter.of(_fixed(), plant.soles),
+    "no soles": lambda plant: ContactFilter.of(_floating(plant), {}),
+    "four soles": lambda plant: ContactFilter.of(
+        _floating(plant), {f"s{k}": Sole.flat(0.0, 0.1, 0.0) for k in range(4)}
+    ),
+    "fast": lambda plant: ContactFilter.of(_floating(plant), plant.soles, rate=100.0),
+}
+
+
+class _Made:
+    def __init__(self, leg):
+        self.leg, self.model, self.values, self.covariance = leg, None, (), ()
+
+
+def _fixed():
+    return _Made(load_leg("bleex"))
+
+
+def _floating(plant):
+    return _Made(plant.leg)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_told_is_refused(name):
+    with pytest.raises(ExoidError):
+        REFUSED[name](bleex_machine())
+
+
+def test_a_reading_that_is_not_finite_is_refused(told):
+    contacts, _, log = told["walk"]
+    readings = contacts.readings(log)
+    with pytest.raises(ExoidError, match="finite"):
+        contacts.advance(contacts.begin(), readings._replace(tau=np.full_like(readings.tau, np.nan)))
