@@ -1,6 +1,6 @@
 """Are contacts told, functions coordinated, and toes cleared as stated? Figures of docs/coordination.md.
 
-    python scripts/study_coordination.py                            # 2 seeds each of BLEEX and CUHK-EXO, about ten minutes
+    python scripts/study_coordination.py      # 2 seeds each of BLEEX and CUHK-EXO, ten minutes
     python scripts/study_coordination.py --machines cuhk --seeds 1 --seconds 60
     python scripts/study_coordination.py --toe --machines bleex     # toe clearance alone: 400 swings, a minute
 
@@ -19,7 +19,6 @@ import scipy
 from exoid import identify, load_leg
 from exoid.control.functions import PHASE, Body, walk
 from exoid.control.toe_clearance import toe_clearance
-from exoid.experiments import healthy_gait
 from exoid.lab.coordination import coordinate, coordination_report
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 from exoid.signals import Recording
@@ -78,7 +77,8 @@ def _body(machine: str) -> Body:
 def _estimate(leg, rng):  # noqa: ANN001, ANN202
     """A short and noisy identification, so that the covariance matters."""
     t = np.arange(0.0, 8.0, 0.005)
-    waves = [sum(0.2 * np.sin(2.0 * np.pi * f * t + p) for f, p in zip((0.3, 0.7, 1.3), rng.uniform(0, 6, 3), strict=True)) for _ in leg.joint_names]
+    turns = np.outer(t, 2.0 * np.pi * np.array([0.3, 0.7, 1.3]))
+    waves = [0.2 * np.sin(turns + rng.uniform(0.0, 6.0, 3)).sum(axis=1) for _ in leg.joint_names]
     lower, upper, *_ = leg.limits
     q = 0.5 * (np.clip(lower, -1, 1) + np.clip(upper, -1, 1)) + 0.5 * np.column_stack(waves)
     curve = scipy.interpolate.CubicSpline(t, q)
@@ -92,7 +92,7 @@ def _estimate(leg, rng):  # noqa: ANN001, ANN202
 
 def _swings(estimate, time, q, height, rng, count):  # noqa: ANN001, ANN202
     """Least clearance of true legs that are drawn from the estimate, at once: q, v are (B, n)."""
-    leg, model, dt, n = estimate.leg, estimate.model, 5e-4, q.shape[1]
+    model, dt, n = estimate.model, 5e-4, q.shape[1]
     beta = rng.multivariate_normal(estimate.values, estimate.covariance, count)
     fine = np.arange(time[0], time[-1] + 0.5 * dt, dt)
     curve = scipy.interpolate.CubicSpline(time, q)
@@ -106,9 +106,8 @@ def _swings(estimate, time, q, height, rng, count):  # noqa: ANN001, ANN202
         wanted = ad[k] + KD * (vd[k] - v) + KP * (qd[k] - x)
         tau = model.regressor(x, v, wanted) @ estimate.values
         drift = np.einsum("bnp,bp->bn", model.regressor(x, v, np.zeros_like(v)), beta)
-        M = np.stack(
-            [np.einsum("bnp,bp->bn", model.regressor(x, v, np.tile(e, (count, 1))), beta) - drift for e in np.eye(n)], axis=2
-        )
+        units = [model.regressor(x, v, np.tile(e, (count, 1))) for e in np.eye(n)]
+        M = np.stack([np.einsum("bnp,bp->bn", unit, beta) - drift for unit in units], axis=2)
         v = v + dt * np.linalg.solve(M, (tau - drift)[..., None])[..., 0]
         x = x + dt * v
     paths = np.array(states)[: len(time)].transpose(1, 0, 2)  # (B, N, n)

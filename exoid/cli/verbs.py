@@ -25,7 +25,9 @@ VERBS = {
     "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",
     "stability": "Find how far the gains of PD control with gravity compensation may be raised, by rate and delay.",
     "track": "Run controllers on a rig and compare tracking error, torque, energy and chatter.",
-    "coordinate": "Run a day on the rig with ground: sit, rise, walk, stairs, sit; tell contacts by the identified model.",
+    "coordinate": (
+        "Run a day on the rig with ground: sit, rise, walk, stairs, sit; tell contacts by the identified model."
+    ),
     "wear": ("Let a wearer walk in a leg: what is felt with the leg off, and with CAD, identified and true model."),
 }
 """First paragraph of each verb's help. A verb is the function of that name in the file of that name."""

@@ -62,5 +62,6 @@ __all__ = [
     "stance",
     "standard_laws",
     "stateful",
+    "toe_clearance",
     "transparent",
 ]

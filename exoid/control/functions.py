@@ -16,7 +16,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
-from exoid.experiments.gait import healthy_gait, norm_gait
+from exoid.experiments.gait import healthy_gait
 from exoid.experiments.ground.walking import TILT_DEG
 from exoid.leg.leg import Leg
 from exoid.rig.ground import Sole
@@ -255,30 +255,27 @@ def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:
 
 
 def stride_flexion(reference: str | os.PathLike[str] = "healthy", scale: float = 0.9) -> FloatArray:
-    """Tabulate hip, knee and ankle over a stride from heel contact: healthy gait, a norm, or a CSV file.
+    """Tabulate hip, knee and ankle over a stride from heel contact: healthy gait, or a CSV file such as a norm.
 
     Args:
-        reference: "healthy" for :func:`exoid.experiments.healthy_gait`, a norm of
-            :func:`exoid.signals.datasets.gait_norm` ("VerySlow", "Slow", "Free", "Fast"), or a CSV file with columns
-            ``phase`` (0 to 1), ``hip_deg``, ``knee_deg`` and perhaps ``ankle_deg``, flexion positive.
+        reference: "healthy" for :func:`exoid.experiments.healthy_gait`, or a CSV file with columns ``phase`` (0 to 1),
+            ``hip_deg``, ``knee_deg`` and perhaps ``ankle_deg``, flexion positive.
         scale: Factor of the amplitudes about the mean.
 
     Returns:
         Flexion at :data:`PHASE` [rad], (K, 3).
 
     Raises:
-        ExoidError: There is no such norm or file, or a column is missing.
+        ExoidError: There is no such file, or a column is missing.
     """
     whole = PHASE[:-1]
-    if Path(reference).suffix.lower() == ".csv":
+    if reference != "healthy":
         flexion = _csv_stride(Path(reference), scale)
-    elif reference == "healthy":
+    else:
         hip, knee = healthy_gait(scale, 1.0).over(whole).q.T
         knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
         tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(whole)
         flexion = np.column_stack([hip, knee, np.deg2rad(scale * tilt) - hip + knee])
-    else:
-        flexion = norm_gait(str(reference), scale, 1.0).over(whole).q
     return np.vstack([flexion, flexion[:1]])
 
 
@@ -401,6 +398,7 @@ def walk(
     reference: str | os.PathLike[str] = "healthy",
     scale: float = 0.9,
     period: float = 1.4,
+    pitch: float = 0.0,
     lift: float = 0.015,
 ) -> Function:
     """Walk on level ground: both legs follow a stride, half a period apart, and the lowest point of the soles rests.
@@ -410,6 +408,7 @@ def walk(
         reference: Stride, see :func:`stride_flexion`.
         scale: Factor of the amplitudes about the mean.
         period: Time of a stride [s].
+        pitch: Pitch of the torso [rad]. Norms count the flexion of the hip from a pelvis that leans by −0.19 rad.
         lift: Height by which a swinging foot is lifted more than in the reference [m].
 
     Returns:
@@ -420,8 +419,6 @@ def walk(
     """
     one = stride_flexion(reference, scale)
     both = np.stack([one, np.vstack([one[100:], one[1:101]])], axis=1)
-    # norms count the flexion of the hip from a pelvis that is tilted forward by 0.19 rad
-    pitch = 0.0 if reference == "healthy" or Path(reference).suffix else -0.19
     if body.ankle == 0.0:
         both[..., 2] = 0.0
     soles = [body.sole(np.zeros(len(PHASE), dtype=np.complex128), pitch, both[:, k]) for k in range(2)]
