@@ -18,12 +18,16 @@ from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.leg.mjcf import require_mujoco
 from exoid.tools.files import refuse_unwritable, write_whole
 from exoid.tools.tables import to_text
-from exoid.torques import Armature, Coulomb, Viscous
+from exoid.torques import Armature, Coulomb, Term, Viscous
 
 from .data import EstimateData
 from .export import Export, export_urdf, places_of
 
-PLACES = {(Coulomb, "c0"): "frictionloss", (Viscous, "d"): "damping", (Armature, "Ia"): "armature"}
+PLACES: dict[tuple[type[Term], str], str] = {
+    (Coulomb, "c0"): "frictionloss",
+    (Viscous, "d"): "damping",
+    (Armature, "Ia"): "armature",
+}
 """Attribute of a joint in MJCF for a symbol of a type of term."""
 
 
