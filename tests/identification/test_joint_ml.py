@@ -16,7 +16,7 @@ from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_fit import fit_motion
-from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, Still, System, respond
+from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, System, respond
 from exoid.identification.estimators.trajectory import Trajectory
 from exoid.regression.least_squares import solve
 from exoid.signals import Poses
@@ -85,19 +85,17 @@ def test_the_torque_answers_to_the_motion_as_pinocchio_says(swing):
 
 @pytest.fixture
 def system(swing):
-    """Two recordings and poses at noise levels that are all different."""
+    """Two recordings at noise levels that are all different."""
     model = TorqueModel(swing.leg, TERMS)
     moving = []
     for seed, rows in ((3, slice(0, 150)), (4, slice(150, 260))):
         log = noisy(swing, seed).slice(rows.start, rows.stop)
         usable = (np.random.default_rng(seed).random(log.q.shape) > 0.1).astype(float)
         moving.append(Moving(log.time, log.q, log.tau, usable, swing.motion[0][rows], None))
-    static = poses(swing, 5)
-    still = Still(model.regressor(static.q, 0 * static.q, 0 * static.q), static.tau)
-    return System(model, moving, [still], NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving])
+    return System(model, moving, NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving])
 
 
-LEVELS = Levels(np.array([1e-3, 2e-3, 3e-3]), np.array([0.05, 0.1, 0.02]), np.array([0.01, 0.02, 0.03]))
+LEVELS = Levels(np.array([1e-3, 2e-3, 3e-3]), np.array([0.05, 0.1, 0.02]))
 
 
 def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
@@ -105,7 +103,7 @@ def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
     state = system.begin(1.1 * swing.truth)
     rows = system.linearise(state, LEVELS)
     reduced = [eliminate(*pair) for pair in zip(system.trajectories, rows, strict=True)]
-    _, gradient = system.join(reduced, state, LEVELS)
+    _, gradient = system.join(reduced)
 
     def squares(share, values, coefficients):
         moved = [c + share * x for c, x in zip(state.coefficients, coefficients, strict=True)]
@@ -148,18 +146,14 @@ def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_hi
 def test_levels_are_those_of_the_noise(swing):
     model, log = TorqueModel(swing.leg, TERMS), noisy(swing, 4)
     moving = Moving(log.time, log.q, log.tau, np.ones_like(log.q), swing.motion[0], None)
-    levels = fit_motion(model, [moving], [], swing.truth, 0.05, solver(swing), NO_PRIORS).levels
+    levels = fit_motion(model, [moving], swing.truth, 0.05, solver(swing), NO_PRIORS).levels
     np.testing.assert_allclose(levels.angle, ANGLE, rtol=0.1)
     np.testing.assert_allclose(levels.torque, TORQUE, rtol=0.25)
 
 
-def test_poses_join_in(swing):
-    """Their torques say more on X and Y than the motion alone."""
-    alone = identify(swing.leg, noisy(swing, 5), TERMS, JointML(0.05))
-    both = identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, JointML(0.05))
-    gain = dict(zip(both.names, both.std / alone.std, strict=True))
-    assert max(gain[name] for name in ("X1", "X2", "X3", "Y1", "Y2", "Y3")) < 0.9
-    assert np.abs((both.values - swing.truth) / both.std).max() < 4.0
+def test_poses_are_refused(swing):
+    with pytest.raises(ExoidError, match="ml fits motions"):
+        identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, "ml")
 
 
 def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
@@ -202,7 +196,7 @@ def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score
     state = system.begin(1.02 * swing.truth)
     linear = system.linearise(state, LEVELS)
     reduced = [eliminate(*pair) for pair in zip(system.trajectories, linear, strict=True)]
-    matrix, gradient = system.join(reduced, state, LEVELS)
+    matrix, gradient = system.join(reduced)
     rows = system.influence(state, LEVELS)
     W = np.vstack([block.rows.W.reshape(-1, len(swing.truth)) for block in rows.blocks])
     tau = np.concatenate([block.rows.tau.ravel() for block in rows.blocks])

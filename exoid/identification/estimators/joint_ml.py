@@ -13,7 +13,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.problem import Problem
-from exoid.regression.every_row import make_rows
 from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, source_of
@@ -24,7 +23,7 @@ from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
 
 from .motion_fit import MotionFit, fit_motion
-from .motion_system import Moving, Still
+from .motion_system import Moving
 
 COARSE = 0.04  # knot spacing [s] to begin with
 LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
@@ -47,9 +46,8 @@ class JointML:
     over unfiltered samples, with σ_q and σ_τ of each joint estimated too. The torque thus helps to find the motion, and
     noise in the angles does not bias β as it does where W is formed from angles as measured. Most precise if the noise
     of angles and of torques is white; intervals allow for correlated noise of both. No controller needs to be known.
-    Torques of poses join in, their angles count as exact. Recorded velocities and accelerations are not used. Where
-    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band, and at reversals that
-    wls takes out too, count as angles, not as torques.
+    Recorded velocities and accelerations are not used. Where Coulomb friction has a sharp sign, it is smoothed over
+    0.01 rad/s; samples in a dead band, and at reversals that wls takes out too, count as angles, not as torques.
 
     Attributes:
         spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
@@ -82,11 +80,9 @@ class JointML:
         preparation = ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.local_data]))
         recordings = [data for data in problem.local_data if isinstance(data, Recording)]
         moving = [_moving(problem.model, data, preparation) for data in recordings]
-        still = [_still(problem, data) for data in problem.local_data if isinstance(data, Poses)]
         fit = partial(
             fit_motion,
             model,
-            still=still,
             solve=problem.solve,
             priors=problem.prior_knowledge.pseudo_rows(problem.names),
         )
@@ -119,6 +115,8 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
         )
     for data in problem.local_data:
         where, links = source_of(data), data.loaded_links if isinstance(data, Recording) else ()
+        if isinstance(data, Poses):
+            raise NotSupportedError("ml fits motions, and there are poses", where=where, remedy=remedy)
         if data.payloads:
             carried = ", ".join(map(str, data.payloads))
             raise NotSupportedError(
@@ -153,11 +151,6 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
     return Moving(
         recording.time, recording.q, np.asarray(recording.tau), usable, q, base_during(recording, preparation)
     )
-
-
-def _still(problem: Problem, poses: Poses) -> Still:
-    rows = make_rows(problem.model, poses, problem.preparation)
-    return Still(rows.W, rows.tau)
 
 
 def _on(moving: Sequence[Moving], found: MotionFit) -> list[Moving]:

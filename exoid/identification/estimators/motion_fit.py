@@ -14,7 +14,7 @@ from exoid.regression.residuals import Point
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate
-from .motion_system import Levels, MotionState, Moving, Still, System
+from .motion_system import Levels, MotionState, Moving, System
 from .trajectory import Trajectory
 
 ROUNDS = 30  # Gauss–Newton steps at most
@@ -46,7 +46,6 @@ class MotionFit(NamedTuple):
 def fit_motion(
     model: TorqueModel,
     moving: Sequence[Moving],
-    still: Sequence[Still],
     values: FloatArray,
     spacing: float,
     solve: Callable[[RFactor], Solution],
@@ -56,13 +55,13 @@ def fit_motion(
     """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β."""
     # The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the
     # trace of the hat matrix, estimated by random vectors (the same in every round).
-    system = System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
+    system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)
     levels = system.levels(system.residuals(state), None)
     for _ in range(ROUNDS):
         rows = system.linearise(state, levels)
         reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]
-        matrix, gradient = system.join(reduced, state, levels)
+        matrix, gradient = system.join(reduced)
         solution = solve(_as_triangle(matrix, gradient + matrix @ state.values, system.redundancy(state)))
         before, state, full = state, *system.descend(state, levels, reduced, solution.values - state.values)
         taken = system.taken(rows, reduced, solution.covariance, levels)

@@ -32,10 +32,9 @@ class LinearisedRows(NamedTuple):
 
     @staticmethod
     def of(blocks: Sequence[RowBlock]) -> LinearisedRows:
-        """Collect recordings; poses may have the first channels only."""
-        channels = max(block.rows.W.shape[1] for block in blocks)
-        every = np.arange(blocks[0].rows.W.shape[2])
-        return LinearisedRows([every] * channels, blocks)
+        """Collect recordings."""
+        _, channels, parameters = blocks[0].rows.W.shape
+        return LinearisedRows([np.arange(parameters)] * channels, blocks)
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """All rows have one weight."""
@@ -47,15 +46,12 @@ class LinearisedRows(NamedTuple):
 
 
 def linearised_block(
-    W: FloatArray, residual: FloatArray, values: FloatArray, time: FloatArray | None, usable: FloatArray | None = None
+    W: FloatArray, residual: FloatArray, values: FloatArray, time: FloatArray, usable: FloatArray
 ) -> RowBlock:
     """Make a block of the rows of one recording."""
-    stamps = np.arange(len(W), dtype=np.float64) if time is None else time
-    kind = NoiseKind(time is None, rate_class(stamps))
-    mask = np.ones(residual.shape, dtype=np.bool_) if usable is None else usable > 0.0
-    acting = np.ones(W.shape[1:], dtype=np.bool_)
-    still = np.zeros_like(residual)
-    return RowBlock(kind, Rows(stamps, W, residual + W @ values, still, still, mask, acting, 1.0), True, True)
+    acting, still = np.ones(W.shape[1:], dtype=np.bool_), np.zeros_like(residual)
+    rows = Rows(time, W, residual + W @ values, still, still, usable > 0.0, acting, 1.0)
+    return RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(time)), rows, begins=True, ends=True)
 
 
 class Moving(NamedTuple):
@@ -69,19 +65,11 @@ class Moving(NamedTuple):
     torso: MovingBase | None  # posture of the torso
 
 
-class Still(NamedTuple):
-    """Poses, whose angles count as exact: W (K, n, P) and torques [N·m], (K, n)."""
-
-    W: FloatArray
-    tau: FloatArray
-
-
 class Levels(NamedTuple):
     """Standard deviations of the noise of each joint, (n,) each."""
 
     angle: FloatArray  # [rad]
     torque: FloatArray  # [N·m]
-    still: FloatArray  # noise of the torques of poses [N·m]
 
 
 class MotionState(NamedTuple):
@@ -92,11 +80,10 @@ class MotionState(NamedTuple):
 
 
 class Residuals(NamedTuple):
-    """Unweighted: angles, torques (zero where not usable), torques of poses; those of all recordings stacked."""
+    """Unweighted: angles, torques (zero where not usable); those of all recordings stacked."""
 
     angle: FloatArray
     torque: FloatArray
-    still: FloatArray
 
 
 class System(NamedTuple):
@@ -104,7 +91,6 @@ class System(NamedTuple):
 
     model: TorqueModel
     moving: Sequence[Moving]
-    still: Sequence[Still]
     priors: FloatArray
     trajectories: list[Trajectory]
 
@@ -120,9 +106,7 @@ class System(NamedTuple):
             motion = Motion(*trajectory.at_samples(coefficients), data.torso)
             angle.append(data.q - motion.q)
             moving.append((data.tau - torque(self.model.columns(motion), state.values)) * data.usable)
-        n = moving[0].shape[1]
-        still = [data.tau - data.W @ state.values for data in self.still]
-        return Residuals(np.vstack(angle), np.vstack(moving), np.vstack([np.zeros((0, n)), *still]))
+        return Residuals(np.vstack(angle), np.vstack(moving))
 
     def linearise(self, state: MotionState, levels: Levels) -> list[BorderedRows]:
         """Weighted residuals and derivatives, recording by recording."""
@@ -141,17 +125,9 @@ class System(NamedTuple):
             rows.append(BorderedRows(residual, angle, J, W * weight[..., None], 1.0 / levels.angle))
         return rows
 
-    def join(
-        self, reduced: Sequence[ReducedSystem], state: MotionState, levels: Levels
-    ) -> tuple[FloatArray, FloatArray]:
-        """Add up recordings and poses."""
-        matrix = sum((part.matrix for part in reduced), np.zeros((len(state.values),) * 2))
-        gradient = sum((part.gradient for part in reduced), np.zeros(len(state.values)))
-        for data in self.still:
-            W = data.W / levels.still[:, None]
-            matrix = matrix + np.einsum("tip,tiq->pq", W, W)
-            gradient = gradient + np.einsum("tip,ti->p", W, (data.tau - data.W @ state.values) / levels.still)
-        return matrix, gradient
+    def join(self, reduced: Sequence[ReducedSystem]) -> tuple[FloatArray, FloatArray]:
+        """Add up the normal equations of all recordings."""
+        return np.sum([part.matrix for part in reduced], axis=0), np.sum([part.gradient for part in reduced], axis=0)
 
     def descend(
         self, state: MotionState, levels: Levels, reduced: Sequence[ReducedSystem], step: FloatArray
@@ -180,13 +156,13 @@ class System(NamedTuple):
 
     def levels(self, residuals: Residuals, taken: FloatArray | None) -> Levels:
         """Noise levels, corrected for what the fit has taken away."""
-        taken = np.zeros((3, residuals.angle.shape[1])) if taken is None else taken
+        taken = np.zeros((2, residuals.angle.shape[1])) if taken is None else taken
         squares = [(residual**2).sum(axis=0) for residual in residuals]
         quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
         return Levels(
             *(
                 np.maximum(np.sqrt(total / np.maximum(count - lost, 1.0)), least)
-                for total, count, lost, least in zip(squares, self.counts(), taken, (QUIET, quiet, quiet), strict=True)
+                for total, count, lost, least in zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
             )
         )
 
@@ -195,11 +171,10 @@ class System(NamedTuple):
         unknown = sum(c.size for c in state.coefficients) + len(state.values)
         return max(1, int(np.sum(self.counts())) - unknown)
 
-    def counts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Angles, usable torques and poses of each joint."""
+    def counts(self) -> tuple[FloatArray, FloatArray]:
+        """Angles and usable torques of each joint."""
         usable = np.sum([data.usable.sum(axis=0) for data in self.moving], axis=0)
-        every = np.full_like(usable, sum(len(data.q) for data in self.moving))
-        return every, usable, np.full_like(usable, sum(len(data.tau) for data in self.still))
+        return np.full_like(usable, sum(len(data.q) for data in self.moving)), usable
 
     def influence(self, state: MotionState, levels: Levels) -> LinearisedRows:
         """Rows of torques and angles with the motions eliminated, which β is a least-squares estimate of."""
@@ -215,10 +190,6 @@ class System(NamedTuple):
             W, residual = np.concatenate([torques, angles], axis=1), np.hstack([rows.torque, rows.angle])
             usable = np.hstack([data.usable, np.ones_like(data.usable)])
             blocks.append(linearised_block(W, residual, state.values, data.time, usable))
-        for poses in self.still:
-            W = poses.W / levels.still[:, None]
-            residual = (poses.tau - poses.W @ state.values) / levels.still
-            blocks.append(linearised_block(W, residual, state.values, None))
         return LinearisedRows.of(blocks)
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:
@@ -232,11 +203,10 @@ class System(NamedTuple):
     def taken(
         self, rows: Sequence[BorderedRows], reduced: Sequence[ReducedSystem], covariance: FloatArray, levels: Levels
     ) -> FloatArray:
-        """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n)."""
+        """Degrees of freedom that angles and torques of each joint have lost to the fit, (2, n)."""
         # The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
         rng = np.random.default_rng(0)
         n = len(levels.angle)
-        still = [data.W / levels.still[:, None] for data in self.still]
         probes, seen = [], []
         right = np.zeros((len(covariance), PROBES))
         for trajectory, part, eliminated in zip(self.trajectories, rows, reduced, strict=True):
@@ -247,11 +217,8 @@ class System(NamedTuple):
             right += np.einsum("tip,tim->pm", part.W, z[0]) - eliminated.coupling.T @ of_motion
             probes.append(z)
             seen.append(of_motion)
-        exact = np.zeros(n)
-        for W in still:
-            exact += np.einsum("tip,pq,tiq->i", W, covariance, W)
         values = covariance @ right
-        taken = np.zeros((3, n))
+        taken = np.zeros((2, n))
         for trajectory, part, eliminated, z, of_motion in zip(
             self.trajectories, rows, reduced, probes, seen, strict=True
         ):
@@ -261,7 +228,6 @@ class System(NamedTuple):
             angles = np.einsum("tk,tkjm->tjm", trajectory.basis[0], near) * part.angle_weight[:, None]
             taken[0] += (angles * z[1]).sum(axis=0).mean(axis=-1)
             taken[1] += (answer * z[0]).sum(axis=0).mean(axis=-1)
-        taken[2] = exact
         return taken
 
 
