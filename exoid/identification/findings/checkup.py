@@ -28,7 +28,6 @@ from .physics import (
     impossible_leg,
     large_residuals,
     negative_friction,
-    time_unit,
     torque_scale,
     turned_segment,
 )
@@ -96,9 +95,9 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
 
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
-    found = list(time_unit(checked))
+    found: list[Finding] = []
     explained = False  # impossible parameters
-    if not broken and not found:
+    if not broken:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
         if not found and ((checked.nrmse > POOR).any() or checked.below.any()):
             found += gross_findings(checked.fitted)

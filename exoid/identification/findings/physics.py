@@ -60,22 +60,6 @@ class CheckedFit(NamedTuple):
         return cls(fitted, evidence, std, below, spread, nrmse, product / np.maximum(power, np.finfo(float).tiny))
 
 
-def time_unit(checked: CheckedFit) -> Iterator[Finding]:
-    """Find time in milliseconds by inertias that are far larger than the URDF's beside usual mass moments."""
-    leg, model = checked.fitted.model.leg, checked.fitted.model
-    if not leg.limbs:
-        return
-    drawn, found, errors = (_segments(leg, x) for x in (leg.parameters, checked.fitted.values, checked.std))
-    known = (drawn[:, 2] > 0.0) & (found[:, 2] > 4.0 * errors[:, 2])
-    ratio = found[known, 2] / drawn[known, 2]
-    moments = np.hypot(*found[known, :2].T) / np.maximum(np.hypot(*drawn[known, :2].T), np.finfo(float).tiny)
-    if len(ratio) and (ratio > 100.0 * np.maximum(moments, 1.0)).all():
-        size = float(np.sqrt(np.median(ratio)))  # J has the unit of time squared
-        message = f"inertias are {size**2:.3g} times the URDF's: the unit of time is wrong by about {size:.3g}"
-        remedy = "give time in seconds, or its unit: time=HEADER:ms (--column)"
-        yield Finding("time-unit", "", size, "1", "error", message, remedy, parameters=model.names)
-
-
 def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     """Compare the torque of each joint with that of the URDF's inertias, friction left free."""
     model = checked.fitted.model
