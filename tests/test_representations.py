@@ -8,7 +8,6 @@ import exoid
 from exoid import Offset, TorsoMotion, Viscous
 from exoid.experiments import Approach, Hold, bleex, healthy_gait
 from exoid.experiments.excitation import MotionLimits
-from exoid.experiments.excitation.limits import Clearance
 from exoid.rig import Plant
 from exoid.signals import Approaches, FiniteDifference, Poses, Recording
 from exoid.torques import TorqueModel
@@ -46,11 +45,10 @@ PLANTS = Plant.concatenate([Plant.build(BLEEX, FRICTION), Plant.build(BLEEX, {**
             bleex.static_sets(np.random.default_rng(0), 80),
             "StaticSets(ankle: 27 poses, knee: 23 poses, pairs: 42 poses, random: 80 poses)",
         ),
-        (Clearance(np.zeros((2, 2)), ground=-0.9), "Clearance(2 points, ground -0.9 m, distance 0.05 m)"),
         (
             MotionLimits.of(LEG, margin=0.0, velocity=2.0, torque=(60.0, 25.0)),
             "MotionLimits(angle -30 to 110, -15 to 120 deg; velocity 2, 2 rad/s; acceleration inf, inf rad/s²; "
-            "torque 60, 25 N·m; clearance None)",
+            "torque 60, 25 N·m)",
         ),
     ],
     ids=lambda x: type(x).__name__,

@@ -23,7 +23,6 @@ from .options import (
     LegName,
     LegOptions,
     LogOptions,
-    Number,
     TermNames,
     Text,
     Texts,
@@ -53,13 +52,16 @@ class SearchOptions(NamedTuple):
     ] = math.inf
     highest: Annotated[float, Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0
     criterion: Annotated[Literal["worst", "a", "d"], Option(help="Criterion to minimise.")] = "worst"
-    starts: Annotated[int | None, Option(min=1, help="Starts of the search; 16, with --stance 2.")] = None
+    starts: Annotated[int, Option(min=1, help="Starts of the search.")] = 16
     seed: Annotated[int, Option(min=0, help="Seed of the search.")] = 0
 
-    def arguments(self, starts: int) -> dict[str, Any]:
+    def arguments(self) -> dict[str, Any]:
         """Turn the options into arguments of a search."""
-        noise = parse_numbers(self.noise, "--noise")
-        return self._asdict() | {"noise": noise, "starts": self.starts or starts}
+        return self._asdict() | {"noise": parse_numbers(self.noise, "--noise")}
+
+
+SEARCHED = ("--highest", "--criterion", "--starts", "--seed")
+"""Options of the search, which a plan on the ground does not have."""
 
 
 class LimitOptions(NamedTuple):
@@ -96,8 +98,7 @@ class StanceOptions(NamedTuple):
 
     stance: Annotated[Text, Option(metavar="both,left", help="Plan squats, shifts and swings on these feet.")] = None
     sole: Annotated[Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in its link [m]; BLEEX's.")] = None
-    friction: Annotated[Number, Option(metavar="MU", help="--stance: friction of the ground; default 0.4.")] = None
-    doubt: Annotated[Number, Option(metavar="SHARE", help="--stance: doubt about parameters; default 0.05.")] = None
+    friction: Annotated[float, Option(metavar="MU", help="--stance: friction of the ground that is used.")] = 0.4
 
 
 @expand_options(without={"choice": ("moving_base",)})
@@ -126,8 +127,8 @@ def plan(
         refuse({"--floating-base": floats}, "motions on the ground are planned with --stance")
     else:
         choice = choice._replace(floating_base=True)
-        swinging = {"--assess": assess, **given(torso)}
-        refuse(swinging, "--stance plans motions on the ground")
+        searched = {name: value for name, value in given(search).items() if name in SEARCHED}
+        refuse({"--assess": assess, **given(torso), **searched}, "--stance plans fixed motions on the ground")
     if assess:
         refuse({"-o": output}, "--assess plans nothing")
     else:
@@ -145,16 +146,14 @@ def plan(
         result = excitation.assess(
             found, recordings, chosen, noise=noise, noise_bandwidth=search.noise_bandwidth, limits=allowed
         )
+    elif stance.stance is not None:
+        result = excitation.plan_stance(found, chosen, limits=allowed, **_stance_arguments(stance, search))
     else:
         with progress_bar("searching") as progress:
             more: dict[str, Any] = {"limits": allowed, "progress": progress}
-            if stance.stance is not None:
-                more |= _stance_arguments(stance) | search.arguments(starts=2)
-                result = excitation.plan_stance(found, chosen, **more)
-            else:
-                tilts = parse_numbers(torso.tilts, "--tilts") or ()
-                more |= {"tilts_deg": tilts, "poses": torso.poses} | search.arguments(starts=16)
-                result = excitation.plan_excitation(found, chosen, **more)
+            tilts = parse_numbers(torso.tilts, "--tilts") or ()
+            more |= {"tilts_deg": tilts, "poses": torso.poses} | search.arguments()
+            result = excitation.plan_excitation(found, chosen, **more)
     if output is not None and not isinstance(result, excitation.Assessment):
         for path in excitation.plan_files.write_plan(output, result):
             note(f"wrote {path}")
@@ -176,12 +175,11 @@ def _files(output: str | None, torso: TorsoOptions, stance: StanceOptions) -> Se
     return plan_files(output, [f"tilt{tilt:+g}" for tilt in tilts], poses=torso.poses > 0)
 
 
-def _stance_arguments(stance: StanceOptions) -> dict[str, Any]:
+def _stance_arguments(stance: StanceOptions, search: SearchOptions) -> dict[str, Any]:
     """Arguments of a plan on the ground."""
-    own = {"friction": stance.friction, "doubt": stance.doubt}
-    ground = exoid.experiments.excitation.GroundLimits(**{k: value for k, value in own.items() if value is not None})
     soles = values_by_name(stance.sole, "--sole", _sole, "FOOT=HEEL,TOE,HEIGHT in metres")
-    return {"feet": split_names(stance.stance), "soles": soles or None, "ground": ground}
+    arguments = {name: value for name, value in search.arguments().items() if f"--{name}" not in SEARCHED}
+    return arguments | {"feet": split_names(stance.stance), "soles": soles or None, "friction": stance.friction}
 
 
 def _sole(text: str) -> Sole:
@@ -221,8 +219,7 @@ def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:
     data = precision_to_json(result.precision) | {"noise": list(result.noise.std)}
     if isinstance(result, Assessment):
         return data | {"advice": [advice._asdict() for advice in result.advice]}
-    about = attributes(result, "criterion", "seed", "costs")
     if isinstance(result, StancePlan):
-        margins = {one.name: margins for one, margins in zip(result.supports, result.margins, strict=True)}
-        return data | {"margins": margins, "missing": list(result.missing)} | about
-    return data | {"peaks": json_value(result.peaks)} | about
+        margins = {label: motion.margins for label, motion in zip(result.labels, result.motions, strict=True)}
+        return data | {"margins": margins, "missing": list(result.missing)}
+    return data | {"peaks": json_value(result.peaks)} | attributes(result, "criterion", "seed", "costs")

@@ -11,16 +11,13 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.experiments.excitation import MotionLimits, plan_excitation
 from exoid.experiments.excitation.fourier import Basis
-from exoid.experiments.excitation.limits import Clearance
 from exoid.experiments.excitation.objective import Objective, Stage
 from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
-from exoid.experiments.excitation.search import search
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
-FOOT = Clearance(np.array([[-0.05, -0.1], [0.2, -0.1]]), ground=-0.9)
 STAGES = [Stage(1.0, 30.0), Stage(16.0, 1e3), Stage(0.0, 30.0)]
 
 
@@ -42,17 +39,17 @@ def plan():
 
 @pytest.mark.parametrize("stage", STAGES, ids=["a", "worst", "d"])
 @pytest.mark.parametrize(
-    ("leg", "terms", "pitches", "clearance"),
+    ("leg", "terms", "pitches"),
     [
-        (BLEEX, DEFAULT_TERMS, (0.0,), None),
-        (BLEEX, (exoid.Stiffness(), exoid.Coulomb()), (-0.5, 0.4), FOOT),
-        (CUHK, (exoid.Coulomb(smoothing=0.1), exoid.Viscous()), (0.2,), None),
+        (BLEEX, DEFAULT_TERMS, (0.0,)),
+        (BLEEX, (exoid.Stiffness(), exoid.Coulomb()), (-0.5, 0.4)),
+        (CUHK, (exoid.Coulomb(smoothing=0.1), exoid.Viscous()), (0.2,)),
     ],
-    ids=["bleex", "tilted above ground", "cuhk"],
+    ids=["bleex", "tilted", "cuhk"],
 )
-def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, clearance, stage):
+def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, stage):
     """Through information, criterion, every limit and the regressor, at a motion beyond all of its limits."""
-    limits = MotionLimits.of(leg, velocity=1.0, acceleration=3.0, torque=10.0, clearance=clearance)
+    limits = MotionLimits.of(leg, velocity=1.0, acceleration=3.0, torque=10.0)
     cost, rng = objective(leg, terms, pitches, limits), np.random.default_rng(3)
     x = 0.35 * rng.standard_normal(cost.shape).ravel()
     _, gradient = cost(x, stage)
@@ -64,8 +61,8 @@ def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, clearan
 
 
 def test_every_limit_is_penalised():
-    """A motion that is too large exceeds all five, and none when it stands still in a harmless pose."""
-    limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0, clearance=FOOT)
+    """A motion that is too large exceeds all four, and none when it stands still in a harmless pose."""
+    limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0)
     cost = objective(BLEEX, limits=limits)
     x = np.random.default_rng(0).standard_normal(cost.shape)[0]
     assert (cost.excesses_of(0, cost.basis.states(x)) > 0.0).all()
@@ -135,27 +132,6 @@ def test_the_same_seed_gives_the_same_plan(plan):
     assert str(again) == str(plan)
     other = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=1, seed=1)
     assert (other.motions[0].sine != plan.motions[0].sine).any()
-
-
-def test_a_foot_above_ground_is_kept_there():
-    limits = MotionLimits.of(BLEEX, velocity=3.0, clearance=FOOT)
-    cost = objective(BLEEX, limits=limits, pitches=(0.3,))
-    motion = search(cost, "d", 1, 0).motions[0]
-    q = motion.period_samples(3000).q
-    placed = BLEEX.forward_kinematics(q, exoid.TorsoMotion(pitch=0.3))
-    zero = BLEEX.forward_kinematics(np.zeros((1, 3))).rotation[0, -1]
-    for point in FOOT.points:
-        local = zero.T @ [point[0], 0.0, point[1]]
-        place = placed.translation[:, -1] + placed.rotation[:, -1] @ local - placed.translation[:, 0]
-        assert place[:, 2].min() >= FOOT.ground + FOOT.distance - 1e-9
-    assert cost.excesses_of(0, motion.period_samples(3000)).sum() == 0.0
-
-
-def test_clearance_of_a_planar_leg_is_that_of_any_leg():
-    """Closed form against Pinocchio's forward kinematics."""
-    general = replace(BLEEX, machine=None)
-    q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 3))
-    np.testing.assert_allclose(FOOT.margin(general, q), FOOT.margin(BLEEX, q), atol=1e-12)
 
 
 @pytest.mark.slow

@@ -19,8 +19,7 @@ from exoid.experiments import (
     run_static,
 )
 from exoid.experiments.bench import run_motion
-from exoid.experiments.excitation import GroundLimits, MotionLimits, assess, plan_excitation, plan_stance
-from exoid.experiments.excitation.limits import Clearance
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, plan_stance
 from exoid.experiments.ground import (
     Stance,
     bleex_machine,
@@ -48,7 +47,7 @@ def plan(limits=None, **options):
 
 
 def stance(**options):
-    return plan_stance(FLOATING, (), **({"noise": 0.4, "duration": 10.0, "starts": 1} | options))
+    return plan_stance(FLOATING, (), **({"noise": 0.4, "duration": 10.0} | options))
 
 
 def bench(servo=DAMPED, control=500.0):
@@ -97,20 +96,13 @@ REFUSED = {
         ("range", lambda: plan({"angles_deg": {"knee": (90, 20)}})),
         ("velocity", lambda: plan({"velocity": -1.0})),
         ("velocity", lambda: plan({"velocity": (1.0, 2.0, 3.0)})),
-        ("points", lambda: Clearance(np.zeros((1, 3)))),
         ("no recordings", lambda: assess(CUHK, [])),
         ("middle", lambda: stance(feet=("middle",))),
         ("left", lambda: stance(feet=("left", "left"))),
         ("centre of pressure", lambda: stance(soles=TINY)),
-        ("range", lambda: stance(ground=GroundLimits(knee_deg=119.0))),
         ("torque", lambda: stance(limits=MotionLimits.of(FLOATING, torque=5.0))),
-        ("too short", lambda: stance(duration=1.0)),
-        ("starts", lambda: stance(starts=0)),
-        ("mass", lambda: stance(values={"mass": 1.0})),
-        ("friction", lambda: GroundLimits(friction=0.0)),
-        ("load", lambda: GroundLimits(least_load=1.2)),
-        ("doubt", lambda: GroundLimits(doubt=-0.1)),
-        ("clearance", lambda: GroundLimits(clearance=np.nan)),
+        ("duration", lambda: stance(duration=1.0)),
+        ("friction", lambda: stance(friction=0.0)),
         ("3 samples", lambda: fit(3, 3, 1)),
         ("do not determine", lambda: fit(6, 100, 1, last=0.1, period=1.0)),
         ("no motion", lambda: fit(1, 5)),

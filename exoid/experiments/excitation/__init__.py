@@ -3,11 +3,10 @@
 from .assess import Assessment, assess
 from .limits import MotionLimits
 from .plan import Plan, plan_excitation
-from .stance import GroundLimits, StancePlan, plan_stance, run_stance
+from .stance import StancePlan, plan_stance, run_stance
 
 __all__ = [
     "Assessment",
-    "GroundLimits",
     "MotionLimits",
     "Plan",
     "StancePlan",

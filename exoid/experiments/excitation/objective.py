@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -23,17 +22,6 @@ Criterion = Literal["worst", "a", "d"]
 STEPS = (1e-5, 1e-5, 1e-3)
 """Steps of the central differences of the regressor by q, v and a."""
 
-NEAR = 0.1
-"""Unit of clearance in the penalty [m]."""
-
-
-class Demand(NamedTuple):
-    """What a motion demands, at N samples."""
-
-    columns: FloatArray  # rows of scaled parameters that count, zero in dead bands, (P, k, N)
-    # relative margin to each limit of the ground, negative where it is exceeded, (C, N)
-    margins: FloatArray
-
 
 class Stage(NamedTuple):
     """Settings of one stage of the search."""
@@ -46,108 +34,64 @@ class Stage(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MotionObjective(ABC):
+class Objective:
     """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses, for one motion or several."""
 
     # With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one motion
-    # for each tilt of a torso that is held, or for each support of a machine on the ground.
+    # for each tilt of the torso.
 
+    model: TorqueModel  # leg and terms
+    limits: MotionLimits  # motion limits
+    scales: Scales  # scales of the standard deviations
     basis: Basis  # basis functions of the motions
     noise: TorqueNoise  # torque noise
     seconds: float  # duration of each motion [s]
     rate: float  # rate of the log [Hz]
     prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
-    limit_names: ClassVar[tuple[str, ...]]
     pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
+    limit_names = ("angle", "velocity", "acceleration", "torque")
 
     def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
         """Value and gradient at flattened coefficients."""
         motions = [self.basis.states(each) for each in self.coefficients(x)]
-        demands = [self.demand(k, states) for k, states in enumerate(motions)]
-        weights = [self.weight(k) for k in range(len(motions))]
+        columns = [self.columns(k, states) for k, states in enumerate(motions)]
         information = self.prior_information + sum(
-            np.einsum("pjt,qjt->pq", W if weight is None else W * weight, W, optimize=True)
-            for (W, _), weight in zip(demands, weights, strict=True)
+            np.einsum("pjt,qjt->pq", W * self.weight, W, optimize=True) for W in columns
         )
         value, by_information = criterion_value(information, stage.power)
         gradient = []
-        for k, (states, one, weight) in enumerate(zip(motions, demands, weights, strict=True)):
-            adjoint = 2.0 * np.tensordot(by_information, one.columns, axes=1)
-            adjoint = adjoint if weight is None else adjoint * weight
-            excess, slopes = self.slopes(k, states, one, adjoint, stage.penalty)
+        for k, (states, W) in enumerate(zip(motions, columns, strict=True)):
+            adjoint = 2.0 * np.tensordot(by_information, W, axes=1) * self.weight
+            excess, slopes = self.slopes(k, states, W, adjoint, stage.penalty)
             value += stage.penalty * excess
             gradient.append(self.basis.coefficient_gradient(slopes).ravel())
         return value, np.concatenate(gradient)
-
-    @property
-    @abstractmethod
-    def machine(self) -> str:
-        """Name of the leg or machine."""
-
-    @abstractmethod
-    def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
-        """Split flattened coefficients into those of each motion, as views."""
-
-    @abstractmethod
-    def demand(self, number: int, states: States) -> Demand:
-        """Compute what a motion demands."""
-
-    def weight(self, number: int) -> FloatArray | None:
-        """Information of one sample of the basis about each row, (k, 1); None for rows that are over their noise."""
-        return None
-
-    @abstractmethod
-    def slopes(
-        self, number: int, states: States, demand: Demand, adjoint: FloatArray, penalty: float
-    ) -> tuple[float, States]:
-        """Mean squared excess, and the gradient by samples, given that of the criterion by columns."""
-
-    @abstractmethod
-    def excesses_of(self, number: int, states: States) -> FloatArray:
-        """Compute the mean squared excess over each limit."""
-
-    @abstractmethod
-    def draw(self, rng: np.random.Generator) -> FloatArray:
-        """Draw coefficients from which a search begins."""
-
-    @abstractmethod
-    def narrowed(self) -> MotionObjective:
-        """Narrow the limits by what the search reserves for values between its samples."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Objective(MotionObjective):
-    """Objective for a leg whose torso is held at some tilts; poses may be known already."""
-
-    model: TorqueModel  # leg and terms
-    limits: MotionLimits  # motion limits
-    scales: Scales  # scales of the standard deviations
-    limit_names = ("angle", "velocity", "acceleration", "torque", "clearance")
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Shape of x, (T, m, n)."""
         return len(self.pitches), self.basis.count, len(self.limits.lower)
 
-    def demand(self, number: int, states: States) -> Demand:
-        """Compute the regressor of scaled parameters; rows in a dead band are zero."""
+    def columns(self, number: int, states: States) -> FloatArray:
+        """Compute the regressor of scaled parameters, (P, n, N); rows in a dead band are zero."""
         W = self._regressor(states, float(self.pitches[number]))
         W *= self.scales.scale[:, None, None]
-        return Demand(np.asarray(W * self.model.usable(states.v).T), np.empty((0, len(states.q))))
+        return np.asarray(W * self.model.usable(states.v).T)
 
-    def weight(self, number: int) -> FloatArray:
+    @property
+    def weight(self) -> FloatArray:
         """Information of one sample of the basis about each joint, (n, 1)."""
         share = self.rate * self.seconds / len(self.basis.position)  # samples of the log per sample of the basis
         return np.asarray(share / self.noise.per_sample(self.rate) ** 2)[:, None]
 
     def slopes(
-        self, number: int, states: States, demand: Demand, adjoint: FloatArray, penalty: float
+        self, number: int, states: States, columns: FloatArray, adjoint: FloatArray, penalty: float
     ) -> tuple[float, States]:
-        """Mean squared excess, and the gradient by samples, through the columns of the regressor."""
+        """Mean squared excess, and the gradient by samples, given that of the criterion by columns."""
         pitch = float(self.pitches[number])
-        parts = self._parts(states, np.einsum("pjt,p->tj", demand.columns, self._beta), pitch)
-        angle, speed, acceleration, torque, clearance = parts
-        by_states = States(angle.slope + clearance.slope, speed.slope, acceleration.slope)
+        parts = self._parts(states, np.einsum("pjt,p->tj", columns, self._beta))
+        angle, speed, acceleration, torque = parts
+        by_states = States(angle.slope, speed.slope, acceleration.slope)
         by_columns = self._beta[:, None, None] * torque.slope.T
         inner = self._through_regressor(states, adjoint + penalty * by_columns, pitch)
         slopes = States(*(s + penalty * e for s, e in zip(inner, by_states, strict=True)))
@@ -171,19 +115,14 @@ class Objective(MotionObjective):
         slopes = np.einsum("pjxist,pjt->xsti", W.reshape(*W.shape[:2], *shape[:4]), raw, optimize=True)
         return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
 
-    @property
-    def machine(self) -> str:
-        """Name of the leg."""
-        return self.model.leg.description.name
-
     def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
         """Split coefficients, a motion for each tilt."""
         return tuple(x.reshape(self.shape))
 
     def excesses_of(self, number: int, states: States) -> FloatArray:
         """Compute the mean squared excess over each limit."""
-        tau = np.einsum("pjt,p->tj", self.demand(number, states).columns, self._beta)
-        return np.array([part.mean for part in self._parts(states, tau, float(self.pitches[number]))])
+        tau = np.einsum("pjt,p->tj", self.columns(number, states), self._beta)
+        return np.array([part.mean for part in self._parts(states, tau)])
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
         """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
@@ -206,43 +145,34 @@ class Objective(MotionObjective):
         return x.ravel()
 
     def narrowed(self) -> Objective:
-        """Narrow the limits by the reserve of the search."""
-        return replace(self, limits=narrowed_limits(self.limits))
+        """Narrow the limits by what the search reserves for values between its samples."""
+        margin, limits = 0.004, self.limits  # fraction of each limit
+        gap, less = margin * limits.span, 1.0 - margin
+        inner = replace(
+            limits,
+            lower=limits.lower + gap,
+            upper=limits.upper - gap,
+            velocity=less * limits.velocity,
+            acceleration=less * limits.acceleration,
+            torque=less * limits.torque,
+        )
+        return replace(self, limits=inner)
 
     @property
     def _beta(self) -> FloatArray:
         """Expected parameters over their scales."""
         return self.scales.expected / self.scales.scale
 
-    def _parts(self, states: States, tau: FloatArray, pitch: float) -> tuple[Excess, ...]:
-        boxes = box_excesses(self.limits, states)
-        return *boxes, beyond(tau, self.limits.torque), self._too_near(states.q, pitch)
-
-    def _too_near(self, q: FloatArray, pitch: float) -> Excess:
-        """Missing clearance of the points of the foot, in units of :data:`NEAR`."""
-        clearance, leg, slope = self.limits.clearance, self.model.leg, np.zeros_like(q)
-        if clearance is None:
-            return Excess(0.0, slope)
-        short = np.minimum(clearance.margin(leg, q, pitch), 0.0) / NEAR
-        if short.any():
-            by_angle = clearance.margin_derivative(leg, q, pitch) / NEAR
-            slope = 2.0 * np.einsum("tc,jtc->tj", short, by_angle) / len(q)
-        return Excess(float((short**2).sum() / len(q)), slope)
-
-
-def narrowed_limits(limits: MotionLimits) -> MotionLimits:
-    """Narrow limits by what the search reserves for values between its samples."""
-    margin = 0.004  # fraction of each limit
-    gap, less = margin * limits.span, 1.0 - margin
-    return replace(
-        limits,
-        lower=limits.lower + gap,
-        upper=limits.upper - gap,
-        velocity=less * limits.velocity,
-        acceleration=less * limits.acceleration,
-        torque=less * limits.torque,
-        clearance=limits.clearance and replace(limits.clearance, distance=limits.clearance.distance + 0.003),
-    )
+    def _parts(self, states: States, tau: FloatArray) -> tuple[Excess, ...]:
+        """Excesses over each limit of :attr:`limit_names`."""
+        limits = self.limits
+        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
+        return (
+            beyond(states.q - middle, half),
+            beyond(states.v, limits.velocity),
+            beyond(states.a, limits.acceleration),
+            beyond(tau, limits.torque),
+        )
 
 
 class Excess(NamedTuple):
@@ -256,12 +186,6 @@ def beyond(x: FloatArray, limit: FloatArray) -> Excess:
     """Compute the mean squared excess of sizes over a limit."""
     part = np.maximum(np.abs(x) / limit - 1.0, 0.0)
     return Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
-
-
-def box_excesses(limits: MotionLimits, states: States) -> tuple[Excess, Excess, Excess]:
-    """Compute the excesses of angles, velocities and accelerations."""
-    middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
-    return beyond(states.q - middle, half), beyond(states.v, limits.velocity), beyond(states.a, limits.acceleration)
 
 
 def criterion_value(information: FloatArray, power: float) -> tuple[float, FloatArray]:

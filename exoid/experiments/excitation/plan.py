@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, get_args
@@ -38,51 +37,38 @@ class Peaks(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class PlannedMotions(ABC):
-    """Planned motions and the precision that they will give."""
+class Plan:
+    """Planned experiment; prints itself as a table. Motions and poses are those at each torso tilt.
 
-    model: TorqueModel  # leg and terms
-    motions: tuple[FourierMotion, ...]  # motions from rest to rest
-    precision: Precision  # predicted precision of each parameter
-    noise: TorqueNoise  # torque noise of the prediction
-    rate: float  # rate of command and log [Hz]
-    criterion: Criterion  # criterion that was minimised
-    seed: int  # seed of the search
-    # criterion of the motions that the better starts led to, the best first: a relative standard deviation for
-    # "worst"
+    Attributes:
+        model: Leg and terms.
+        motions: Motions from rest to rest.
+        precision: Predicted precision of each parameter.
+        noise: Torque noise of the prediction.
+        rate: Rate of command and log [Hz].
+        criterion: Criterion that was minimised.
+        seed: Seed of the search.
+        costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
+            "worst".
+        limits: Motion limits.
+        poses: Static poses, to be approached from both sides.
+    """
+
+    model: TorqueModel
+    motions: tuple[FourierMotion, ...]
+    precision: Precision
+    noise: TorqueNoise
+    rate: float
+    criterion: Criterion
+    seed: int
     costs: tuple[float, ...]
-    poses: tuple[Poses, ...] = ()  # static poses, to be approached from both sides
+    limits: MotionLimits
+    poses: tuple[Poses, ...] = ()
 
     @property
     def duration(self) -> float:
         """Total duration of the motions [s]."""
         return sum(motion.duration for motion in self.motions)
-
-    @property
-    def machine(self) -> str:
-        """Name of the leg or machine."""
-        return self.model.leg.description.name
-
-    @property
-    @abstractmethod
-    def labels(self) -> tuple[str, ...]:
-        """Name of each motion, for files."""
-
-    @property
-    @abstractmethod
-    def recordings(self) -> tuple[Recording, ...]:
-        """Motions as logs of a rig that follows exactly, with the expected torques."""
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Plan(PlannedMotions):
-    """Planned experiment; prints itself as a table. Motions and poses are those at each torso tilt.
-
-    Attributes:
-        limits: Motion limits.
-    """
-
-    limits: MotionLimits
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -105,7 +91,7 @@ class Plan(PlannedMotions):
     def __repr__(self) -> str:
         """Name the leg, and write duration and precision."""
         poses = f" and {sum(map(len, self.poses))} poses" if self.poses else ""
-        return f"Plan({self.machine}: {self.duration:g} s of motion{poses}; {self.precision!r})"
+        return f"Plan({self.model.leg.description.name}: {self.duration:g} s of motion{poses}; {self.precision!r})"
 
     def __str__(self) -> str:
         """Print the motion, its demands on each joint, and the predicted precision."""

@@ -15,10 +15,11 @@ from exoid.experiments.static import StaticProtocol
 from exoid.leg.leg import Leg
 from exoid.signals.csv_writer import write_csv
 
-from .plan import PlannedMotions
+from .plan import Plan
+from .stance import StancePlan
 
 
-def write_plan(path: str | os.PathLike[str], plan: PlannedMotions) -> tuple[Path, ...]:
+def write_plan(path: str | os.PathLike[str], plan: Plan | StancePlan) -> tuple[Path, ...]:
     """Write motions as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the rate of the plan, and poses."""
     # tau is the expected torque. With several torso tilts or supports each motion has its own file,
     # `plan_tilt+20.csv` or `plan_both.csv`. Poses are written to `plan_poses.csv`.

@@ -58,6 +58,4 @@ def _candidates(
     still = np.zeros_like(q)
     W = model.regressor(q, still, still, TorsoMotion(pitch=tilt) if tilt else None)
     fit = (np.abs(W @ scales.expected) <= limits.torque).all(axis=1)
-    if limits.clearance is not None:
-        fit &= (limits.clearance.margin(model.leg, q, tilt) >= 0.0).all(axis=1)
     return q[fit], W[fit] * scales.scale

@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError
 from exoid.experiments.references import States
 
 from .fourier import FourierMotion
-from .objective import MotionObjective, Stage
+from .objective import Objective, Stage
 
 STAGES = {
     "worst": (Stage(1.0, 30.0), Stage(4.0, 300.0), Stage(16.0, 3e3), Stage(40.0, 3e4, 150)),
@@ -33,13 +33,13 @@ class Iterate(NamedTuple):
 class SearchResult(NamedTuple):
     """Result of a search."""
 
-    motions: tuple[FourierMotion, ...]  # best motions, one for each torso tilt or set of supports
+    motions: tuple[FourierMotion, ...]  # best motions, one for each torso tilt
     # value of the objective without penalty, for all starts that passed all stages, the best first
     costs: tuple[float, ...]
 
 
 def search(
-    objective: MotionObjective,
+    objective: Objective,
     criterion: str,
     starts: int,
     seed: int | np.random.Generator,
@@ -77,7 +77,7 @@ def search(
     )
 
 
-def _minimise(objective: MotionObjective, x: FloatArray, stage: Stage) -> Iterate:
+def _minimise(objective: Objective, x: FloatArray, stage: Stage) -> Iterate:
     """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
         objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": stage.iterations, "maxcor": 20}
@@ -85,7 +85,7 @@ def _minimise(objective: MotionObjective, x: FloatArray, stage: Stage) -> Iterat
     return Iterate(float(result.fun), np.asarray(result.x))
 
 
-def _within_limits(objective: MotionObjective, x: FloatArray) -> FloatArray | None:
+def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:
     """Scale motions until they are within the limits on a fine grid; None if the factor is too small."""
     scaled = x.copy()
     for number, each in enumerate(objective.coefficients(scaled)):
@@ -98,17 +98,17 @@ def _within_limits(objective: MotionObjective, x: FloatArray) -> FloatArray | No
     return scaled
 
 
-def _fine(objective: MotionObjective, x: FloatArray) -> States:
+def _fine(objective: Objective, x: FloatArray) -> States:
     samples = 10 * len(objective.basis.position)  # a grid so much finer than that of the search
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
 
 
-def _no_motion(objective: MotionObjective, x: FloatArray) -> BadArgumentError:
+def _no_motion(objective: Objective, x: FloatArray) -> BadArgumentError:
     """Error that names the limit which the motion exceeds most."""
     each = [objective.excesses_of(k, _fine(objective, one)) for k, one in enumerate(objective.coefficients(x))]
     worst = objective.limit_names[int(np.argmax(np.sum(each, axis=0)))]
     return BadArgumentError(
         f"no motion was found within the limits; the {worst} limit is exceeded most",
-        where=objective.machine,
+        where=objective.model.leg.description.name,
         remedy=f"widen the {worst} limit or the angles, or use more starts",
     )

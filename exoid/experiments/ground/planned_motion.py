@@ -49,19 +49,14 @@ def planned_motion(
     *,
     held: bool = False,
     borne: float = 1.0,
+    degree: int = 3,
 ) -> GroundMotion:
     """Add the torques to a planned motion."""
     # The feet bear what the base needs, with the smallest forces, weighted by their shares: w = S Aᵀ (A S Aᵀ)⁻¹ r with
     # the base rows r and the base part A of the transposed Jacobians. Then τ = W_q π + resistances − Σ J_qᵀ w.
-    leg, b = plant.leg, plant.leg.base_rows
-    joints, torso = scipy.interpolate.CubicSpline(time, q), scipy.interpolate.CubicSpline(time, base)
-    v, a = joints(time, 1), joints(time, 2)
-    change = torso(time, 2)
-    pitching = TorsoMotion(
-        base[:, 2], torso(time, 1)[:, 2], change[:, 2], change[:, :2]
-    )  # about the root link's origin
-    rows = leg.inverse_dynamics(q, v, a, base_kinematics(pitching, len(time), plant.plane, np.zeros(3)))
-    torque = rows[:, b:] + plant.resistance(q, v) + plant.armature * a
+    b, rows = plant.leg.base_rows, motion_rows(plant, time, q, base, degree)
+    joints = _spline(time, q, degree)
+    torque = rows[:, b:] + plant.resistance(q, joints(time, 1)) + plant.armature * joints(time, 2)
     if feet:
         parts = [_bearing(plant, q, base, link, bearing, held=held) for link, bearing in feet.items()]
         if held:
@@ -75,6 +70,31 @@ def planned_motion(
         wrench = borne * S * np.einsum("nik,ni->nk", A, bearing[..., 0])
         torque = torque - np.einsum("nki,nk->ni", J[:, :, b:], wrench)
     return GroundMotion(time, q, torque, base)
+
+
+def _spline(time: FloatArray, x: FloatArray, degree: int) -> scipy.interpolate.CubicSpline | scipy.interpolate.BSpline:
+    """Spline through samples; of degree 7 its second derivative is that of a smooth motion to 1e-6."""
+    return (
+        scipy.interpolate.CubicSpline(time, x) if degree == 3 else scipy.interpolate.make_interp_spline(time, x, degree)
+    )
+
+
+def motion_rows(plant: GroundPlant, time: FloatArray, q: FloatArray, base: FloatArray, degree: int = 3) -> FloatArray:
+    """Base rows and joint torques of the rigid bodies of a motion without ground, (K, base + n)."""
+    joints, torso = _spline(time, q, degree), _spline(time, base, degree)
+    change = torso(time, 2)
+    # about the origin of the root link
+    pitching = TorsoMotion(base[:, 2], torso(time, 1)[:, 2], change[:, 2], change[:, :2])
+    base_motion = base_kinematics(pitching, len(time), plant.plane, np.zeros(3))
+    return plant.leg.inverse_dynamics(q, joints(time, 1), joints(time, 2), base_motion)
+
+
+def force_on_one_foot(plant: GroundPlant, time: FloatArray, q: FloatArray, base: FloatArray, link: str) -> FloatArray:
+    """Forces forward and up [N] and moment about the middle of its sole [N·m] if one foot bears all, (K, 3)."""
+    bearing = Bearing(np.ones_like(time), plant.soles[link].centre)
+    J = _bearing(plant, q, base, link, bearing, held=False)[0][:, :, : plant.leg.base_rows]
+    rows = motion_rows(plant, time, q, base)[:, : plant.leg.base_rows, None]
+    return np.asarray(np.linalg.solve(J.transpose(0, 2, 1), rows)[..., 0])
 
 
 def _bearing(

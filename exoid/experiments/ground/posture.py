@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,12 @@ def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
     middle = float(limits.lower[joints[1]] + limits.upper[joints[1]])
     knee_sign = float(np.sign(middle)) if np.isfinite(middle) and middle else -1.0
     return PlanarLeg(feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, knee_sign)
+
+
+def stand_flat(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray) -> None:
+    """Set the angles of legs that stand flat, with the middle of their soles at the origin."""
+    for leg in legs:
+        q[:, leg.joints] = leg.angles(base, np.zeros(len(base), dtype=np.complex128), np.zeros(len(base)))
 
 
 def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> FloatArray:

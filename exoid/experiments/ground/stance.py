@@ -12,7 +12,7 @@ from exoid.errors import BadArgumentError
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring
 
 from .planned_motion import Bearing, follow, knots, planned_motion, wave
-from .posture import PlanarLeg, centre_of_mass, planar_legs
+from .posture import PlanarLeg, centre_of_mass, planar_legs, stand_flat
 
 GAINS = JointGains(stiffness=(2000.0, 2000.0, 1500.0), damping=(60.0, 60.0, 40.0))
 """Gains of the joints while they bear the machine, an assumption: stiff enough to stand."""
@@ -195,20 +195,14 @@ def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[
     return np.column_stack([np.zeros_like(time), height, pitch]), target
 
 
-def _stand(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray) -> None:
-    """Set the angles of legs that stand flat, with the middle of their soles at the origin."""
-    for leg in legs:
-        q[:, leg.joints] = leg.angles(base, np.zeros(len(base), dtype=np.complex128), np.zeros(len(base)))
-
-
 def _balance(
     plant: GroundPlant, q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, target: FloatArray
 ) -> None:
     """Move the torso until the centre of mass is over its target, counted from the middle of the soles."""
     for _ in range(6):
-        _stand(q, legs, base)
+        stand_flat(q, legs, base)
         base[:, 0] += target - centre_of_mass(plant, base, q)
-    _stand(q, legs, base)
+    stand_flat(q, legs, base)
 
 
 def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:
