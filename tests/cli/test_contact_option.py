@@ -47,6 +47,7 @@ def standing_on_points(seed, seconds=30.0):
     )
 
 
+@pytest.mark.slow
 def test_feet_rest_on_points_if_one_says_so(exoid_, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     standing_on_points(1000).to_csv("log.csv")

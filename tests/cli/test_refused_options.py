@@ -160,7 +160,6 @@ REFUSED = {
     ],
     "interaction": [
         ("est.json walk.csv --strides a,b", "--strides a,b"),
-        ("est.json walk.csv bleex_swing:test -o new.csv", "--output of 2 logs"),
         ("est.json walk.csv -o walk.csv", "walk.csv"),
         ("est.json walk.csv --cutoff -1", "cutoff is -1"),
     ],

@@ -59,6 +59,12 @@ def kind(request):
     return request.param
 
 
+@pytest.fixture(params=["log.npz", "struct.mat", "log.parquet", "mcap_bag"])
+def one_kind(request):
+    """A kind of each reader."""
+    return request.param
+
+
 # What is read
 
 
@@ -74,25 +80,25 @@ def test_every_kind_reads_back_bit_by_bit(kind, tmp_path):
         np.testing.assert_array_equal(getattr(again, name), values, err_msg=name)
 
 
-def test_every_kind_lets_joints_be_chosen_and_renamed(kind, tmp_path):
+def test_every_kind_lets_joints_be_chosen_and_renamed(one_kind, tmp_path):
     recording = swing(joints=("hip", "knee", "ankle"), v=None, a=None)
-    WRITERS[kind](tmp_path / kind, recording)
+    WRITERS[one_kind](tmp_path / one_kind, recording)
     columns = {"q_thigh": "q_hip", "tau_thigh": "tau_hip"}
-    again = Recording.from_file(tmp_path / kind, joint_names=("ankle", "thigh"), columns=columns)
+    again = Recording.from_file(tmp_path / one_kind, joint_names=("ankle", "thigh"), columns=columns)
     assert again.joint_names == ("ankle", "thigh")
     np.testing.assert_array_equal(again.q, recording.q[:, [2, 0]])
     np.testing.assert_array_equal(again.tau, recording.tau[:, [2, 0]])
     assert again.v is None
 
 
-def test_every_kind_may_hold_degrees(kind, tmp_path):
+def test_every_kind_may_hold_degrees(one_kind, tmp_path):
     recording = swing()
     degrees = swing(q=np.rad2deg(recording.q), v=np.rad2deg(recording.v), a=None, largest_angle=np.inf)
-    WRITERS[kind](tmp_path / kind, degrees)
-    again = Recording.from_file(tmp_path / kind, angle_unit="deg")
+    WRITERS[one_kind](tmp_path / one_kind, degrees)
+    again = Recording.from_file(tmp_path / one_kind, angle_unit="deg")
     np.testing.assert_allclose(again.q, recording.q, rtol=1e-14)
     np.testing.assert_array_equal(again.tau, recording.tau)
-    assert "looks like degrees" in refused(tmp_path / kind, "rad", joint_names=("knee",))
+    assert "looks like degrees" in refused(tmp_path / one_kind, "rad", joint_names=("knee",))
 
 
 @pytest.mark.parametrize("kind", [kind for kind in WRITERS if kind.startswith("log")])
@@ -115,31 +121,33 @@ def test_a_file_is_evidence(kind, tmp_path):
         assert source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def test_whatever_the_kind_a_value_that_is_missing_is_named_by_its_place(kind, tmp_path):
+def test_whatever_the_kind_a_value_that_is_missing_is_named_by_its_place(one_kind, tmp_path):
     recording = swing()
     tau = recording.tau.copy()
     tau[17, 1] = np.nan
     broken = Recording(time=recording.time, q=recording.q, tau=recording.tau, joint_names=recording.joint_names)
     object.__setattr__(broken, "tau", tau)  # a recording itself would refuse it
-    WRITERS[kind](tmp_path / kind, broken)
-    place = {"log.mat": "row 18", "struct.mat": "row 18"}.get(kind, "message 17" if kind in BAGS else "row 17")
-    message = refused(tmp_path / kind, "nan is not a finite number")
-    assert f"{kind}, {place}, column tau_knee" in message
+    WRITERS[one_kind](tmp_path / one_kind, broken)
+    place = {"struct.mat": "row 18", "mcap_bag": "message 17"}.get(one_kind, "row 17")
+    message = refused(tmp_path / one_kind, "nan is not a finite number")
+    assert f"{one_kind}, {place}, column tau_knee" in message
 
 
-def test_whatever_the_kind_repeated_and_reversed_time_is_named_by_its_place(kind, tmp_path):
+def test_whatever_the_kind_repeated_and_reversed_time_is_named_by_its_place(one_kind, tmp_path):
     for stamp, words in ((0.19, "is repeated"), (0.1, "runs backwards")):
         recording = swing()
         time = recording.time.copy()
         time[20] = stamp
         object.__setattr__(recording, "time", time)
-        path = tmp_path / words / kind
+        path = tmp_path / words / one_kind
         path.parent.mkdir()
-        WRITERS[kind](path, recording)
-        if kind in BAGS and words == "runs backwards":
+        WRITERS[one_kind](path, recording)
+        if one_kind in BAGS and words == "runs backwards":
             continue  # messages are kept in the order of their arrival, which the writer took from the stamps
-        row = {"log.mat": "row 21", "struct.mat": "row 21"}.get(kind, "message 20" if kind in BAGS else "row 20")
-        assert f"{kind}, {row}" in refused(path, f"time {words}")
+        row = {"log.mat": "row 21", "struct.mat": "row 21"}.get(
+            one_kind, "message 20" if one_kind in BAGS else "row 20"
+        )
+        assert f"{one_kind}, {row}" in refused(path, f"time {words}")
 
 
 names = st.text("abcdefghijklmnopqrstuvwxyz_ 0123456789", min_size=1, max_size=12).filter(lambda x: x == x.strip())
