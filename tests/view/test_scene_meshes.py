@@ -138,10 +138,12 @@ def test_a_mesh_far_larger_than_a_machine_is_refused(tmp_path):
         ("C:\\exo\\gone.stl", "gone.stl"),
         ("", "not found"),
         ("fold", "not found"),
+        ("broken.stl", "cannot be read"),
     ],
 )
-def test_names_that_lead_to_no_file_become_a_bar_and_a_note(filename, said, tmp_path):
+def test_names_that_lead_to_no_mesh_become_a_bar_and_a_note(filename, said, tmp_path):
     (tmp_path / "fold").mkdir()
+    (tmp_path / "broken.stl").write_text("this is not a mesh")
     drawn = scene(leg_with(mesh_visual(filename)), meshes=tmp_path)
     (note,) = drawn.notes
     assert said in note

@@ -159,13 +159,3 @@ def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
     (note,) = drawn.notes
     assert "bad.ply" in note
     assert json.dumps(drawn.to_json(), allow_nan=False)
-
-
-def test_a_broken_mesh_becomes_a_bar_and_a_note(tmp_path):
-    (tmp_path / "gone.stl").write_text("this is not a mesh")
-    drawn = scene(leg_with(mesh_visual("gone.stl")), meshes=tmp_path)
-    (note,) = drawn.notes
-    assert "gone.stl" in note
-    assert "left_shank" in note
-    kinds = {g["type"] for g, _, _ in meshes(objects(drawn)[SHANK])}
-    assert "BoxGeometry" in kinds
