@@ -12,6 +12,7 @@ planned with the truth, at 500 Hz, and read noisy encoders, IMU and switches.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 import warnings
 from dataclasses import replace
@@ -190,7 +191,10 @@ def main() -> None:
     seeds = range(options.first, options.first + options.seeds)
     for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
         begun = time.perf_counter()
-        found = Parallel(n_jobs=options.jobs)(delayed(one)(machine, seed) for seed in seeds)
+        found = []
+        for each in Parallel(n_jobs=options.jobs, return_as="generator")(delayed(one)(machine, s) for s in seeds):
+            found.append(each)
+            print(f"{machine}: {len(found)} of {options.seeds} seeds", file=sys.stderr)
         print(f"{machine}: {options.seeds} seeds from {options.first}; mean and worst of each model")
         for motion, name in dict.fromkeys((m, n) for m, _, n in (key for each in found for key in each)):
             cells = []
@@ -204,10 +208,10 @@ def main() -> None:
                     [each.get((motion, model, name), np.nan) for model in ("truth", "identified", "CAD")]
                     for each in found
                 ]
-                rows: FloatArray = np.array(rows)
+                truth, identified, cad = np.array(rows).T
                 print(
-                    f"{motion:7s} {name:38s} identified/truth {np.nanmax(rows[:, 1] / rows[:, 0]):.3f} (worst), "
-                    f"identified/CAD {np.nanmax(rows[:, 1] / rows[:, 2]):.3f} (worst)"
+                    f"{motion:7s} {name:38s} identified/truth {np.nanmax(identified / truth):.3f} (worst), "
+                    f"identified/CAD {np.nanmax(identified / cad):.3f} (worst)"
                 )
         print(f"{time.perf_counter() - begun:.0f} s")
 

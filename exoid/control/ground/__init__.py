@@ -4,7 +4,7 @@ from .coordinator import SAFE, TABLE, Coordinator, Decision, Rule
 from .hypotheses import Belief, ContactFilter, ContactNoise, ContactReadings
 from .law import GroundState, GroundTarget, StanceCommand, StanceLaw, share_course, stance
 from .loop import GroundLoop
-from .model import SOLES, GroundModel
+from .model import SOLES
 
 __all__ = [
     "SAFE",
@@ -17,7 +17,6 @@ __all__ = [
     "Coordinator",
     "Decision",
     "GroundLoop",
-    "GroundModel",
     "GroundState",
     "GroundTarget",
     "Rule",

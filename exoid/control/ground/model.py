@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -56,18 +57,10 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class GroundModel(ControlModel):
-    """Model of a machine on the ground, as :class:`exoid.control.ControlModel` is that of a leg; made by :meth:`on`.
+    """Model of a machine on the ground, as its base class is that of a leg; made by :meth:`on`."""
 
-    The state of the base is its pitch and its rate alone: position and linear velocity have no effect.
-
-    Attributes:
-        soles: Places that can touch the ground, or a chair, by the name of their link.
-
-    Raises:
-        ExoidError: The base does not float, or the machine is not planar.
-    """
-
-    soles: Mapping[str, Sole] = field(default_factory=dict)
+    # The state of the base is its pitch and its rate alone: position and linear velocity have no effect.
+    soles: Mapping[str, Sole] = field(default_factory=dict)  # places that can touch, by the name of their link
 
     def __post_init__(self) -> None:
         """Check the base, in place of the check of a leg's model."""
@@ -85,18 +78,7 @@ class GroundModel(ControlModel):
 
     @classmethod
     def on(cls, source: Estimate | Leg | GroundPlant, soles: Mapping[str, Sole] | None = None) -> GroundModel:
-        """Make the model of an estimate, a machine, or a plant of the rig with ground.
-
-        Args:
-            source: An estimate of a floating base, bodies only, or a plant for an exact model.
-            soles: Places that can touch; None for those of the built-in machines, or of the plant.
-
-        Returns:
-            The model.
-
-        Raises:
-            ExoidError: The base does not float, the estimate does not know the weight, or a sole is missing.
-        """
+        """Make the model of an estimate, of a machine without friction, or of a plant, which is exact."""
         if isinstance(source, GroundPlant):
             springs = np.array([source.stiffness, source.constant])
             model = cls(source.leg, springs, source.coulomb, source.viscous, source.armature)
@@ -109,14 +91,7 @@ class GroundModel(ControlModel):
         return replace(model, soles=_soles(model.leg, soles))
 
     def gravity(self, q: FloatArray) -> FloatArray:
-        """Compute the gravity torque of the joints, feet in the air and torso upright.
-
-        Args:
-            q: Angles [rad], (n,).
-
-        Returns:
-            Torque [N·m], (n,).
-        """
+        """Compute the gravity torque of the joints, feet in the air and torso upright."""
         return self.leg.gravity(q)[0, BASE:]
 
     @cached_property
@@ -167,17 +142,7 @@ class GroundModel(ControlModel):
         return out
 
     def dynamics(self, q: FloatArray, v: FloatArray, pitch: float, pitch_rate: float) -> Dynamics:
-        """Compute inertia and bias forces, and keep the kinematics for :meth:`contact`.
-
-        Args:
-            q: Joint angles [rad], (n,).
-            v: Joint velocities [rad/s], (n,).
-            pitch: Pitch of the torso against the vertical [rad], positive about −lateral.
-            pitch_rate: Its rate [rad/s].
-
-        Returns:
-            Inertia and bias forces.
-        """
+        """Compute inertia and bias forces, and keep the kinematics for :meth:`contact`; the pitch is about −lateral."""
         model, data, spin = self.pinocchio, self._data, -self.leg.plane.lateral
         joints = np.concatenate([np.zeros(6), q])[None]
         position = configuration(model, joints)[0]
@@ -204,22 +169,9 @@ class GroundModel(ControlModel):
         margin: float,
         lean: float,
     ) -> ContactRows:
-        """Form the rows of a contact in the state of the last :meth:`dynamics`.
-
-        Args:
-            link: Link of the sole.
-            kind: "flat", "heel" or "toe"; all the same for a point.
-            q: Joint angles [rad], (n,).
-            v: Joint velocities [rad/s], (n,).
-            pitch: Pitch of the torso [rad].
-            pitch_rate: Its rate [rad/s].
-            friction: Coefficient of friction that the law may use.
-            margin: Distance of the centre of pressure from the ends of a flat sole [m].
-            lean: Angle by which the ground rises forward [rad], for points; a flat sole has the ground's axes.
-
-        Returns:
-            Jacobian, drift and cone: forces along and across the ground, and the moment about the middle of a sole.
-        """
+        """Form the rows of a contact in the state of the last :meth:`dynamics`."""
+        # A flat sole has the ground's axes, its force and its moment about its middle. A heel, a toe or a point has a
+        # force along and across ground that leans. The centre of pressure is a margin from the ends of a flat sole.
         frame, half = self.places[link]
         local = pin.ReferenceFrame.LOCAL
         J = pin.getFrameJacobian(self.pinocchio, self._data, frame, local)[[0, 2, 4]] @ self._base
@@ -253,13 +205,13 @@ def _refuse_unknown_weight(source: Estimate) -> None:
 def _soles(leg: Leg, soles: Mapping[str, Sole] | None) -> Mapping[str, Sole]:
     """Soles that are given, or those of the built-in machine whose links the leg has."""
     links = set(leg.description.child_links.values())
-    known = [each for each in SOLES.values() if links.issuperset(each)] if soles is None else [soles]
-    if not known or not known[0]:
+    known = SOLES.get(re.split(r"[._]", leg.description.name)[0], {}) if soles is None else soles
+    if not known or not (soles or links.issuperset(known)):
         raise BadArgumentError(
             "the soles of this machine are not known",
             where=leg.description.name,
             remedy='give soles={"left_foot": exoid.rig.ground.Sole.flat(heel, toe, height), ...}',
         )
-    for link in known[0]:
+    for link in known:
         link_frame(leg.model, leg.description, link)
-    return MappingProxyType(dict(known[0]))
+    return MappingProxyType(dict(known))

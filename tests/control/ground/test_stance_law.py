@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
+from made_estimates import made
 
 import exoid
 from exoid.control.ground import GroundState, GroundTarget, share_course, stance
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.experiments import ground
 from exoid.leg.floating_base import free_flyer_model
 from exoid.leg.link_frames import link_frame
 from exoid.leg.torso import TorsoMotion
+from exoid.torques import TorqueModel
 
 BOTH = {"left_foot": "flat", "right_foot": "flat"}
 BENT = np.array([0.2, -0.75, 0.55])
@@ -88,7 +93,7 @@ def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
     """With one foot flat and wide limits all tasks have a least-squares solution by the null space of the contact."""
     law = stance(machine, friction=None, ground_friction=1e3, limit=1e6)
     state = state_of(3, {"left_foot": "flat"})
-    law = type(law)(**{**law.__dict__, "margin": -10.0})
+    law = replace(law, margin=-10.0)
     target = target_of(state)
     command = law.command(state, target)
     dynamics = law.model.dynamics(state.q, state.v, 0.1, 0.2)
@@ -172,6 +177,68 @@ def test_a_machine_without_ankles_stands_on_points(machine):
     command = law.command(GroundState(q, np.zeros(4), 0.0, 0.0, contacts), GroundTarget(q, np.zeros(4)))
     assert [len(force) for force in command.forces.values()] == [2, 2]
     assert all(abs(force[0]) <= 0.6 * force[1] + 1e-2 for force in command.forces.values())
+
+
+def test_a_contact_without_a_share_leaves_without_a_step(machine):
+    """Also where the leg is off its reference and moves, so that its constraint changes the accelerations."""
+    law, state = stance(machine), state_of(4)
+    target = target_of(state)._replace(q=state.q + 0.05)
+    last = None
+    for share in (0.06, 0.05, 0.045, 0.04, 0.03, 0.02, 0.01, 0.003, 1e-6, 0.0, None):
+        shares = {} if share is None else {"right_foot": share}
+        contacts = {"left_foot": "flat"} if share is None else BOTH
+        torque = law.torque(state._replace(contacts=contacts, shares=shares), target)
+        if last is not None:
+            assert np.abs(torque - last).max() < (1e-6 if share is None else 16.0)
+        last = torque
+
+
+def test_friction_compensation_never_drives():
+    """It has the sign of the velocity and is at most the model's friction."""
+    truth = ground.bleex_machine()
+    state = state_of(5)
+    target = target_of(state)
+    added = stance(truth).torque(state, target) - stance(truth, friction=None).torque(state, target)
+    friction = truth.friction(state.v[None])[0]
+    assert (added * state.v >= 0.0).all()
+    assert (np.abs(added) <= np.abs(friction)).all()
+    assert np.abs(added).max() > 0.1
+
+
+def estimate_of(machine, relative: float, mass: float = 0.0):
+    """An estimate with the true values, and parameters that are independent."""
+    model = TorqueModel(machine, (exoid.Viscous(),))
+    values = np.append(machine.parameters, 0.3 * np.ones(len(model.names) - len(machine.parameters)))
+    std = relative * np.abs(values)
+    std[0] += mass
+    return made(model, values, np.diag(std**2))
+
+
+def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(machine):
+    """The torque is linear in the parameters while no limit is active."""
+    estimate = estimate_of(machine, 0.02)
+    state = state_of(6)
+    target = target_of(state)
+
+    def law(values):
+        made_of = stance(replace(estimate, values=values), ground_friction=5.0, friction=None)
+        return replace(made_of, margin=-10.0)
+
+    band = law(estimate.values).band(state, target)
+    draws = np.random.default_rng(0).multivariate_normal(estimate.values, estimate.covariance, 150)
+    torques = np.array([law(values).torque(state, target) for values in draws])
+    np.testing.assert_allclose(torques.std(axis=0), band, rtol=0.25)
+    assert stance(machine).band(state, target).max() == 0.0
+
+
+def test_an_uncertain_weight_is_refused_and_a_less_certain_model_keeps_further_from_the_edges(machine):
+    """Without the total mass there is no support; the margin of the pressure has two standard deviations."""
+    with pytest.raises(NotIdentifiableError) as refused:
+        stance(estimate_of(machine, 0.01, mass=20.0))
+    assert refused.value.parameters == ("M",)
+    margins = [stance(estimate_of(machine, size)).margin for size in (0.0, 0.01, 0.03)]
+    assert margins[0] == pytest.approx(0.01)
+    assert margins[0] < margins[1] < margins[2]
 
 
 def test_what_the_law_refuses(machine):
