@@ -161,10 +161,10 @@ def one(machine: str, seed: int) -> dict[tuple[str, str, str], float]:
     models = {"truth": truth, "identified": identified(machine, truth, 10 * seed)}
     models["CAD"] = exoid.load_exo(machine, base="floating")
     if machine == "bleex":
-        motions = {"squats": (ground.stance_motion(truth, 5.0, seed=seed), lambda now: {})}
+        motions = {"squats": (ground.stance_motion(truth, 5.0, seed=seed), None)}
         motions["step"] = step_motion(truth), step_shares
     else:
-        motions = {"squats": (cuhk_motion(truth, seed), lambda now: {})}
+        motions = {"squats": (cuhk_motion(truth, seed), None)}
     out = {}
     for motion, (reference, shares) in motions.items():
         for model, source in models.items():

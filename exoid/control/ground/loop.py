@@ -36,7 +36,8 @@ class GroundLoop:
     Attributes:
         law: The law.
         motion: Reference of joints and torso.
-        shares: Planned shares at a time, by the link of the sole; one that is not named has the share 1.
+        shares: Planned shares at a time, by the link of the sole; one that is not named has the
+            share 1. None for equal shares.
         lean: Angle by which the ground rises forward [rad], for contacts that are not flat.
         commands: What the law wanted at each sample, None where nothing touched.
         state: State at the last sample.
@@ -44,7 +45,7 @@ class GroundLoop:
 
     law: StanceLaw
     motion: GroundMotion
-    shares: Callable[[float], Mapping[str, float]] = lambda time: {}
+    shares: Callable[[float], Mapping[str, float]] | None = None
     lean: float = 0.0
     commands: list[StanceCommand | None] = field(default_factory=list)
     state: GroundState | None = None
@@ -77,7 +78,7 @@ class GroundLoop:
         Returns:
             Torque [N·m], (n,).
         """
-        planned = self.shares(reading.time)
+        planned = {} if self.shares is None else self.shares(reading.time)
         self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
         touching = [link for link, last in self._closed.items() if reading.time - last < BOUNCE]
         contacts = {link: self._kind(link, reading) for link in touching if planned.get(link, 1.0) > 0.0}
