@@ -1,7 +1,7 @@
 """Thousands of virtual identifications: bias, standard deviation, coverage of intervals, and efficiency.
 
-``python scripts/study_virtual_legs.py cuhk --replicates 1000 --noise 0.3 -o results`` prints a table of every motion,
-noise and estimator. The same command resumes a study that was killed.
+``python scripts/study_virtual_legs.py cuhk --replicates 1000 --noise 0.3`` prints a table of every motion, noise and
+estimator.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ def main() -> None:
     """Run a study, and print its tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("leg", choices=("bleex", "cuhk"))
-    parser.add_argument("-o", "--folder", help="keep finished chunks there, and resume")
     parser.add_argument("--protocols", default="planned", help="motions: planned, document")
     parser.add_argument("--colours", default="mixed", help="noise: white, correlated, mixed")
     parser.add_argument("--estimators", default="wls")
@@ -61,7 +60,7 @@ def main() -> None:
         seed=given.seed,
         followed=given.followed,
     )
-    result = run_study(study, given.folder, None if given.workers == 1 else given.workers)
+    result = run_study(study, None if given.workers == 1 else given.workers)
     print(result)
     for combination in result.combinations if given.parameters else ():
         print(f"\n{combination}")

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,15 +14,11 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.leg.description import describe
 from exoid.leg.leg import Leg
-from exoid.tools.json_values import attributes, json_value, named
 from exoid.tools.numbers import checked
 from exoid.torques import Term, TorqueModel
-from exoid.torques.catalog import term_to_json
 
 from .noise import Noise
 from .protocol import Protocol
-
-SCHEMA = "exoid-study-1"
 
 
 class LegText(NamedTuple):
@@ -175,27 +169,6 @@ class Study:
             Smallest standard deviations, in units of the parameters, (P,).
         """
         return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.information(protocol, noise)))))
-
-    def to_json(self) -> dict[str, Any]:
-        """Describe the study completely: equal descriptions have equal results.
-
-        Returns:
-            Description in JSON types.
-        """
-        return {
-            "schema": SCHEMA,
-            "leg": {**json_value(self.leg), "locked": dict(self.leg.locked)},
-            "terms": [term_to_json(term) for term in self.terms],
-            "truth": named(self.model.names, self.truth),
-            "protocols": [protocol.to_json() for protocol in self.protocols],
-            **attributes(self, "noises", "estimators", "replicates", "seed", "rate", "cutoff", "followed"),
-            "piece": self.chunk,
-        }
-
-    @property
-    def sha256(self) -> str:
-        """Hash of the description."""
-        return hashlib.sha256(json.dumps(self.to_json(), sort_keys=True).encode()).hexdigest()
 
 
 @cache

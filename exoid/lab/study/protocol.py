@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from exoid.experiments.excitation import Plan
 from exoid.experiments.references import States
 from exoid.leg.leg import Leg
 from exoid.leg.torso import TorsoMotion
-from exoid.tools.json_values import attributes
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +46,6 @@ class Protocol:
         """Tilt of the torso during a motion; None for an upright one."""
         pitch = self.pitches[motion]
         return TorsoMotion(pitch=pitch) if pitch else None
-
-    def to_json(self) -> dict[str, Any]:
-        """Describe the protocol completely.
-
-        Returns:
-            Description in JSON types.
-        """
-        return {**attributes(self, "name", "seconds", "pitches"), "motions": [*map(_motion_to_json, self.motions)]}
-
-
-def _motion_to_json(motion: Harmonics) -> dict[str, Any]:
-    """Describe a motion of one leg completely."""
-    shape = motion.amplitude.shape
-    return {
-        "centre": motion.centre[:, 0].tolist(),
-        "amplitude": motion.amplitude[..., 0].tolist(),
-        "frequency": np.broadcast_to(motion.frequency, shape)[..., 0].tolist(),
-        "phase": np.broadcast_to(motion.phase, shape)[..., 0].tolist(),
-    }
 
 
 def planned(plan: Plan, name: str = "planned") -> Protocol:

@@ -68,7 +68,7 @@ class StudyResult:
     def to_json(self) -> dict[str, Any]:
         """Convert all statistics to JSON types."""
         return {
-            **attributes(self.study, "sha256", "seed", "followed"),
+            **attributes(self.study, "seed", "followed"),
             "combinations": [combination.to_json() for combination in self.combinations],
         }
 

@@ -1,8 +1,7 @@
-"""Studies agree with known answers, and are the same with any workers and after any interruption."""
+"""Studies agree with known answers, and are the same with any workers."""
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -23,12 +22,9 @@ from exoid.lab.study import (
     Study,
     document,
     plausible_truth,
-    run,
     run_study,
 )
-from exoid.lab.study.folder import Folder
 from exoid.lab.study.replicates import run_chunk
-from exoid.lab.study.run import run_chunks
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
@@ -178,68 +174,6 @@ def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
 
 
-def test_a_study_that_was_stopped_goes_on(result, tmp_path, monkeypatch):
-    """Finished chunks are kept, damaged and half-written ones done again."""
-
-    def dying(what, numbers, workers):
-        for k, done in enumerate(run_chunks(what, numbers, workers)):
-            if k == 2:
-                raise KeyboardInterrupt
-            yield done
-
-    monkeypatch.setattr(run, "run_chunks", dying)
-    with pytest.raises(KeyboardInterrupt):
-        run_study(study(), tmp_path / "kept")
-    assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == [
-        "piece-00000.npz",
-        "piece-00001.npz",
-        "study.json",
-    ]
-    (tmp_path / "kept" / "piece-00001.npz").write_bytes(b"PK half of a file")
-    asked, shares = [], []
-
-    def watched(what, numbers, workers):
-        asked.append(numbers)
-        return run_chunks(what, numbers, workers)
-
-    monkeypatch.setattr(run, "run_chunks", watched)
-    assert same(run_study(study(), tmp_path / "kept", progress=shares.append), result)
-    assert asked == [[1, 2]]
-    assert shares[0] == pytest.approx(1 / 3)
-    assert shares[-1] == 1.0
-    assert same(run_study(study(), tmp_path / "kept"), result)
-    assert asked == [[1, 2], []]
-
-
-def test_a_folder_of_another_study_is_refused(tmp_path):
-    run_study(study(replicates=2), tmp_path / "kept")
-    with pytest.raises(ExoidError, match="another study"):
-        run_study(study(replicates=2, seed=5), tmp_path / "kept")
-    (tmp_path / "mine.txt").write_text("not a study")
-    with pytest.raises(ExoidError, match="holds other files"):
-        run_study(study(replicates=2), tmp_path)
-
-
-def test_a_folder_in_which_another_run_writes_its_first_file_is_used(result, tmp_path):
-    (tmp_path / ".study.json.1.part").write_text("{")
-    assert same(run_study(study(), tmp_path), result)
-
-
-class DeadlyNoise(Noise):
-    """Noise that kills the process that draws it."""
-
-    def draw(self, rng, samples, rate):
-        os.kill(os.getpid(), signal.SIGKILL)
-
-
-@pytest.mark.nightly
-def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
-    monkeypatch.setattr("exoid.lab.study.run.ATTEMPTS", 2)
-    with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
-        run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", 2)
-    assert same(run_study(study(), tmp_path / "kept", 2), result)
-
-
 @pytest.mark.nightly
 def test_scripts_need_no_main_guard_for_processes(tmp_path):
     """Workers do not run the script anew, as multiprocessing's own do."""
@@ -286,27 +220,3 @@ def test_intervals_hold_under_correlated_noise():
     error = np.sqrt(0.95 * 0.05 / replicates)
     assert np.abs(combination.coverage - 0.95).max() <= max(0.02, 4.0 * error)
     assert combination.coverage.mean() == pytest.approx(0.95, abs=max(0.01, 2.5 * error))
-
-
-def test_any_damaged_chunk_is_run_again(result, tmp_path):
-    """Bytes changed, cut off and put in at random, and arrays of other kinds: a chunk is read as it was, or not."""
-    folder, rng = Folder(tmp_path / "kept", study()), np.random.default_rng(0)
-    folder.write(0, run_chunk(study(), 0))
-    (file,) = (tmp_path / "kept").glob("piece-*.npz")
-    whole, good = file.read_bytes(), folder.read(0)
-    unread = 0
-    for _ in range(2100 if FULL else 300):
-        content = bytearray(whole)
-        for _ in range(rng.integers(1, 4)):
-            start = int(rng.integers(0, len(content)))
-            content[start : start + int(rng.choice([0, 1, 4, 1000]))] = rng.bytes(int(rng.integers(0, 5)))
-        file.write_bytes(content)
-        found = folder.read(0)
-        unread += found is None
-        assert found is None or found.values.shape == good.values.shape
-    assert unread > 100
-    for wrong in (np.full(good.values.shape, "x"), good.values.astype(complex), good.values.astype(object)):
-        np.savez(file, values=wrong, std=good.std, inside=good.inside, allow_pickle=True)
-        assert folder.read(0) is None
-    (tmp_path / "kept" / f".{file.name}.{os.getpid()}.part").write_bytes(b"left over")
-    assert same(run_study(study(), tmp_path / "kept"), result)
