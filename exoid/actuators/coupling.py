@@ -47,7 +47,7 @@ class Coupling:
 
     def __post_init__(self) -> None:
         """Check joints and matrix."""
-        if isinstance(self.joints, str) or not all(isinstance(name, str) for name in self.joints):
+        if not isinstance(self.joints, list | tuple) or not all(isinstance(name, str) for name in self.joints):
             raise BadArgumentError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
         joints, matrix = tuple(self.joints), _rows(self.matrix)
         count = len(joints)

@@ -89,9 +89,7 @@ def _drive(table: object) -> Drive | Coupling:
     constants = {key: value for key, value in table.items() if key != "type"}
     if kind is LinearActuator:
         return _linear(constants)
-    if kind is Coupling:
-        return _coupling(constants)
-    drive: Drive = _made(kind, constants)
+    drive: Drive | Coupling = _made(kind, constants)
     return drive
 
 
@@ -150,13 +148,6 @@ def _moment_arms(table: Table) -> MomentArmTable:
             raise UnreadableInputError(f"{key} is no row of numbers", remedy="write [0.0, 0.1, …]")
     angle = table[angles[0]]
     return MomentArmTable(np.deg2rad(angle).tolist() if angles[0] == "angle_deg" else angle, table["moment_arm"])
-
-
-def _coupling(table: Table) -> Coupling:
-    _check_keys(table, {"joints", "matrix"}, REQUIRED[Coupling])
-    if not isinstance(table["joints"], list | tuple):
-        raise UnreadableInputError("joints of a coupling are no row", remedy='write joints = ["roll", "pitch"]')
-    return Coupling(tuple(table["joints"]), table["matrix"])
 
 
 def _table(drive: Drive | Coupling) -> dict[str, Any]:

