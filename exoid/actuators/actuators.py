@@ -17,6 +17,7 @@ from exoid.signals.differentiation import central_difference, smooth_motion
 from exoid.signals.external import ReadOnlyDict
 from exoid.signals.quantities import PREFIXES
 from exoid.signals.torque_delay import DRIVE_CHANNELS
+from exoid.tools.numbers import checked
 
 from .coupling import Coupling
 from .drive import Drive
@@ -240,12 +241,7 @@ class Actuators:
         self, work: Callable[[_Part, FloatArray, FloatArray, FloatArray], FloatArray], *given: ArrayLike
     ) -> FloatArray:
         """Let each drive turn its columns of the first array into others."""
-        try:
-            arrays = [np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in given]
-        except (TypeError, ValueError) as error:
-            raise BadArgumentError(f"not an array of numbers ({error})", remedy="pass (N, n) arrays") from None
-        if not all(np.isfinite(x).all() for x in arrays):
-            raise BadArgumentError("torques, commands or motion of drives are not finite", remedy="pass finite numbers")
+        arrays = [np.atleast_2d(checked(x, "a torque, command or motion of drives", ndim=2)) for x in given]
         if any(x.shape != arrays[0].shape or x.shape[-1] != len(self.joint_names) for x in arrays):
             shapes = ", ".join(str(x.shape) for x in arrays)
             raise BadArgumentError(f"arrays of shapes {shapes}", remedy=f"pass (N, {len(self.joint_names)}) each")

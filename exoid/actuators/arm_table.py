@@ -9,8 +9,9 @@ from functools import cached_property
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .attachments import MomentArm
 
@@ -40,7 +41,10 @@ class MomentArmTable(MomentArm):
 
     def __post_init__(self) -> None:
         """Check and freeze."""
-        angle, arm = (_numbers(name, getattr(self, name)) for name in ("angle", "moment_arm"))
+        angle, arm = (
+            np.atleast_1d(checked(getattr(self, name), f"{name} of a moment arm table"))
+            for name in ("angle", "moment_arm")
+        )
         object.__setattr__(self, "angle", tuple(angle.tolist()))
         object.__setattr__(self, "moment_arm", tuple(arm.tolist()))
         if len(angle) != len(arm) or len(angle) < 4:  # a cubic spline
@@ -78,13 +82,3 @@ class MomentArmTable(MomentArm):
                 remedy="measure the moment arm over the whole motion, or use less of the recording",
             )
         return np.clip(q, self.angle[0], self.angle[-1])
-
-
-def _numbers(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise BadArgumentError(f"{name} of a moment arm table is no row of numbers ({error})") from None
-    if array.ndim != 1 or not len(array) or not np.isfinite(array).all():
-        raise BadArgumentError(f"{name} of a moment arm table is no row of finite numbers", remedy="give rad and m")
-    return array

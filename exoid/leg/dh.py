@@ -16,6 +16,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .description import FARTHEST, LARGEST_ANGLE, Description, describe
 
@@ -52,7 +53,9 @@ def describe_dh(
         raise BadArgumentError(
             f"{len(rows)} rows, and joint_names {joint_names!r}", where=name, remedy="name each joint of the table once"
         )
-    rpy = _numbers(base_rpy, (3,), "base_rpy", name)
+    rpy = checked(base_rpy, "base_rpy")
+    if rpy.shape != (3,):
+        raise BadArgumentError(f"base_rpy has shape {rpy.shape}", where=name, remedy="give roll, pitch and yaw [rad]")
     _refuse_degrees(rpy, "base_rpy", name)
     placement = _joint("base_to_frame0", "fixed", "base", "frame0", (0.0, 0.0, 0.0), rpy.tolist())
     parts = [_link("base"), _link("frame0"), placement]
@@ -90,7 +93,7 @@ def _segment(index: int, row: DHRow, joint: str, convention: Convention) -> list
 
 def _rows(table: Sequence[DHRow] | ArrayLike, name: str) -> FloatArray:
     """Check the table, (n, 4)."""
-    rows = _numbers(table, None, "the DH table", name)
+    rows = checked(table, "the DH table", ndim=2)
     if rows.ndim != 2 or not len(rows) or rows.shape[1] not in (3, 4):
         raise BadArgumentError(
             f"a DH table of shape {rows.shape}",
@@ -113,23 +116,6 @@ def _refuse_degrees(angles: FloatArray, what: str, name: str) -> None:
             where=name,
             remedy="give rad, e.g. np.deg2rad(90)",
         )
-
-
-def _numbers(values: ArrayLike, shape: tuple[int, ...] | None, what: str, name: str) -> FloatArray:
-    """Convert to finite numbers."""
-    try:
-        numbers = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise BadArgumentError(
-            f"{what} is not an array of numbers", where=name, remedy="give numbers in SI units"
-        ) from None
-    if (shape is not None and numbers.shape != shape) or not np.isfinite(numbers).all():
-        raise BadArgumentError(
-            f"{what} of shape {numbers.shape} has numbers that are not finite, or not {shape} of them",
-            where=name,
-            remedy="give finite numbers in SI units",
-        )
-    return numbers
 
 
 def _inertial(place: tuple[float, float, float], alpha: float) -> str:

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
+from exoid.tools.numbers import checked
 
 from .closure import Closure
 from .description import Description, read_description
@@ -388,9 +389,7 @@ class Leg(LegData):
 
 
 def _point(point: ArrayLike) -> FloatArray:
-    place = to_numbers(point)
-    if place.shape != (3,) or not np.isfinite(place).all():
-        raise BadArgumentError(
-            f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link"
-        )
+    place = checked(point, "the point")
+    if place.shape != (3,):
+        raise BadArgumentError(f"the point is {point!r}", remedy="pass three numbers [m] in the axes of the link")
     return place

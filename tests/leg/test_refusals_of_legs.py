@@ -170,7 +170,7 @@ REFUSED = {
         ("did you mean 'left_foot'", lambda: EXO.frame_jacobian(np.zeros(6), "left_fot")),
         ("3", lambda: EXO.frame_jacobian(np.zeros(6), 3)),
         *(
-            ("three finite", lambda x=x: EXO.frame_jacobian(np.zeros(6), "left_foot", x))
+            ("the point is", lambda x=x: EXO.frame_jacobian(np.zeros(6), "left_foot", x))
             for x in ((1.0, 2.0), (1.0, 2.0, np.nan))
         ),
         ("numbers", lambda: EXO.frame_jacobian(np.zeros(6), "left_foot", "heel")),

@@ -33,6 +33,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
+from exoid.tools.numbers import checked
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import make_table, to_text
 
@@ -162,7 +163,7 @@ def lift(
         >>> lifted.feasible, bool(np.allclose(lifted.values, 1.1 * leg.parameters, rtol=1e-12))
         (True, True)
     """
-    target = checked(leg, values)
+    target = fitting(leg, values)
     if not pull >= 0.0 or not (mass_factor is None or mass_factor > 1.0):
         raise BadArgumentError(
             f"pull {pull} and mass factor {mass_factor} are out of range",
@@ -177,7 +178,7 @@ def lift(
         found = None
     feasible = found is not None
     if found is None:
-        metric = natural if covariance is None else _metric(checked(leg, covariance, "covariance", 2), problem)
+        metric = natural if covariance is None else _metric(fitting(leg, covariance, "covariance", 2), problem)
         heaviest = np.full(problem.links, np.inf if pull else max(float(heaviest[0]), usual))
         found = approach(problem, target, metric, heaviest, pull)
         distance = float(np.linalg.norm(metric @ (target - problem.K @ found.unit)))
@@ -203,9 +204,9 @@ def lift(
 def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> bool:
     """Say whether some physically consistent links have base parameters within a distance of the given ones."""
     # This costs less than `lift`, which looks for the nearest.
-    target = checked(leg, values)
+    target = fitting(leg, values)
     prior, problem = _problem(leg, target)
-    metric = _metric(checked(leg, covariance, "covariance", 2), problem)
+    metric = _metric(fitting(leg, covariance, "covariance", 2), problem)
     natural = _whitening(problem.K @ problem.K.T)
     heaviest = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
     found = approach(problem, target, metric, np.full(problem.links, heaviest), enough=distance)
@@ -252,17 +253,13 @@ def _metric(covariance: FloatArray, problem: Problem) -> FloatArray:
     return np.asarray((axes / np.sqrt(np.maximum(values, FLOOR**2))).T / scale)
 
 
-def checked(leg: Leg, given: ArrayLike, name: str = "values", dimensions: int = 1) -> FloatArray:
+def fitting(leg: Leg, given: ArrayLike, name: str = "values", dimensions: int = 1) -> FloatArray:
     """Check that base parameters, or their covariance, fit a leg."""
-    shape = (len(leg.parameter_names),) * dimensions
-    try:
-        array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise BadArgumentError(f"{name} are not numbers ({error})", remedy=f"pass an array of shape {shape}") from error
-    if array.shape != shape or not np.isfinite(array).all():
+    array, shape = checked(given, name, ndim=dimensions), (len(leg.parameter_names),) * dimensions
+    if array.shape != shape:
         raise BadArgumentError(
-            f"{name} of shape {array.shape} do not fit, or are not finite",
+            f"{name} of shape {array.shape} do not fit",
             where=leg.description.name,
-            remedy=f"pass finite numbers of shape {shape}, in the order {', '.join(leg.parameter_names)}",
+            remedy=f"pass numbers of shape {shape}, in the order {', '.join(leg.parameter_names)}",
         )
     return array

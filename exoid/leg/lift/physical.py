@@ -23,7 +23,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.leg.leg import Leg
 from exoid.tools.tables import make_table, to_text
 
-from .lift import checked, lift
+from .lift import fitting, lift
 
 
 class MassBound(NamedTuple):
@@ -86,7 +86,7 @@ def check_physical(leg: Leg, values: ArrayLike) -> PhysicalCheck:
         >>> tuple(round(bound.least, 2) for bound in check_physical(leg, leg.parameters).bounds)
         (8.94, 5.05, 1.81)
     """
-    array = checked(leg, values)
+    array = fitting(leg, values)
     if leg.chain is None:
         lifted = lift(leg, array)
         if lifted.feasible:
