@@ -144,10 +144,7 @@ def motor_terms(coupling: Coupling) -> tuple[Term, ...]:
         ('c0_hip_motor', 'd_hip_motor', 'c0_knee_motor', 'd_knee_motor', 'Ia_hip_motor')
     """
     (coulomb,) = (term for term in DEFAULT_TERMS if isinstance(term, Coulomb))
-    smoothing, reversal_speed = (
-        coupling.ratio * float(each)  # type: ignore[arg-type]  # the default terms have numbers
-        for each in (coulomb.smoothing, coulomb.reversal_speed)
-    )
+    smoothing, reversal_speed = coupling.ratio * coulomb.smoothing, coupling.ratio * coulomb.reversal_speed
     frictions, rotors = list[Term](), list[Term]()
     for motor, row in zip(coupling.joints, coupling.inverse, strict=True):
         moved = np.flatnonzero(np.abs(row) > 1e-12 * np.abs(row).max()).tolist()

@@ -133,7 +133,7 @@ def _coupling_spring(term: CouplingSpring, joint: JointInC) -> str:
 def _dry(term: DryFriction, size: str, joint: JointInC) -> str:
     """Write a size times the direction of motion, zero in the dead band."""
     v, zero = joint.variable, joint.number(0.0)
-    torque = f"{size} * {_direction(number(term.smoothing), joint)}"
+    torque = f"{size} * {_direction(term.smoothing, joint)}"
     if term.dead_band > 0.0:
         torque = f"({joint.function('fabs')}({v}) > {joint.number(term.dead_band)} ? {torque} : {zero})"
     return torque

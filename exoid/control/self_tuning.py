@@ -254,7 +254,7 @@ def exact_estimate(model: ControlModel) -> Estimate:
     terms += [kind(joints=tuple(labels[values != 0.0].tolist())) for kind, values in plain if values.any()]
     torques = TorqueModel(model.leg, tuple(terms))
     q, v, a = random_motion(400, model.n, model.leg.closure)
-    width = next((float(term.smoothing) for term in terms if isinstance(term, Coulomb)), WIDTH)  # type: ignore[arg-type]
+    width = next((term.smoothing for term in terms if isinstance(term, Coulomb)), WIDTH)
     torque = model.inverse_dynamics(q.T, v.T, a.T) + model.friction(q.T, v.T, width)
     values = scaled_lstsq(torques.regressor(q, v, a).reshape(-1, len(torques.names)), torque.T.ravel())
     return Estimate(

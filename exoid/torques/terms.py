@@ -48,40 +48,33 @@ class DryFriction(Term):
             friction that is a function of velocity throughout.
 
     Raises:
-        ExoidError: A setting is negative or not finite, or smoothing is nonlinear beside presliding.
+        ExoidError: A setting is negative or not finite.
     """
 
-    smoothing: float | NonlinearParameter = SMOOTHING
+    smoothing: float = SMOOTHING
     presliding: float | NonlinearParameter = 0.0
     dead_band: float = 0.0
     reversal_speed: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        for name, unit in (("smoothing", "a velocity in rad/s"), ("presliding", "an angle in rad")):
+        for name, unit in (
+            ("smoothing", "a velocity in rad/s, zero or positive"),
+            ("dead_band", "a velocity in rad/s, zero or positive"),
+            ("reversal_speed", "a velocity in rad/s, zero or positive"),
+            ("presliding", "an angle in rad, zero or positive, or NonlinearParameter"),
+        ):
             value = getattr(self, name)
-            if not isinstance(value, NonlinearParameter) and not 0.0 <= value < np.inf:
-                raise BadArgumentError(
-                    f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or NonlinearParameter"
-                )
-        for name in ("dead_band", "reversal_speed"):
-            if not 0.0 <= getattr(self, name) < np.inf:
-                raise BadArgumentError(
-                    f"{type(self).__name__}({name}={getattr(self, name)})",
-                    remedy="a velocity in rad/s, zero or positive",
-                )
-        if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
-            raise BadArgumentError(
-                f"{type(self).__name__} has a nonlinear smoothing, which presliding replaces",
-                remedy="leave out one of the two",
-            )
+            free = name == "presliding" and isinstance(value, NonlinearParameter)
+            if not free and not 0.0 <= value < np.inf:
+                raise BadArgumentError(f"{type(self).__name__}({name}={value})", remedy=unit)
 
     friction = True
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbols ws of the smoothing and delta of presliding."""
-        return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}
+        """Symbol delta of presliding."""
+        return {"presliding": ("delta", "rad")}
 
     @property
     def internal_state(self) -> Presliding | None:
@@ -101,9 +94,9 @@ class DryFriction(Term):
         """
         if motion.state is not None:
             out[:] = motion.state
-        elif (smoothing := number(self.smoothing)) > 0.0:
+        elif self.smoothing > 0.0:
             with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
-                np.tanh(np.divide(motion.v, smoothing, out=out), out=out)
+                np.tanh(np.divide(motion.v, self.smoothing, out=out), out=out)
         else:
             np.sign(motion.v, out=out)
         if self.dead_band > 0.0:

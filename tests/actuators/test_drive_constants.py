@@ -166,7 +166,7 @@ def test_a_current_of_the_other_sign_is_refused():
         ({"estimator": "ml"}, "ml fits the torque of every sample"),
         ({"delay": "auto"}, "delays are to be corrected"),
         ({"terms": (LoadFriction(),)}, "terms are nonlinear or depend on the load"),
-        ({"terms": (Coulomb(smoothing=NonlinearParameter(0.02, 0.001, 0.1)),)}, "terms are nonlinear"),
+        ({"terms": (Coulomb(presliding=NonlinearParameter(1e-3, 1e-5, 0.1)),)}, "terms are nonlinear"),
         ({"own": ("offset",)}, "groups of recordings are fitted"),
     ],
 )

@@ -56,7 +56,6 @@ SETTINGS = {
     "negative smoothing": lambda: Coulomb(smoothing=-0.1),
     "infinite dead band": lambda: Coulomb(dead_band=np.inf),
     "negative presliding": lambda: Coulomb(presliding=-1.0),
-    "smoothing beside presliding": lambda: Coulomb(presliding=1e-3, smoothing=FREE),
     "Stribeck at rest": lambda: Stribeck(velocity=0.0),
     "half a degree": lambda: Stiffness(degree=2.5),
     "start below its bound": lambda: NonlinearParameter(0.1, 0.2, 1.0),

@@ -89,7 +89,7 @@ class _Point:
     def sign(self, j: int, sharper: float = 1.0) -> FloatArray:
         """Direction of the motion of a joint, over the width of Coulomb friction, 0.05 rad/s without it, (N,)."""
         terms = (term for term in self.of.model.terms if isinstance(term, Coulomb))
-        widths = (term.smoothing for term in terms if isinstance(term.smoothing, float) and term.smoothing > 0.0)
+        widths = (term.smoothing for term in terms if term.smoothing > 0.0)
         return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
 
     @property
