@@ -182,6 +182,7 @@ class Leg(LegData):
         places = {link: place for link, place in (contacts or {}).items() if not isinstance(place, str)}
         description = add_edges(description, places) if places else description
         model = build_model(description, joints, locked, () if loops is None else loops.dependent)
+        kinds = _contact_kinds(model, description, {**(contacts or {}), **dict.fromkeys(places, "edge")})
         closure = (
             None
             if loops is None
@@ -208,18 +209,7 @@ class Leg(LegData):
                 reduction = numeric(free_flyer_model(model), (description.root_link, *links))
             else:
                 reduction = numeric(model, links, moving_base=base == "moving", closure=closure)
-        kinds: dict[str, Contact] = {**(contacts or {}), **dict.fromkeys(places, "edge")}  # type: ignore[dict-item]
-        for link, kind in kinds.items():
-            link_frame(model, description, link)
-            foot, _, part = link.rpartition("_")
-            if part in ("heel", "toe") and kinds.get(foot, "flat") != "flat":
-                what = f"{foot} rests on its {part}, and is a contact of the kind {kinds[foot]!r}"
-                remedy = f"leave the kind of {foot} out: on heel and toe together it is flat"
-                raise BadArgumentError(what, where=description.name, remedy=remedy)
-            if kind not in get_args(Contact):
-                known = ", ".join(get_args(Contact))
-                raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")
-        return cls(description, model, reduction, machine, locked, cumulative, base, MappingProxyType(kinds), closure)
+        return cls(description, model, reduction, machine, locked, cumulative, base, kinds, closure)
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.
@@ -393,3 +383,20 @@ def _point(point: ArrayLike) -> FloatArray:
     if place.shape != (3,):
         raise BadArgumentError(f"the point is {point!r}", remedy="pass three numbers [m] in the axes of the link")
     return place
+
+
+def _contact_kinds(model: pin.Model, description: Description, kinds: Mapping[str, object]) -> Mapping[str, Contact]:
+    """Check the kind of contact of each link."""
+    for link, kind in kinds.items():
+        link_frame(model, description, link)
+        foot, _, part = link.rpartition("_")
+        if part in ("heel", "toe") and kinds.get(foot, "flat") != "flat":
+            raise BadArgumentError(
+                f"{foot} rests on its {part}, and is a contact of the kind {kinds[foot]!r}",
+                where=description.name,
+                remedy=f"leave the kind of {foot} out: on heel and toe together it is flat",
+            )
+        if kind not in get_args(Contact):
+            known = ", ".join(get_args(Contact))
+            raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")
+    return MappingProxyType({**kinds})  # type: ignore[dict-item]  # each is a Contact
