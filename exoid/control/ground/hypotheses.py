@@ -48,6 +48,7 @@ class ContactNoise(NamedTuple):
     moment: float = 1.5  # error of the model in rows of joints and of the pitch [N·m]
     relative: float = 0.04  # error of the model over the size of each row, as after a step that filters smear
     cone: float = 1.2  # ratio of force along and across the ground from which a contact counts as impossible
+    slide: float = 0.35  # velocity of the middles of two soles that bear, against each other, as they roll [m/s]
     freedom: float = 4.0  # degrees of freedom of Student's t: jolts are no evidence against a contact
     temper: float = 0.5  # share of the evidence of a block that is new, as filtered samples depend on each other
     change: float = 0.02  # probability that a contact changes in a block
@@ -406,6 +407,8 @@ class ContactFilter:
         loads = {link: np.linalg.solve(L, each) for link, each in columns.items()}
         up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
+        rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
+        speeds = {link: self._speed(each, rates) for link, each in columns.items()}
         likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
         for h, links in enumerate(self.sets):
             G = np.concatenate(
@@ -417,6 +420,9 @@ class ContactFilter:
             distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
             likelihood[:, h] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
             own = [k for k, link in enumerate(self.soles) if link in links]
+            for one, other in combinations((link for link in self.soles if link in links), 2):
+                apart = ((speeds[one] - speeds[other]) ** 2).sum(axis=1)  # whatever the velocity of the base is
+                likelihood[:, h] -= np.minimum(0.5 * apart / noise.slide**2, 20.0)
             if own:
                 each = y[..., 0].reshape(K, len(own), 3)
                 wrenches[:, h, own] = each * self._prior
@@ -429,6 +435,11 @@ class ContactFilter:
         distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
         likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
         return likelihood, wrenches
+
+    def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
+        """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""
+        J = columns[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn axes of the sole into those of the base
+        return np.asarray(np.einsum("kij,krj,kr->ki", J[:, :2], J, rates))
 
     def _impossible(self, force: FloatArray, up: FloatArray) -> FloatArray:
         """Penalty of a force in base axes, (K, 2), that pulls, or lies far outside the friction cone; up is (K, 2)."""
