@@ -438,7 +438,7 @@ class ContactFilter:
 
     def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
         """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""
-        J = columns[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn axes of the sole into those of the base
+        J = columns[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn sole axes into base axes
         return np.asarray(np.einsum("kij,krj,kr->ki", J[:, :2], J, rates))
 
     def _impossible(self, force: FloatArray, up: FloatArray) -> FloatArray:
