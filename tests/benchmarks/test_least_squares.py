@@ -2,7 +2,7 @@
 
 ``pytest tests/benchmarks/test_least_squares.py -s`` prints the ratios. Ours goes from samples to estimate and
 covariance block by block, on orthogonal factorisations, which need no refinement. What :func:`exoid.identify` does
-beyond (a model of the noise, diagnostics, trends, influence, a hash of the data) has no counterpart in the loop.
+beyond (a model of the noise, diagnostics, influence, a hash of the data) has no counterpart in the loop.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def test_the_covariance_is_that_of_the_textbook():
 def test_least_squares_is_many_times_as_fast_as_the_loop_and_lstsq():
     works = {
         OURS: ours,
-        "exoid.identify, with noise, trust and trends": whole,
+        "exoid.identify, with noise and trust": whole,
         "loop over Pinocchio's regressor, stored": loop,
         "numpy.linalg.lstsq, 36 columns": lambda: np.linalg.lstsq(standard(), torques()),
         "numpy.linalg.lstsq, 15 columns": lambda: np.linalg.lstsq(documented(), torques()),
