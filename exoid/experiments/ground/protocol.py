@@ -49,8 +49,8 @@ class Protocol:
     flexion: tuple[float, float, float] = (0.0, 0.0, 0.0)  # their mean flexion
 
 
-# Found by `scripts/study_stance_plan.py --changes 150`: random changes that make the worst standard deviation of BLEEX
-# smaller, rounded. No motion is close to an optimum of any other machine, but none is a resonance of BLEEX either.
+# Rounded result of random changes that make the worst standard deviation of BLEEX smaller, such as those of
+# `scripts/study_stance_plan.py --changes 150`. Chosen for BLEEX: another machine has another optimum.
 ON_ALL_FEET = Protocol(0.15, 0.9, 0.9, Wave(0.06, 0.01), -0.25, Wave(0.3, 0.05), Wave(0.04, 0.01))
 ON_ONE_FOOT = Protocol(
     slow=0.24,
