@@ -16,7 +16,8 @@ def test_the_python_of_the_page_runs(tmp_path):
     assert not PAGE.commands
 
 
-def test_the_page_names_every_law():
-    text = (ROOT / PAGE.name).read_text(encoding="utf-8")
+def test_the_pages_name_every_law():
+    pages = (ROOT / PAGE.name, *(ROOT / "docs" / f"{name}.md" for name in ("stance-control", "coordination")))
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
     for name in exoid.control.__all__:
         assert f"`{name}" in text or f"{name}(" in text, name
