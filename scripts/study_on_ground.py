@@ -136,14 +136,16 @@ def figures(loop: Probe, run: GroundRun) -> dict[str, float]:
     q = 1e3 * (run.q - np.array([t.q for t in wanted]))
     out = {"joints [mrad]": float(np.sqrt((q**2).mean())), "largest joint [mrad]": float(np.abs(q).max())}
     out["torso [mrad]"] = 1e3 * float(np.sqrt(np.mean((pitch - [t.pitch for t in wanted]) ** 2)))
-    changes, tipped, slipped = np.zeros(len(run.time), dtype=bool), 0, 0
+    changes, tipped, slipped, used = np.zeros(len(run.time), dtype=bool), 0, 0, 0.0
     for link, foot in run.feet.items():
         settled = np.convolve(foot.touching, np.ones(101), "same") > 100.5  # 0.1 s around touch-down and lift-off
         tipped += int(np.count_nonzero(settled & (foot.points < len(run.plant.soles[link].points))))
-        slipped += int(np.count_nonzero(settled & (np.abs(foot.force[:, 0]) > 0.8 * foot.force[:, 2])))
+        slipped += int(np.count_nonzero(settled & (foot.slip > 0.005)))
+        loaded = settled & (foot.force[:, 2] > 20.0)
+        used = max(used, float((np.abs(foot.force[loaded, 0]) / foot.force[loaded, 2]).max(initial=0.0)))
         change = np.flatnonzero(np.diff(foot.touching))
         changes[(change[:, None] + np.arange(-10, 11)).clip(0, len(changes) - 1)] = True
-    out |= {"samples tipped": tipped, "samples beyond the cone": slipped}
+    out |= {"samples tipped": tipped, "samples slipped": slipped, "friction used, of 0.8": used}
     steps = np.abs(np.diff(run.tau, axis=0))[changes[1:]]
     out["step by change of contact [N·m]"] = loop.own
     out["step by change of contact [% of range]"] = 100.0 * loop.own / float(np.ptp(run.tau, axis=0).max())
