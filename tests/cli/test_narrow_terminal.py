@@ -24,10 +24,11 @@ COMMANDS = {
     "track-dry": "track est.json --dry-run test.csv",
     "wear": "wear est.json --period 2",
     "reproduce": "reproduce cuhk",
+    "coordinate": "coordinate bleex",
 }
 QUICK = {"check", "compare", "export", "validate"}
 MARKS = {name: pytest.mark.slow for name in COMMANDS if name not in QUICK}
-MARKS |= dict.fromkeys(("select", "wear", "reproduce"), pytest.mark.nightly)
+MARKS |= dict.fromkeys(("select", "wear", "reproduce", "coordinate"), pytest.mark.nightly)
 
 
 @pytest.fixture(scope="module")
