@@ -48,7 +48,7 @@ def plot_day(figure: Figure, parts: Sequence[DayPart], joints: Sequence[str]) ->
     for part in parts:
         for ax in axes:
             ax.axvline(begin, color=GUIDE, lw=0.5)
-        axes[0].annotate(part.name, (begin, 1.02), xycoords=("data", "axes fraction"), fontsize=6, rotation=20)
+        axes[-1].annotate(part.name, (begin, 0.8), xycoords=("data", "axes fraction"), fontsize=5)
         for j, joint in enumerate(joints):
             label = joint if part is parts[0] else None
             axes[0].plot(begin + part.time, part.torque[:, j], color=joint_colour(j), lw=0.4, label=label)
