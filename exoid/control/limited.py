@@ -52,15 +52,39 @@ class Limited:
         return self.law.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class."""
+        """Compute the torque of the other controller, within the limits.
+
+        Args:
+            state: Measured state.
+            target: Reference at this moment.
+
+        Returns:
+            Torque [N·m], (n,).
+        """
         return self._clipped(torque_without_memory(self.law, state, target), state)
 
     def begin(self, state: State) -> Memory:
-        """Compute the memory of the other controller before the first sample."""
+        """Compute the memory of the other controller before the first sample.
+
+        Args:
+            state: First measured state.
+
+        Returns:
+            Memory.
+        """
         return stateful(self.law).begin(state)
 
     def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the torque, and the memory of the other controller."""
+        """Compute the torque within the limits, and the memory of the other controller.
+
+        Args:
+            memory: Memory after the last sample.
+            state: Measured state.
+            target: Reference at this moment.
+
+        Returns:
+            Torque [N·m], (n,), and memory.
+        """
         torque, memory = stateful(self.law).step(memory, state, target)
         return self._clipped(torque, state), memory
 

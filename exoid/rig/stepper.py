@@ -94,7 +94,15 @@ class Stepper:
         return self.solve(self.equations(torque, damping))
 
     def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
-        """Compute the equations of the next step."""
+        """Compute the equations of the next step.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Inertia and impulse of the step.
+        """
         return self._equations(torque, self.plant.viscous + damping)
 
     def _equations(self, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None) -> Equations:
@@ -113,19 +121,37 @@ class Stepper:
         return Equations(M, self.dt * force)
 
     def solve(self, equations: Equations) -> Step:
-        """Advance by dt with stick-slip friction and end stops."""
+        """Advance by dt with stick-slip friction and end stops.
+
+        Args:
+            equations: Those of this step.
+
+        Returns:
+            Mean velocity, and impulse of friction and end stops.
+        """
         v, impulse = solve_stick_slip(*equations, self._with_stops(), self.v)
         return Step(self.move(v), impulse)
 
     def move(self, v: FloatArray) -> FloatArray:
-        """Advance by dt to known velocities."""
+        """Advance by dt to known velocities.
+
+        Args:
+            v: Velocities at the end of the step [rad/s], (n, B).
+
+        Returns:
+            Mean velocity [rad/s], (n, B).
+        """
         mean = 0.5 * (self.v + v)
         self.v, self._ahead = v, 2.0 * v - mean
         self.q = self.q + self.dt * mean
         return mean
 
     def energy(self) -> FloatArray:
-        """Compute the mechanical energy, springs and rotors included."""
+        """Compute the mechanical energy, springs and rotors included.
+
+        Returns:
+            Energy [J], (B,).
+        """
         rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
         return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 

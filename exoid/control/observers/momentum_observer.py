@@ -112,7 +112,14 @@ class MomentumObserver:
         return JointFilters(np.stack([-np.expm1(-self.gain / self.rate), none]), np.stack([none + 1.0, -pole]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the observer in C, with measured velocities: its torque, without band and detection."""
+        """Describe the observer in C, with measured velocities: its torque, without band and detection.
+
+        Args:
+            dialect: Precision and prefix of the C.
+
+        Returns:
+            Description of inputs, memory and steps.
+        """
         return observer_in_c(self.model, self.alignment, self.filters, self.width, dialect)
 
     @cached_property
