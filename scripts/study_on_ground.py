@@ -2,6 +2,7 @@
 
     python scripts/study_on_ground.py                       # 16 seeds from 1000 of both machines
     python scripts/study_on_ground.py --seeds 2 --machine bleex
+    python scripts/study_on_ground.py --seeds 8 --coordinated   # contacts are told: docs/coordination.md
 
 The truth of each seed has the mass of every link drawn (± 8 %, one standard deviation) and friction (± 20 %). The
 identified model is that of logs with noise: squats, both single supports and swing of BLEEX; of CUHK-EXO a swing in a
@@ -19,17 +20,51 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from joblib import Parallel, delayed
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.control.ground import SOLES, GroundLoop, share_course, stance
+from exoid.control.functions import (
+    FUNCTIONS,
+    PHASE,
+    SIDES,
+    Body,
+    Condition,
+    Function,
+    contact_name,
+    joint_angles,
+    legs_flexion,
+    minimum_jerk,
+)
+from exoid.control.ground import (
+    SAFE,
+    SOLES,
+    TABLE,
+    ContactFilter,
+    CoordinatedLoop,
+    Coordinator,
+    GroundLoop,
+    Rule,
+    stance,
+)
 from exoid.errors import ExoidError
 from exoid.experiments import ground
 from exoid.experiments.ground.planned_motion import follow, knots, planned_motion, wave
 from exoid.experiments.ground.posture import planar_legs
-from exoid.experiments.ground.stance import CLAMP, SWING_GAINS
-from exoid.rig.ground import GroundMotion, GroundPlant, GroundReading, GroundRun, GroundSensors, simulate_on_ground
+from exoid.experiments.ground.stance import CLAMP, HAND_RAIL, SWING_GAINS
+from exoid.lab.coordination.day import _bearings, _ground, _reference
+from exoid.rig.ground import (
+    HEALTHY,
+    PASSIVE,
+    GroundMotion,
+    GroundPlant,
+    GroundReading,
+    GroundRun,
+    GroundSensors,
+    GroundWearer,
+    simulate_on_ground,
+)
 from exoid.rig.simulate import Rates
 
 RATES = Rates(control=500.0, log=500.0, step=5e-4)
@@ -100,8 +135,8 @@ def step_motion(truth: GroundPlant) -> GroundMotion:
     """Plan one step of BLEEX in place: the right foot rises by 6 cm and comes back, 2 mm too deep for 0.6 s."""
     t = knots(5.0)
     motion = ground.stance_motion(truth, 5.0, stance=ground.Stance(squat=0.0, shift=0.0, bow=0.0))
-    up = share_course((t - LIFT) / 0.5) - share_course((t - DOWN + 1.0) / 1.0)
-    deep = share_course((t - DOWN + 0.3) / 0.3) - share_course((t - DOWN - 0.6) / 0.3)
+    up = minimum_jerk((t - LIFT) / 0.5) - minimum_jerk((t - DOWN + 1.0) / 1.0)
+    deep = minimum_jerk((t - DOWN + 0.3) / 0.3) - minimum_jerk((t - DOWN - 0.6) / 0.3)
     q, leg = motion.q.copy(), planar_legs(truth)[1]
     height = 0.06 * up - 0.002 * deep
     q[:, leg.joints] = leg.angles(motion.base, 1j * height, np.zeros(len(t)))
@@ -110,8 +145,108 @@ def step_motion(truth: GroundPlant) -> GroundMotion:
 
 def step_shares(now: float) -> dict[str, float]:
     """Share of the right foot: none while it is up."""
-    going = 1.0 - float(share_course((now - LIFT + 0.5) / 0.5))
+    going = 1.0 - float(minimum_jerk((now - LIFT + 0.5) / 0.5))
     return {"right_foot": going if now < DOWN - 0.4 else 1.0}
+
+
+def free_functions(truth: GroundPlant) -> dict[str, Function]:
+    """Stand, squat by 8 cm and take one step of 6 cm in place, balanced without a rail.
+
+    A foot that lands is not told before it presses: its reference goes 3 cm too deep.
+    """
+
+    def still(height: float) -> tuple[FloatArray, FloatArray]:
+        stance = ground.Stance(height=height, squat=0.0, shift=0.0, bow=0.0)
+        motion = ground.stance_motion(truth, 1.0, stance=stance)
+        return motion.q[0], motion.base[0]
+
+    heights = np.linspace(0.80, 0.88, 5)
+    curve = scipy.interpolate.CubicSpline(heights, [np.hstack(still(h)) for h in heights])
+    n, leg, both = len(truth.leg.joint_names), planar_legs(truth)[1], frozenset(SIDES)
+    deep = 0.5 * (1.0 - np.cos(2.0 * np.pi * minimum_jerk(PHASE)))
+    up = minimum_jerk((PHASE - 0.25) / 0.2) - minimum_jerk((PHASE - 0.45) / 0.3)
+    press = minimum_jerk((PHASE - 0.65) / 0.15) - minimum_jerk((PHASE - 0.9) / 0.1)
+    out = {}
+    for name, seconds, height, lift, order in (
+        ("stand", 1.0, 0.88 + 0.0 * PHASE, 0.0, ((0.0, both),)),
+        ("squat", 2.5, 0.88 - 0.08 * deep, 0.0, ((0.0, both),)),
+        ("step", 2.5, 0.88 + 0.0 * PHASE, 0.06, ((0.0, both), (0.25, frozenset(("left",))), (0.72, both))),
+    ):
+        x = curve(height)
+        q, base = x[:, :n], x[:, n:]
+        q[:, leg.joints] = leg.angles(base, 1j * lift * (up - 0.5 * press), 0.0 * PHASE)
+        flexion = legs_flexion(truth.leg, q)
+        room = Condition(both, flexion[0] - 0.5, flexion[0] + 0.5)
+        out[name] = Function(name, seconds, flexion, base, order, room, room)
+    return out
+
+
+def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: GroundWearer, seed: int) -> FloatArray:
+    """Do one function in closed loop: whether it ended as it should, and figures of :data:`COORDINATED`."""
+    free = name in ("squat", "step")
+    body, made = Body.of(truth.leg, truth.soles), free_functions(truth) if free else {}
+    functions = made or {key: make(body) for key, make in FUNCTIONS.items()}
+    function, where = functions[name], truth if free else _ground(truth, name, body, {})
+    t = knots(function.duration + 1.5)
+    phase = np.clip((t - 0.3) / function.duration, 0.0, 1.0)
+    flexion, base = _reference(function, phase)
+    q = scipy.interpolate.CubicSpline(PHASE, joint_angles(truth.leg, function.flexion))(phase)
+    motion = planned_motion(where, t, q, base, _bearings(where, function, phase, flexion, base))
+    rules = [Rule("stand", "request", key) for key in made if key != "stand"]
+    rules += [Rule(key, "end", "stand") for key in made if key != "stand"]
+    table = (*rules, Rule(SAFE, "known", "stand")) if made else TABLE
+    coordinator = Coordinator(functions, truth.leg.limits.effort, table, rate=RATES.control)
+    contacts = ContactFilter.of(model, where.soles, rate=RATES.control)
+    start = "sit" if name == "rise" else "stand"
+    loop = CoordinatedLoop(stance(model, where.soles), contacts, coordinator, {0.3: name}, start)
+    rail = None if free else HAND_RAIL
+    try:
+        run = simulate_on_ground(
+            where, motion, loop, rates=RATES, spring=rail, sensors=SENSORS, wearer=wearer, seed=seed
+        )
+    except ExoidError:
+        return np.array([0.0, *[np.nan] * (len(COORDINATED) - 1)])
+    shown = loop.decisions[-len(run.time) :]
+    last, names = shown[-1], {contact_name(truth.leg, link): foot for link, foot in run.feet.items()}
+    end = "sit" if name == "sit" else "stand"
+    far = np.abs(legs_flexion(truth.leg, run.q[-1:])[0] - function.flexion[-1]).max()
+    safe = any(d.function == SAFE for d in loop.decisions)
+    ended = last.function == end and last.level == "support" and far < 0.1 and not safe
+    aloft = 0.0
+    for side in SIDES:
+        air = 0
+        for on, d in zip(names[side].touching, shown, strict=True):
+            air = 0 if on else air + 1
+            aloft = max(aloft, air / RATES.log if d.shares.get(side, 0.0) > 0.0 else 0.0)
+    damped = sum(d.level == "damping" for d in shown) / RATES.log
+    error = np.sqrt(np.mean((run.q - scipy.interpolate.CubicSpline(t, q)(run.time)) ** 2))
+    held = 0.0 if rail is None else np.linalg.norm(run.wrenches[truth.root_link].force, axis=1).max()
+    return np.array([ended, 1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held])
+
+
+COORDINATED = ("ended", "end [mrad]", "joints [mrad]", "damped [ms]", "in air [ms]", "torque [N·m]", "rail [N]")
+"""Columns of the closed loop: error at the end and RMS, time of damping and of support in the air, largest forces."""
+
+
+def all_coordinated(seed: int) -> dict[tuple[str, str], FloatArray]:
+    """Figures of a seed by function and wearer."""
+    warnings.simplefilter("ignore")
+    truth = truth_of("bleex", np.random.default_rng(seed))
+    model = identified("bleex", truth, 10 * seed)
+    wearers = {"passive": PASSIVE, "healthy": HEALTHY}
+    names = ("rise", "sit", "squat", "step")
+    return {(name, who): coordinated(truth, model, name, wearers[who], seed) for name in names for who in wearers}
+
+
+def print_coordinated(seeds: range, jobs: int) -> None:
+    """Run the closed loop, and print how many cases end as they should, and the largest figures."""
+    found = Parallel(n_jobs=jobs)(delayed(all_coordinated)(s) for s in seeds)
+    print(f"bleex: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
+    print(f"{'':16s}" + "".join(f"{name:>15s}" for name in COORDINATED))
+    for name, who in found[0]:
+        rows = np.array([each[name, who] for each in found])
+        cells = "".join(f"{worst:15.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
+        print(f"{name:6s} {who:9s}{int(rows[:, 0].sum()):10d} of {len(rows)}{cells}")
 
 
 class Probe(GroundLoop):
@@ -125,7 +260,8 @@ class Probe(GroundLoop):
         now = self.state
         if reading.time > 0.0 and before and now and now.contacts and set(before.contacts) ^ set(now.contacts):
             same = now._replace(contacts=before.contacts, shares=before.shares)
-            self.own = max(self.own, float(np.abs(torque - self.law.torque(same, self.target(reading.time))).max()))
+            other = self.law.command(same, self.target(reading.time)).torque
+            self.own = max(self.own, float(np.abs(torque - other).max()))
         return torque
 
 
@@ -188,9 +324,13 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts, of BLEEX")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
+    if options.coordinated:
+        print_coordinated(seeds, options.jobs)
+        return
     for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
         begun = time.perf_counter()
         found = []

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import ComplexArray, FloatArray
+from exoid._typing import ArrayLike, ComplexArray, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.experiments.gait import healthy_gait
 from exoid.experiments.ground.walking import TILT_DEG
@@ -37,11 +37,17 @@ DOWN = 0.004
 ROOM = 0.5
 """Distance from the first or last posture within which a function may begin or end [rad], an assumption."""
 
+STANDING = 0.97
+"""Height of the hip while standing over the length of the straight leg."""
+
 STAIR_TILT_DEG = {
     True: ((0.0, 0.6, 0.68, 0.8, 0.86, 0.95, 1.0), (0.0, 0.0, -12.0, -35.0, -30.0, -4.0, 0.0)),
     False: ((0.0, 0.3, 0.62, 0.75, 0.85, 0.95, 1.0), (0.0, 0.0, -30.0, -40.0, -25.0, 0.0, 0.0)),
 }
 """Phases from a foot's own contact and angles of its sole on stairs [deg], up and down, by the range of the ankle."""
+
+TURNS = np.array([1.0, -1.0, 1.0])
+"""Signs of hip, knee and ankle about −lateral: the knee flexes backward."""
 
 Contacts = frozenset[str]
 
@@ -216,17 +222,6 @@ class Function:
         p = phase % 1.0 if self.cyclic else min(max(phase, 0.0), 1.0)
         return [contacts for start, contacts in self.contacts if start <= p + 1e-9][-1]
 
-    def joints(self, leg: Leg) -> FloatArray:
-        """Convert flexion to the joint angles of a machine.
-
-        Args:
-            leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
-
-        Returns:
-            Angles [rad], (K, n).
-        """
-        return joint_angles(leg, self.flexion)
-
     def __repr__(self) -> str:
         """Name the function, its duration and its contacts."""
         order = ", ".join("+".join(sorted(each)) or "air" for _, each in self.contacts)
@@ -248,10 +243,39 @@ def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:
     """
     if len(leg.limbs) != len(SIDES) or any(limb.chain.n not in (2, 3) for limb in leg.limbs):
         raise BadArgumentError("no functions for these legs", where=leg.description.name, remedy="use two planar legs")
-    turn = np.array([1.0, -1.0, 1.0])  # the knee flexes backward
     return np.hstack(
-        [flexion[:, k, : limb.chain.n] * (turn[: limb.chain.n] * limb.chain.signs) for k, limb in enumerate(leg.limbs)]
+        [flexion[:, k, : limb.chain.n] * (TURNS[: limb.chain.n] * limb.chain.signs) for k, limb in enumerate(leg.limbs)]
     )
+
+
+def legs_flexion(leg: Leg, q: FloatArray) -> FloatArray:
+    """Convert joint angles to flexion of both legs, the inverse of :func:`joint_angles`.
+
+    Args:
+        leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
+        q: Angles [rad], (K, n).
+
+    Returns:
+        Flexion [rad], (K, 2, 3); zero of a missing ankle.
+    """
+    out = np.zeros((len(q), 2, 3))
+    for k, limb in enumerate(leg.limbs):
+        n = limb.chain.n
+        out[:, k, :n] = q[:, limb.joints] * (TURNS[:n] * limb.chain.signs)
+    return out
+
+
+def contact_name(leg: Leg, link: str) -> str:
+    """Name the contact of a link.
+
+    Args:
+        leg: Machine whose feet are on links that begin with their side.
+        link: The link.
+
+    Returns:
+        "left", "right", or "seat" of the root link.
+    """
+    return SEAT if link == leg.description.root_link else next(side for side in SIDES if link.startswith(side))
 
 
 def stride_flexion(reference: str | os.PathLike[str] = "healthy", scale: float = 0.9) -> FloatArray:
@@ -314,18 +338,17 @@ def _csv_stride(path: Path, scale: float) -> FloatArray:
     return np.asarray(found.mean(axis=0) + scale * (found - found.mean(axis=0)))
 
 
-def stand(body: Body, *, bend: float = 0.97) -> Function:
+def stand(body: Body) -> Function:
     """Stand on both feet.
 
     Args:
         body: The wearer.
-        bend: Height of the hip over the length of the straight leg.
 
     Returns:
         The function, of one second.
     """
-    hip = np.full(len(PHASE), 1j * bend * body.leg)
-    return _placed("stand", body, 1.0, hip, np.zeros(len(PHASE)), _feet(hip), ((0.0, frozenset(SIDES)),))
+    hip = np.full(len(PHASE), STANDING * 1j * body.leg)
+    return _placed("stand", body, 1.0, hip, np.zeros(len(PHASE)), ((0.0, frozenset(SIDES)),))
 
 
 def sit(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float = -0.5) -> Function:
@@ -343,12 +366,12 @@ def sit(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float = 
     Raises:
         ExoidError: The seat is too high or too low for the legs.
     """
-    standing, seated = 0.97j * body.leg, seated_hip(body, seat)
+    standing, seated = STANDING * 1j * body.leg, seated_hip(body, seat)
     s = minimum_jerk(PHASE / 0.9)  # and rests
     hip = np.asarray(standing + s * (seated - standing), dtype=np.complex128)
     pitch = lean * np.sin(np.pi * s) ** 2
     order = ((0.0, frozenset(SIDES)), (0.85, frozenset((*SIDES, SEAT))))
-    return _placed("sit", body, duration, hip, pitch, _feet(hip), order)
+    return _placed("sit", body, duration, hip, pitch, order)
 
 
 def seated_hip(body: Body, seat: float) -> complex:
@@ -372,14 +395,13 @@ def seated_hip(body: Body, seat: float) -> complex:
     return complex(knee.real - np.sqrt(body.thigh**2 - drop**2), up)
 
 
-def rise(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float = -0.5) -> Function:
+def rise(body: Body, *, seat: float = 0.45, duration: float = 2.5) -> Function:
     """Stand up from a chair: sitting down in reverse.
 
     Args:
         body: The wearer.
         seat: Height of the seat [m].
         duration: Duration [s].
-        lean: Pitch of the torso half-way [rad]; negative leans forward.
 
     Returns:
         The function; seat-off is planned at 0.15 of it.
@@ -387,7 +409,7 @@ def rise(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float =
     Raises:
         ExoidError: The seat is too high or too low for the legs.
     """
-    down = sit(body, seat=seat, duration=duration, lean=lean)
+    down = sit(body, seat=seat, duration=duration)
     order = ((0.0, frozenset((*SIDES, SEAT))), (0.15, frozenset(SIDES)))
     return _function("rise", duration, down.flexion[::-1], down.torso[::-1], order)
 
@@ -400,8 +422,9 @@ def walk(
     period: float = 1.4,
     pitch: float = 0.0,
     lift: float = 0.015,
+    angle: float = 0.0,
 ) -> Function:
-    """Walk on level ground: both legs follow a stride, half a period apart, and the lowest point of the soles rests.
+    """Walk: both legs follow a stride, half a period apart, and the lowest point of the soles rests.
 
     Args:
         body: The wearer.
@@ -410,13 +433,15 @@ def walk(
         period: Time of a stride [s].
         pitch: Pitch of the torso [rad]. Norms count the flexion of the hip from a pelvis that leans by −0.19 rad.
         lift: Height by which a swinging foot is lifted more than in the reference [m].
+        angle: Angle by which the ground rises forward [rad]. The walk turns with it, and the torso keeps its pitch.
 
     Returns:
-        The function; phase 0 is the heel contact of the left foot.
+        The function, "walk" or "slope"; phase 0 is the heel contact of the left foot.
 
     Raises:
-        ExoidError: There is no such reference, or a leg is too short.
+        ExoidError: There is no such reference, a leg is too short, or the slope is above 0.3 rad.
     """
+    checked(abs(angle), "the angle of a slope [rad]", most=0.3)
     one = stride_flexion(reference, scale)
     both = np.stack([one, np.vstack([one[100:], one[1:101]])], axis=1)
     if body.ankle == 0.0:
@@ -444,31 +469,10 @@ def walk(
     )
     down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
     order = _order([frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T])
+    hip = hip * np.exp(1j * angle)
     torso = np.column_stack([hip.real, hip.imag, np.full(len(PHASE), pitch)])
-    return _function("walk", period, np.stack(flexion, axis=1), torso, order, cyclic=True)
-
-
-def slope(body: Body, angle: float, **options: float | str) -> Function:
-    """Walk on a slope: the walk turns with the ground, and the torso stays upright.
-
-    Args:
-        body: The wearer.
-        angle: Angle by which the ground rises forward [rad].
-        **options: Those of :func:`walk`.
-
-    Returns:
-        The function.
-
-    Raises:
-        ExoidError: The slope is above 0.3 rad, or as for :func:`walk`.
-    """
-    checked(abs(angle), "the angle of a slope [rad]", most=0.3)
-    level = walk(body, **options)  # type: ignore[arg-type]  # checked there
-    flexion, torso = level.flexion.copy(), level.torso.copy()
-    flexion[..., 0] += angle
-    way = (torso[:, 0] + 1j * torso[:, 1]) * np.exp(1j * angle)
-    torso[:, 0], torso[:, 1] = way.real, way.imag
-    return _function("slope", level.duration, flexion, torso, level.contacts, cyclic=True)
+    both = np.stack(flexion, axis=1) + np.array([angle, 0.0, 0.0])
+    return _function("slope" if angle else "walk", period, both, torso, order, cyclic=True)
 
 
 def stairs(body: Body, *, up: bool = True, riser: float = 0.17, tread: float = 0.29, period: float = 2.4) -> Function:
@@ -515,7 +519,7 @@ def stairs(body: Body, *, up: bool = True, riser: float = 0.17, tread: float = 0
         (0.5 + double, frozenset(("right",))),
     )
     name = "stairs up" if up else "stairs down"
-    return _placed(name, body, period, hip, np.zeros(len(PHASE)), feet, order, tilt=tilt, cyclic=True)
+    return _placed(name, body, period, hip, np.zeros(len(PHASE)), order, feet=feet, tilt=tilt, cyclic=True)
 
 
 def _swing(s: FloatArray, way: complex) -> ComplexArray:
@@ -526,7 +530,7 @@ def _swing(s: FloatArray, way: complex) -> ComplexArray:
     return np.asarray(way.real * forward + 1j * (way.imag * up + clearance))
 
 
-def minimum_jerk(s: FloatArray) -> FloatArray:
+def minimum_jerk(s: ArrayLike) -> FloatArray:
     """Rise from 0 to 1 with zero velocity and acceleration at both ends, 10 s³ − 15 s⁴ + 6 s⁵.
 
     Args:
@@ -534,14 +538,13 @@ def minimum_jerk(s: FloatArray) -> FloatArray:
 
     Returns:
         The polynomial.
+
+    Example:
+        >>> minimum_jerk([0.0, 0.5, 1.0, 2.0])
+        array([0. , 0.5, 1. , 1. ])
     """
-    s = np.clip(s, 0.0, 1.0)
+    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
-
-
-def _feet(hip: ComplexArray) -> dict[str, ComplexArray]:
-    """Both soles at the origin."""
-    return dict.fromkeys(SIDES, np.zeros(len(hip), dtype=np.complex128))
 
 
 def _placed(
@@ -550,15 +553,16 @@ def _placed(
     duration: float,
     hip: ComplexArray,
     pitch: FloatArray,
-    feet: Mapping[str, ComplexArray],
     order: tuple[tuple[float, Contacts], ...],
     *,
+    feet: Mapping[str, ComplexArray] | None = None,
     tilt: Mapping[str, FloatArray] | None = None,
     cyclic: bool = False,
 ) -> Function:
-    """Function whose soles are at given places, and level or tilted."""
-    turn = tilt or dict.fromkeys(SIDES, np.zeros(len(PHASE)))
-    flexion = np.stack([body.reach(hip, pitch, feet[side], turn[side]) for side in SIDES], axis=1)
+    """Function whose soles are at given places or at the origin, and level or tilted."""
+    origin = dict.fromkeys(SIDES, np.zeros(len(PHASE), dtype=np.complex128))
+    places, turn = feet or origin, tilt or dict.fromkeys(SIDES, np.zeros(len(PHASE)))
+    flexion = np.stack([body.reach(hip, pitch, places[side], turn[side]) for side in SIDES], axis=1)
     if body.ankle == 0.0:
         flexion[..., 2] = 0.0
     return _function(name, duration, flexion, np.column_stack([hip.real, hip.imag, pitch]), order, cyclic=cyclic)
@@ -593,6 +597,6 @@ FUNCTIONS = {
     "walk": walk,
     "stairs up": lambda body, **options: stairs(body, up=True, **options),
     "stairs down": lambda body, **options: stairs(body, up=False, **options),
-    "slope": lambda body, angle=0.08, **options: slope(body, angle, **options),
+    "slope": lambda body, angle=0.08, **options: walk(body, angle=angle, **options),
 }
 """Functions by name: each makes its data for a :class:`Body`."""

@@ -22,16 +22,12 @@ class ToeClearance:
     """Clearance over a swing.
 
     Attributes:
-        time: Times [s], (N,).
         planned: Height of the lowest point of the foot over the ground on the reference [m], (N,).
-        std: Standard deviation of the height [m], (N,).
         touches: Probability that the foot touches during the swing, P(min c < 0).
         least: Least clearance that holds with a probability of 95 % [m].
     """
 
-    time: FloatArray
     planned: FloatArray
-    std: FloatArray
     touches: float
     least: float
 
@@ -110,15 +106,10 @@ def toe_clearance(
     drawn -= np.einsum("nj,nj,dj->dn", slope, _decay(time - time[0], *gains), start)
     drawn += carried_std * rng.standard_normal((DRAWS, 1))
     lowest = drawn.min(axis=1)
-    return ToeClearance(
-        time, planned, drawn.std(axis=0), float(np.mean(lowest < 0.0)), float(np.quantile(lowest, 0.05))
-    )
+    return ToeClearance(planned, float(np.mean(lowest < 0.0)), float(np.quantile(lowest, 0.05)))
 
 
 def _decay(time: FloatArray, kp: FloatArray, kd: FloatArray) -> FloatArray:
     """Response of ë + kd ė + kp e = 0 to e = 1 at rest, (N, n)."""
-    out = []
-    for stiff, damp in zip(kp, kd, strict=True):
-        A = np.array([[0.0, 1.0], [-stiff, -damp]])
-        out.append([scipy.linalg.expm(A * float(t))[0, 0] for t in time])
-    return np.array(out).T
+    free = (np.array([[0.0, 1.0], [-stiff, -damp]]) for stiff, damp in zip(kp, kd, strict=True))
+    return np.column_stack([scipy.linalg.expm(time[:, None, None] * A)[:, 0, 0] for A in free])

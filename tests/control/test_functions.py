@@ -31,7 +31,7 @@ def soles(body, function):
 def test_every_function_is_within_the_limits_of_the_machine_and_has_a_foot_on_the_ground(machine, body, name):
     leg, _ = machine
     function = FUNCTIONS[name](body)
-    q = function.joints(leg)
+    q = joint_angles(leg, function.flexion)
     assert ((q >= leg.limits.lower) & (q <= leg.limits.upper)).all()
     assert all(contacts & {*SIDES} for _, contacts in function.contacts)
     assert function.entry.holds(function.contacts[0][1], function.flexion[0])
@@ -78,7 +78,7 @@ def test_joint_angles_reach_the_planned_places(machine, body):
     """The soles by Pinocchio are where the planned ones are."""
     leg, own = machine
     function = functions.stairs(body)
-    q = function.joints(leg)
+    q = joint_angles(leg, function.flexion)
     for k, (link, sole) in enumerate(own.items()):
         rotation, origin = link_placements(leg, q, link)
         place = origin + rotation @ sole.centre
@@ -109,7 +109,7 @@ def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):
 
 
 def test_a_slope_turns_the_walk_and_leaves_the_torso(body):
-    level, up = functions.walk(body), functions.slope(body, 0.1)
+    level, up = functions.walk(body), functions.walk(body, angle=0.1)
     assert np.allclose(up.flexion[..., 0] - level.flexion[..., 0], 0.1)
     way = up.torso[-1] - up.torso[0]
     assert np.arctan2(way[1], way[0]) == pytest.approx(0.1)
@@ -119,7 +119,7 @@ def test_a_slope_turns_the_walk_and_leaves_the_torso(body):
 REFUSED = {
     "high riser": lambda body, path: functions.stairs(body, up=False, tread=0.6),
     "low seat": lambda body, path: functions.sit(body, seat=0.02),
-    "steep": lambda body, path: functions.slope(body, 0.5),
+    "steep": lambda body, path: functions.walk(body, angle=0.5),
     "no duration": lambda body, path: functions.rise(body, duration=0.0),
     "no norm": lambda body, path: functions.walk(body, reference="Sprint"),
     "no file": lambda body, path: functions.walk(body, reference="missing.csv"),

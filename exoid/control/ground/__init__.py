@@ -2,8 +2,8 @@
 
 from .coordinator import SAFE, TABLE, Coordinator, Decision, Rule
 from .hypotheses import Belief, ContactFilter, ContactNoise, ContactReadings
-from .law import GroundState, GroundTarget, StanceCommand, StanceLaw, share_course, stance
-from .loop import GroundLoop
+from .law import GroundState, GroundTarget, StanceCommand, StanceLaw, stance
+from .loop import CoordinatedLoop, GroundLoop
 from .model import SOLES
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "ContactFilter",
     "ContactNoise",
     "ContactReadings",
+    "CoordinatedLoop",
     "Coordinator",
     "Decision",
     "GroundLoop",
@@ -22,6 +23,5 @@ __all__ = [
     "Rule",
     "StanceCommand",
     "StanceLaw",
-    "share_course",
     "stance",
 ]

@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.functions import SEAT, SIDES, Contacts, Function
+from exoid.control.functions import SEAT, SIDES, Contacts, Function, minimum_jerk
 from exoid.errors import BadArgumentError
 from exoid.tools.numbers import checked
 
 from .hypotheses import CERTAIN
-from .law import share_course
 
 SAFE = "safe stop"
 """State of the fall-back: support as long as contacts are known, then damping."""
@@ -91,7 +90,8 @@ class Coordinator:
         rise_time: Time in which the torque may cross its range [s]: the rate is bounded by 2 limit / rise_time.
         jerk_time: Time in which this rate may be reached [s].
         damping: Damping of the fall-back [N·m·s/rad].
-        hold: Time for which the last support is kept while contacts are unknown [s].
+        hold: Time for which the last support is kept while contacts are unknown [s]; after it only by contacts that
+            are certain by themselves, such as feet while the seat is in doubt.
         patience: Time after which a request that cannot be granted is dropped, and after which contacts that the
             function does not expect lead to :data:`SAFE` [s].
         transfer: Time in which a foot takes its share [s].
@@ -119,7 +119,7 @@ class Coordinator:
         times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.power, self.rate]
         checked(times, "times, power and rate of a coordinator", above=0.0)
         checked(self.limit, "the limits of a coordinator [N·m]", above=0.0)
-        check_table(self.functions, self.table)
+        _check_table(self.functions, self.table)
 
     def begin(self, function: str = "stand", phase: float = 0.0) -> CoordinatorMemory:
         """Make the memory before the first sample.
@@ -136,7 +136,8 @@ class Coordinator:
         """
         if function not in (*self.functions, SAFE):
             raise BadArgumentError(f"no function {function!r}", remedy=f"use one of {', '.join(self.functions)}")
-        return CoordinatorMemory(function, phase)
+        known = frozenset(SIDES) if function == SAFE else self.functions[function].expected(phase)
+        return CoordinatorMemory(function, phase, known, loaded=dict.fromkeys(known, 1.0))
 
     def decide(
         self,
@@ -167,22 +168,32 @@ class Coordinator:
         self._advance(memory, best if known else None, flexion, request, dt)
         # a leg that may be in the air bears nothing, whatever the last state was
         bears = {name: sum(p for each, p in probability.items() if name in each) for name in (*SIDES, SEAT)}
-        least = CERTAIN if known else 0.5
+        held = memory.since_known < self.hold
+        least = 0.5 if held and not known else CERTAIN
         kept = [name for name in memory.known if bears[name] >= least]
         feet = [name for name in kept if name != SEAT]
-        level = "support" if known else "frozen" if memory.since_known < self.hold else "damping"
+        level = "support" if known else "frozen" if held or feet else "damping"
+        leaving = self._leaving(memory)
         for name in (*SIDES, SEAT):
             course = memory.loaded.get(name, 0.0)
             if level != "frozen":
-                memory.loaded[name] = min(course + dt / self.transfer, 1.0) if name in kept and known else 0.0
+                way = -dt / self.transfer if name in leaving else dt / self.transfer
+                memory.loaded[name] = min(max(course + way, 0.0), 1.0) if name in kept and known else 0.0
             elif name not in kept:
                 memory.loaded[name] = 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
-        shares = {name: float(share_course(memory.loaded[name])) for name in kept}
+        shares = {name: float(minimum_jerk(memory.loaded[name])) for name in kept}
         if max(shares[name] for name in feet) <= 0.0:
             shares |= dict.fromkeys(feet, 1.0) if len(feet) == 1 else {}
         return Decision(memory.function, memory.phase, level, shares)
+
+    def _leaving(self, memory: CoordinatorMemory) -> Contacts:
+        """Contacts that the function gives up within the time of a transfer; another foot bears the load."""
+        if memory.function == SAFE:
+            return frozenset()
+        function = self.functions[memory.function]
+        return memory.known - function.expected(memory.phase + self.transfer / function.duration)
 
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
         """Bound torque and power, and rate and jerk of the torque.
@@ -245,9 +256,11 @@ class Coordinator:
 
     def _may(self, memory: CoordinatorMemory, rule: Rule, contacts: Contacts, flexion: FloatArray) -> bool:
         """Whether a function may follow: it is not half-way, and the other one's entry holds."""
-        function = self.functions[memory.function]
+        function, then = self.functions[memory.function], self.functions[rule.then]
         done = function.cyclic or memory.phase >= 1.0 or memory.function == "stand"
-        return done and _begins(self.functions[rule.then], contacts, flexion)
+        # a stride begins from standing on both feet
+        entry = then.entry._replace(contacts=frozenset(SIDES)) if then.cyclic else then.entry
+        return done and entry.holds(contacts, flexion)
 
     def _recover(self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray) -> None:
         """Leave the safe stop when contacts were known for 0.3 s and belong to a function at rest."""
@@ -255,37 +268,18 @@ class Coordinator:
         if contacts is None or memory.settled < 0.3:
             return
         for rule in self.table:
-            if rule.function == SAFE and rule.condition == "known":
-                rests = self.functions[rule.then].exit
-                if rests.holds(contacts, flexion):
-                    self._enter(memory, rule.then, 1.0)
-                    return
+            rests = rule.function == SAFE and rule.condition == "known"
+            if rests and self.functions[rule.then].exit.holds(contacts, flexion):
+                self._enter(memory, rule.then, 1.0)
+                return
 
     @staticmethod
     def _enter(memory: CoordinatorMemory, function: str, phase: float = 0.0) -> None:
         memory.function, memory.phase, memory.unexpected, memory.request = function, phase, 0.0, None
 
 
-def _begins(function: Function, contacts: Contacts, flexion: FloatArray) -> bool:
-    """Whether a function may begin; a stride may begin from standing on both feet."""
-    if function.cyclic:
-        entry = function.entry
-        return contacts == frozenset(SIDES) and entry._replace(contacts=contacts).holds(contacts, flexion)
-    return function.entry.holds(contacts, flexion)
-
-
-def check_table(functions: Mapping[str, Function], table: Sequence[Rule]) -> None:
-    """Check a state machine when it is made.
-
-    Args:
-        functions: Functions by name.
-        table: Rules.
-
-    Raises:
-        ExoidError: A rule names an unknown function or condition, a state has no exit, "stand" cannot be reached from
-            it, a function that ends leads to one that begins with other contacts, or one begins with no foot on the
-            ground.
-    """
+def _check_table(functions: Mapping[str, Function], table: Sequence[Rule]) -> None:
+    """Refuse a state machine with unknown names, a state without a way to stand, or a function in the air."""
     states = (*functions, SAFE)
     for rule in table:
         unknown = [name for name in (rule.function, rule.then) if name not in states]

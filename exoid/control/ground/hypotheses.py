@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, combinations
@@ -13,16 +13,13 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
+from exoid.control.functions import Contacts, contact_name
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import EstimateData
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import Sole
-from exoid.signals import Recording
 from exoid.torques.model import TorqueModel
-
-UNKNOWN = "unknown"
-"""Name of the hypothesis that no set of contacts explains the torques."""
 
 MOST = 9
 """Largest number of hypotheses: two feet, a seat, and the unknown."""
@@ -83,12 +80,10 @@ class Belief(NamedTuple):
         probability: Probability of each hypothesis, (K, H).
         wrench: Expected force forward and up [N] and moment [N·m] on each sole, in its axes about its middle, given
             the most probable set, (K, S, 3); zero for a sole that is not in it.
-        healthy: Weight of each switch, 0 to 1, (K, F).
     """
 
     probability: FloatArray
     wrench: FloatArray
-    healthy: FloatArray
 
 
 @dataclass
@@ -141,7 +136,6 @@ class ContactFilter:
         *,
         rate: float = 500.0,
         cutoff: float = 40.0,
-        noise: ContactNoise | None = None,
     ) -> ContactFilter:
         """Make the filter of an estimate.
 
@@ -152,7 +146,6 @@ class ContactFilter:
             imu_position: Place of the IMU in the axes of the root link [m].
             rate: Rate of the readings [Hz].
             cutoff: Cut-off frequency of the low-pass [Hz]. It delays by 3/(2π cutoff).
-            noise: Noise and prior rates; None for the default ones.
 
         Returns:
             The filter.
@@ -173,13 +166,11 @@ class ContactFilter:
             raise BadArgumentError(f"a cut-off of {cutoff:g} Hz at {rate:g} Hz", remedy="at most a quarter of the rate")
         place = np.asarray(imu_position, dtype=np.float64)
         model, values = estimate.model, np.asarray(estimate.values)
-        return cls(
-            model, values, np.asarray(estimate.covariance), dict(soles), place, rate, cutoff, noise or ContactNoise()
-        )
+        return cls(model, values, np.asarray(estimate.covariance), dict(soles), place, rate, cutoff)
 
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
-        """Sets of contacts, one a hypothesis; the last hypothesis, :data:`UNKNOWN`, has none."""
+        """Sets of contacts, one a hypothesis; the last hypothesis, the unknown, has none."""
         links = tuple(self.soles)
         return tuple(map(frozenset, chain.from_iterable(combinations(links, k) for k in range(len(links) + 1))))
 
@@ -188,19 +179,30 @@ class ContactFilter:
         """Links with soles that are not the root link."""
         return tuple(link for link in self.soles if link != self.model.leg.description.root_link)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the hypotheses."""
-        return (*("+".join(sorted(links)) or "air" for links in self.sets), UNKNOWN)
-
-    def begin(self) -> Memory:
+    def begin(self, contacts: Iterable[str] | None = None) -> Memory:
         """Make the memory before the first sample.
 
+        Args:
+            contacts: Links that bear load; None if all sets are equally probable.
+
         Returns:
-            The memory: all sets are equally probable.
+            The memory.
         """
-        H = len(self.sets) + 1
-        return Memory(None, np.full(H, 1.0 / H), np.zeros(len(self.feet)))
+        H, known = len(self.sets) + 1, None if contacts is None else self.sets.index(frozenset(contacts))
+        return Memory(None, np.full(H, 1.0 / H) if known is None else np.eye(H)[known], np.zeros(len(self.feet)))
+
+    def chances(self, row: FloatArray) -> dict[Contacts, float]:
+        """Name the sets as functions do.
+
+        Args:
+            row: Probability of each hypothesis, (H,).
+
+        Returns:
+            Probability of each set of "left", "right" and "seat"; what is missing to 1 is unknown.
+        """
+        leg = self.model.leg
+        named = (frozenset(contact_name(leg, link) for link in links) for links in self.sets)
+        return dict(zip(named, map(float, row), strict=False))
 
     def advance(self, memory: Memory, readings: ContactReadings) -> Belief:
         """Take in readings of any number of samples, and decide after each whole block of 10 ms.
@@ -228,14 +230,13 @@ class ContactFilter:
         own = [self.feet.index(link) for link in switched]
         flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
         K, H = likelihood.shape
-        probability, healthy = np.empty((K, H)), np.ones((K, len(self.feet)))
+        probability = np.empty((K, H))
         for k in range(K):
             belief = self._changes @ memory.probability
             score = self.noise.temper * (likelihood[k] - likelihood[k].max())
             if flags.size:
                 weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
                 score = score + self._switch_score(readings, flags[k], weight)
-                healthy[k, own] = weight
             belief = belief * np.exp(score - score.max())
             memory.probability = probability[k] = belief / belief.sum()
             if flags.size:
@@ -243,72 +244,7 @@ class ContactFilter:
                 # 0.3 s: a switch that is 80 ms late stays below half weight, one that is stuck loses all of it
                 memory.disagreement[own] += BLOCK / 0.3 * (np.abs(flags[k] - down) - memory.disagreement[own])
         best = probability.argmax(axis=1)
-        return Belief(probability, wrenches[np.arange(K), best], healthy)
-
-    def over(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> Belief:
-        """Run over a log as on line.
-
-        Args:
-            recording: Log with torques and the motion of the base, at the rate of the filter. Wrenches on links
-                without a sole are known forces.
-            switches: Foot switches, (N,) each; None for the log's contacts.
-
-        Returns:
-            Probabilities after each block.
-
-        Raises:
-            ExoidError: The log has no torques or no motion of the base.
-        """
-        return self.advance(self.begin(), self.readings(recording, switches))
-
-    def readings(self, recording: Recording, switches: Mapping[str, BoolArray] | None = None) -> ContactReadings:
-        """Take the readings out of a log, see :meth:`over`.
-
-        Args:
-            recording: The log.
-            switches: Foot switches, (N,) each; None for the log's contacts.
-
-        Returns:
-            The readings.
-
-        Raises:
-            ExoidError: The log has no torques or no motion of the base.
-        """
-        base = recording.base
-        if recording.tau is None or base is None:
-            raise BadArgumentError(
-                "contacts cannot be told",
-                remedy="give a log with torques and the IMU of the base, base_gyro_x and so on",
-            )
-        leg, known = self.model.leg, None
-        for link, wrench in recording.wrenches.items():
-            if link not in self.feet:
-                J = leg.frame_jacobian(recording.q, link, wrench.point)
-                rows = np.einsum("ncr,nc->nr", J, np.hstack([wrench.force, wrench.moment]))
-                known = rows if known is None else known + rows
-        flags = (
-            {link: x for link, x in recording.contacts.items() if link in self.feet} if switches is None else switches
-        )
-        return ContactReadings(recording.q, recording.tau, base.angular_velocity, base.specific_force, known, flags)
-
-    def part(self, link: str, wrench: FloatArray) -> NDArray[np.str_]:
-        """Name the part of a sole that bears load: "heel", "flat" or "toe", by its centre of pressure.
-
-        Args:
-            link: Link of the foot.
-            wrench: Its wrench of :class:`Belief`, (K, 3).
-
-        Returns:
-            Part after each block, (K,); "" without load.
-        """
-        leg, sole = self.model.leg, self.soles[link]
-        forward = sole.points @ leg.plane.forward
-        half = 0.5 * float(np.ptp(forward))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # the moment about −lateral of an upward force at x is x f: centre of pressure over half the sole
-            place = np.where(wrench[:, 1] > 0.0, wrench[:, 2] / (wrench[:, 1] * max(half, 1e-9)), np.nan)
-        names = np.where(place > 0.8, "toe", np.where(place < -0.8, "heel", "flat"))
-        return np.where(np.isnan(place), "", names)
+        return Belief(probability, wrenches[np.arange(K), best])
 
     def _switched(self, readings: ContactReadings) -> tuple[str, ...]:
         return tuple(link for link in self.feet if link in readings.switches) if readings.switches else ()
@@ -371,7 +307,8 @@ class ContactFilter:
 
     def _frozen(self, memory: Memory, readings: ContactReadings) -> BoolArray:
         """Samples at which an angle, a torque or the gyroscope has not changed at all for a while."""
-        x = np.hstack([readings.q, readings.tau, readings.gyro])
+        spin = readings.gyro @ self.model.leg.plane.lateral  # all that a planar machine turns
+        x = np.hstack([readings.q, readings.tau, spin[:, np.newaxis]])
         last = x[0] - 1.0 if memory.last is None else memory.last
         still = np.zeros(x.shape[1], dtype=np.intp) if memory.still is None else memory.still
         row = np.arange(1, len(x) + 1)[:, np.newaxis]

@@ -12,7 +12,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.control.friction import PASSIVE, PassiveFriction
-from exoid.control.law import State, refuse_rate
+from exoid.control.functions import minimum_jerk
+from exoid.control.law import State
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
@@ -54,7 +55,6 @@ class GroundState(NamedTuple):
         pitch_rate: Its rate [rad/s].
         contacts: Soles that touch, and the part of each that does, by the name of their link.
         shares: Relative share of the load of each contact, ≥ 0; one that is not named has the share 1.
-        time: Time since the reference began [s].
         interaction: Torque of the wearer on the joints [N·m], (n,); None if unknown.
         push: Known force on the torso, such as that of a crutch, in the rows of the base [N, N, N·m], (3,); None for
             none.
@@ -67,7 +67,6 @@ class GroundState(NamedTuple):
     pitch_rate: float
     contacts: Mapping[str, ContactKind]
     shares: Mapping[str, float] = MappingProxyType({})
-    time: float = 0.0
     interaction: FloatArray | None = None
     push: FloatArray | None = None
     lean: float = 0.0
@@ -111,23 +110,6 @@ class StanceCommand(NamedTuple):
     feasible: bool
 
 
-def share_course(s: ArrayLike) -> FloatArray:
-    """Move a share from 0 to 1 with continuous second derivative, 10 s³ − 15 s⁴ + 6 s⁵.
-
-    Args:
-        s: Course of the transfer, from 0 to 1; beyond it the share stays.
-
-    Returns:
-        Share of the contact that takes over; that of the other is one less this.
-
-    Example:
-        >>> share_course([0.0, 0.5, 1.0, 2.0])
-        array([0. , 0.5, 1. , 1. ])
-    """
-    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
-    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
-
-
 @dataclass(frozen=True, eq=False)
 class StanceLaw:
     """Whole-body law on the ground; made by :func:`stance`. It has no memory, but Pinocchio's work memory."""
@@ -135,30 +117,12 @@ class StanceLaw:
     model: GroundModel  # rigid bodies, springs and friction
     kp: FloatArray  # gain of angles, of the pitch last [1/s²], (n + 1,)
     kd: FloatArray  # gain of rates [1/s], (n + 1,)
-    weights: FloatArray  # weights of the accelerations of joints and pitch, (n + 1,)
     friction: PassiveFriction | None  # compensation of friction, which never drives; None for none
     ground_friction: float  # coefficient of friction that the law may use
     limit: FloatArray  # largest torque [N·m], (n,)
     power: FloatArray  # largest power of a joint [W], (n,)
-    rate: float  # sampling rate [Hz]
     margin: float  # distance of the centre of pressure from the ends of a sole [m]
     estimate: Estimate | None = None  # estimate, for bands; None if the model is exact
-    name: str = "Stance"  # name in tables
-
-    def torque(self, state: GroundState, target: GroundTarget) -> FloatArray:
-        """Compute the torque to hold until the next sample.
-
-        Args:
-            state: Measured state, with the contacts that hold.
-            target: Reference at this moment.
-
-        Returns:
-            Torque [N·m], (n,).
-
-        Raises:
-            ExoidError: Nothing touches the ground, or a number is missing.
-        """
-        return self.command(state, target).torque
 
     def command(self, state: GroundState, target: GroundTarget) -> StanceCommand:
         """Compute torque, accelerations and forces.
@@ -187,7 +151,7 @@ class StanceLaw:
             return full
         # a contact fades in and out: its constraint alone would let the torque jump where it begins and ends
         rest = self._command(state, target, {link: s for link, s in shares.items() if link not in fading})
-        b = float(share_course(min(fading.values())))
+        b = float(minimum_jerk(min(fading.values())))
         forces = {link: b * f + (1.0 - b) * rest.forces.get(link, 0.0 * f) for link, f in full.forces.items()}
         torque, acceleration = (b * x + (1.0 - b) * y for x, y in zip(full[:2], rest[:2], strict=True))
         return StanceCommand(torque, acceleration, MappingProxyType(forces), full.feasible and rest.feasible)
@@ -206,12 +170,12 @@ class StanceLaw:
         T = np.hstack([M[joints], -weight * J[:, joints].T])  # τ = T x + bias of the joints
         apart = weight * SHARE * _sizes(rows)[:, None] * (np.eye(count) - share_map(J[:, :BASE].T, shares, rows))
         A = np.zeros((n + 1 + 2 + n + count, BASE + n + count))
-        A[:n, BASE : BASE + n], A[n, 2] = np.diag(self.weights[:n]), self.weights[n]
+        A[:n, BASE : BASE + n], A[n, 2] = np.eye(n), 1.0
         A[n + 1, 0] = A[n + 2, 1] = DRIFT
         A[n + 3 : 2 * n + 3] = EFFORT * T
         A[2 * n + 3 :, BASE + n :] = apart
         b = np.zeros(len(A))
-        b[: n + 1] = self.weights * self._wanted(state, target)
+        b[: n + 1] = self._wanted(state, target)
         b[n + 3 : 2 * n + 3] = -EFFORT * bias[joints]
         # what springs and friction take is part of the limit
         added = self._added(state)
@@ -318,8 +282,6 @@ def stance(
     ground_friction: float = 0.6,
     limit: ArrayLike | None = None,
     power: ArrayLike = np.inf,
-    pitch_weight: float = 1.0,
-    rate: float = 1000.0,
 ) -> StanceLaw:
     """Make a whole-body law for a machine that stands, sits or steps: joint and torso motion by inverse dynamics.
 
@@ -337,8 +299,6 @@ def stance(
         ground_friction: Coefficient of friction that the law may use, less than that of the ground.
         limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF. Zero for a passive joint.
         power: Largest power of a joint [W], a number or (n,).
-        pitch_weight: Weight of the pitch against that of a joint.
-        rate: Sampling rate [Hz].
 
     Returns:
         The law.
@@ -360,21 +320,17 @@ def stance(
     require_daqp()
     model = GroundModel.on(source, soles)
     n = model.n
-    refuse_rate(rate)
     checked(ground_friction, "the friction that the law may use", above=0.0)
-    checked(pitch_weight, "the weight of the pitch", least=0.0)
     limit = model.leg.limits.effort if limit is None else limit
     estimate = source if isinstance(source, Estimate) else None
     return StanceLaw(
         model,
         _per_task(kp, "kp", n),
         _per_task(kd, "kd", n),
-        np.append(np.ones(n), pitch_weight),
         friction,
         float(ground_friction),
         np.broadcast_to(checked(limit, "limit", least=0.0, infinite=True), n),
         np.broadcast_to(checked(power, "power", above=0.0, infinite=True), n),
-        rate,
         MARGIN + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),
         estimate,
     )

@@ -1,4 +1,4 @@
-"""A law on the ground as the controller of the rig: contacts by switches, shares that move, a reference."""
+"""Laws on the ground as controllers of the rig: contacts by switches and a motion, or told and coordinated."""
 
 from __future__ import annotations
 
@@ -9,9 +9,13 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.control.functions import PHASE, contact_name, joint_angles, legs_flexion, minimum_jerk
+from exoid.errors import BadArgumentError
 from exoid.rig.ground import GroundMotion, GroundReading
 
-from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw, share_course
+from .coordinator import Coordinator, Decision
+from .hypotheses import BLOCK, ContactFilter, ContactReadings
+from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw
 
 LOADING = 0.15
 """Time in which a foot that touches down takes its share [s], an assumption."""
@@ -20,14 +24,45 @@ BOUNCE = 0.02
 """Time for which an open switch still counts as closed [s]: a foot bounces as it touches down."""
 
 LEVEL = 0.05
-"""Tilt up to which a sole that touches with one end is taken for flat, which presses the other end down [rad]."""
+"""Tilt up to which a sole counts as flat, which presses both its ends down [rad]."""
 
 BRAKE = 5.0
 """Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
 
+BLENDING = 0.5
+"""Time in which the reference moves from one function to the next [s], an assumption."""
+
 
 @dataclass(eq=False)
-class GroundLoop:
+class LawLoop:
+    """What every loop does with a law: it supports by the soles that have a share, and notes what the law wanted."""
+
+    law: StanceLaw  # the law
+    lean: float = field(default=0.0, kw_only=True)  # angle by which the ground rises forward [rad]
+    commands: list[StanceCommand | None] = field(default_factory=list, kw_only=True)  # None where nothing bore
+    state: GroundState | None = field(default=None, kw_only=True)  # state at the last sample
+
+    def supported(
+        self,
+        reading: GroundReading,
+        shares: Mapping[str, float],
+        target: GroundTarget,
+        interaction: FloatArray | None = None,
+    ) -> FloatArray | None:
+        """Torque by the soles with a share; a tilted one touches with heel or toe. None without any."""
+        contacts: dict[str, ContactKind] = {}
+        for link in shares:
+            tilt = reading.pitch + self.law.model.turns[link] @ reading.q - self.lean
+            contacts[link] = "flat" if abs(tilt) < LEVEL else "heel" if tilt > 0.0 else "toe"
+        pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
+        self.state = GroundState(*pose, contacts, shares, interaction, reading.push, self.lean)
+        command = self.law.command(self.state, target) if contacts else None
+        self.commands.append(command)
+        return None if command is None else command.torque
+
+
+@dataclass(eq=False)
+class GroundLoop(LawLoop):
     """Controller of :func:`exoid.rig.ground.simulate_on_ground` made of a law, with a memory: one for each run.
 
     Contacts are those of the switches, but a foot whose planned share is zero is in the air, and a level one is flat.
@@ -43,12 +78,8 @@ class GroundLoop:
         state: State at the last sample.
     """
 
-    law: StanceLaw
     motion: GroundMotion
     shares: Callable[[float], Mapping[str, float]] | None = None
-    lean: float = 0.0
-    commands: list[StanceCommand | None] = field(default_factory=list)
-    state: GroundState | None = None
 
     def __post_init__(self) -> None:
         """Interpolate the reference."""
@@ -66,8 +97,7 @@ class GroundLoop:
         Returns:
             Joints and pitch with their derivatives.
         """
-        x, v, a = (self._reference(time, k) for k in range(3))
-        return GroundTarget(x[:-1], v[:-1], a[:-1], x[-1], v[-1], a[-1])
+        return _target(*(self._reference(time, k) for k in range(3)))
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque to hold until the next sample.
@@ -81,33 +111,121 @@ class GroundLoop:
         planned = {} if self.shares is None else self.shares(reading.time)
         self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
         touching = [link for link, last in self._closed.items() if reading.time - last < BOUNCE]
-        contacts = {link: self._kind(link, reading) for link in touching if planned.get(link, 1.0) > 0.0}
+        contacts = [link for link in touching if planned.get(link, 1.0) > 0.0]
         self._since = {link: self._since.get(link, reading.time) for link in contacts}
-        ramps = {link: float(share_course((reading.time - self._since[link]) / LOADING)) for link in contacts}
+        ramps = {link: float(minimum_jerk((reading.time - self._since[link]) / LOADING)) for link in contacts}
         if not any(ramps.values()):
             ramps = dict.fromkeys(contacts, 1.0)  # the first foot on the ground bears all at once
         shares = {link: planned.get(link, 1.0) * ramp for link, ramp in ramps.items()}
-        push = reading.push
-        state = GroundState(
-            reading.q,
-            reading.v,
-            reading.pitch,
-            reading.pitch_rate,
-            contacts,
-            shares,
-            reading.time,
-            None,
-            push,
-            self.lean,
-        )
-        self.state = state
-        command = self.law.command(state, self.target(reading.time)) if contacts else None
-        self.commands.append(command)
-        return -BRAKE * reading.v if command is None else command.torque
+        torque = self.supported(reading, shares, self.target(reading.time))
+        return -BRAKE * reading.v if torque is None else torque
 
-    def _kind(self, link: str, reading: GroundReading) -> ContactKind:
-        """Part of a sole that touches: all of it if it is parallel to the ground, whichever switch is closed."""
-        closed = reading.switches[link]
-        heel, toe = closed[: len(closed) // 2].any(), closed[len(closed) // 2 :].any()
-        tilt = reading.pitch + self.law.model.turns[link] @ reading.q - self.lean
-        return "flat" if abs(tilt) < LEVEL or (heel and toe) else "heel" if heel else "toe"
+
+@dataclass(eq=False)
+class CoordinatedLoop(LawLoop):
+    """Controller of :func:`exoid.rig.ground.simulate_on_ground` that needs no switches, with a memory: one for a run.
+
+    Readings feed the filter, whose probabilities feed the coordinator. Its decision chooses the function, whose
+    reference the law follows, and the shares. Torque is within the coordinator's bounds; without support joints are
+    damped. Of the actuators the filter reads what the loop commanded. Push and interaction are measured.
+
+    Attributes:
+        law: The law.
+        contacts: Filter of contacts, whose IMU is at the origin of the root link.
+        coordinator: Coordinator; rates of controller, filter and coordinator are the same.
+        requests: Function that the wearer asks for, by time [s].
+        start: Function at whose end the run begins, at rest on its contacts.
+        lean: Angle by which the ground rises forward [rad], for contacts that are not flat.
+        commands: What the law wanted at each sample, None where nothing bore load.
+        decisions: Decision at each sample.
+        state: State at the last sample.
+
+    Raises:
+        ExoidError: The rates are not the same, or there is no such function.
+    """
+
+    contacts: ContactFilter
+    coordinator: Coordinator
+    requests: Mapping[float, str] = field(default_factory=dict)
+    start: str = "stand"
+    decisions: list[Decision] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Begin on the last contacts of the first function."""
+        leg, rate = self.law.model.leg, self.coordinator.rate
+        if self.contacts.rate != rate:
+            raise BadArgumentError(
+                f"a filter at {self.contacts.rate:g} Hz for a coordinator at {rate:g} Hz", remedy="give both one rate"
+            )
+        self._links = {contact_name(leg, link): link for link in self.contacts.soles}
+        self._memory = self.coordinator.begin(self.start, 1.0)
+        self._told = self.contacts.begin(self._links[name] for name in self._memory.known)
+        self._chances = self.contacts.chances(self._told.probability)
+        self._waiting: list[tuple[FloatArray, ...]] = []  # samples since the last block
+        self._requests = sorted(self.requests.items(), reverse=True)
+        self._curves = {}
+        for name, each in self.coordinator.functions.items():
+            reference = np.column_stack([joint_angles(leg, each.flexion), each.torso[:, 2]])
+            self._curves[name] = scipy.interpolate.CubicSpline(PHASE, reference)
+        self._x: FloatArray | None = None  # last reference of joints and pitch
+        self._off: FloatArray | float = 0.0  # its distance from the function when that began
+        self._since = 0.0  # time since then [s]
+
+    def __call__(self, reading: GroundReading) -> FloatArray:
+        """Compute the torque to hold until the next sample.
+
+        Args:
+            reading: Readings of the rig.
+
+        Returns:
+            Torque within the bounds [N·m], (n,).
+        """
+        self._tell(reading)
+        request = self._requests.pop()[1] if self._requests and reading.time >= self._requests[-1][0] else None
+        flexion = legs_flexion(self.law.model.leg, reading.q[np.newaxis])[0]
+        before = self._memory.function, self._memory.phase
+        decision = self.coordinator.decide(self._memory, self._chances, flexion, request)
+        self.decisions.append(decision)
+        shares = {self._links[name]: share for name, share in decision.shares.items() if share > 0.0}
+        torque = self.supported(reading, shares, self._follow(*before), reading.interaction)
+        wanted = -self.coordinator.damping * reading.v if torque is None else torque
+        if self._memory.torque is None:
+            self._memory.torque = wanted  # brakes hold the machine until then
+        return self.coordinator.bound(self._memory, wanted, reading.v)
+
+    def _tell(self, reading: GroundReading) -> None:
+        """Feed the filter, in whole blocks, with the torque that acted until now."""
+        if self._memory.torque is None:
+            return
+        gyro = -reading.pitch_rate * self.law.model.leg.plane.lateral
+        known = np.concatenate([reading.push, reading.interaction])
+        self._waiting.append((reading.q, self._memory.torque, gyro, reading.specific_force, known))
+        if len(self._waiting) >= round(BLOCK * self.contacts.rate):
+            q, tau, rates, force, measured = (np.array(x) for x in zip(*self._waiting, strict=True))
+            block = ContactReadings(q, tau, rates, force, measured)
+            self._chances = self.contacts.chances(self.contacts.advance(self._told, block).probability[-1])
+            self._waiting.clear()
+
+    def _follow(self, function: str, phase: float) -> GroundTarget:
+        """Reference of the function that runs, given the last one and its phase; the safe stop stays where it is."""
+        now, dt = self._memory, 1.0 / self.coordinator.rate
+        curve = self._curves.get(now.function)
+        if curve is None:
+            still = np.zeros(self.law.model.n + 1)
+            self._off = self._since = 0.0
+            return _target(self._x if self._x is not None else still, still, still)
+        x, slope, bend = (curve(now.phase, k) for k in range(3))
+        rate = (now.phase - phase) / dt
+        if now.function != function:
+            rate, self._since = 0.0, 0.0
+            self._off = 0.0 if self._x is None else self._x - x
+        elif rate < 0.0:
+            rate += 1.0 / dt  # of a cyclic function
+        self._since += dt
+        self._x = x + self._off * (1.0 - minimum_jerk(self._since / BLENDING))
+        return _target(self._x, slope * rate, bend * rate**2)
+
+
+def _target(x: FloatArray, v: FloatArray, a: FloatArray) -> GroundTarget:
+    """Target of joints and pitch, which is last."""
+    return GroundTarget(x[:-1], v[:-1], a[:-1], x[-1], v[-1], a[-1])

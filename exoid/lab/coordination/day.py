@@ -16,6 +16,7 @@ from exoid.control.functions import (
     SIDES,
     Body,
     Function,
+    contact_name,
     joint_angles,
     minimum_jerk,
     seated_hip,
@@ -71,12 +72,9 @@ class Episode:
 
     def truth(self) -> dict[str, BoolArray]:
         """Contacts that bear load, by the names of functions, (N,) each."""
-        return {contact_name(link, self.run.plant): foot.force[:, 2] > LOADED for link, foot in self.run.feet.items()}
-
-
-def contact_name(link: str, plant: GroundPlant) -> str:
-    """Name the contact of a link: "left", "right" or "seat"."""
-    return SEAT if link == plant.root_link else next(side for side in SIDES if link.startswith(side))
+        return {
+            contact_name(self.run.plant.leg, link): foot.force[:, 2] > LOADED for link, foot in self.run.feet.items()
+        }
 
 
 def run_function(plant: GroundPlant, name: str, seconds: float, rng: np.random.Generator) -> Episode:
@@ -96,7 +94,7 @@ def run_function(plant: GroundPlant, name: str, seconds: float, rng: np.random.G
         options = {"riser": RISER, "tread": TREAD, "period": 2.6 * slower}
     if name == "slope":
         options["angle"] = float(rng.uniform(0.05, 0.1))
-    function: Function = FUNCTIONS[known](body, **options)  # type: ignore[operator]
+    function: Function = FUNCTIONS[known](body, **options)
     seconds = max(seconds, function.duration + 1.0)
     time = np.linspace(-LEAD, seconds, round((seconds + LEAD) * KNOTS) + 1)
     phase = _phase(function, time, seconds)
@@ -177,7 +175,7 @@ def _bearings(
     out, body = {}, Body.of(plant.leg, plant.soles)
     expected = [function.expected(p) for p in phase]
     for link, sole in plant.soles.items():
-        name = contact_name(link, plant)
+        name = contact_name(plant.leg, link)
         share = scipy.ndimage.gaussian_filter1d(np.array([float(name in each) for each in expected]), 0.04 * KNOTS)
         point = np.broadcast_to(sole.centre, (len(phase), 3))
         if name != SEAT:

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from exoid.control.functions import contact_name
 from exoid.lab.reproduce.report import Drawing, ReplayReport
 from exoid.tools.tables import DataTable
 from exoid.view.coordination import DayPart, plot_day
 
-from .day import contact_name
 from .study import CoordinationStudy
 
 
@@ -97,7 +97,7 @@ def _draw(figure: Figure, study: CoordinationStudy) -> None:
     parts = []
     for episode, belief in zip(study.episodes, study.beliefs, strict=True):
         run = episode.run
-        names = [contact_name(link, run.plant) for link in run.plant.soles]
+        names = [contact_name(run.plant.leg, link) for link in run.plant.soles]
         force = {name: foot.force[:, 2] for name, foot in zip(names, run.feet.values(), strict=True)}
         every = len(run.time) // len(belief.probability)
         ends = (np.arange(len(belief.probability)) + 1) * every - 1

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import BoolArray, FloatArray
-from exoid.control.functions import FUNCTIONS, SEAT, SIDES, Body, Contacts
+from exoid._typing import BoolArray
+from exoid.control.functions import FUNCTIONS, SEAT, SIDES, Body, contact_name, legs_flexion
 from exoid.control.ground.coordinator import SAFE, Coordinator
-from exoid.control.ground.hypotheses import BLOCK, Belief, ContactFilter
+from exoid.control.ground.hypotheses import BLOCK, Belief, ContactFilter, ContactReadings
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.identification import identify
@@ -19,7 +19,7 @@ from exoid.rig.ground import GroundPlant, GroundSensors
 from exoid.signals import Recording
 from exoid.torques import Armature, Coulomb, Stiffness, Viscous
 
-from .day import MACHINES, Episode, contact_name, run_day, run_function
+from .day import MACHINES, Episode, run_day, run_function
 
 TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
 """Friction and rotors of both machines."""
@@ -106,7 +106,7 @@ def coordinate(
     episodes = run_day(plant, seconds, seed, lambda share: report(0.1 + 0.6 * share))
     logs = [_log(episode, [seed, k]) for k, episode in enumerate(episodes)]
     filters = [_filter(estimate, episode) for episode in episodes]
-    beliefs = [told.over(log) for told, log in zip(filters, logs, strict=True)]
+    beliefs = [over(told, log) for told, log in zip(filters, logs, strict=True)]
     report(0.8)
     rng = np.random.default_rng([seed, 7])
     study = CoordinationStudy(
@@ -116,7 +116,7 @@ def coordinate(
         episodes=episodes,
         beliefs=beliefs,
         functions=_scores(filters, episodes, beliefs),
-        switches=_with_switches(filters, episodes, logs, rng),
+        switches=_with_switches(filters, episodes, logs),
         seat_off=_seat_off(filters, episodes, beliefs),
         events=_plant_events(filters, episodes, logs, events, rng),
         seed=seed,
@@ -179,6 +179,25 @@ def _filter(estimate: Estimate, episode: Episode) -> ContactFilter:
     return ContactFilter.of(estimate, episode.run.plant.soles, SENSORS.imu_position, rate=rate)
 
 
+def readings_of(
+    told: ContactFilter, log: Recording, switches: Mapping[str, BoolArray] | None = None
+) -> ContactReadings:
+    """Take the readings out of a log, with other switches than its own if they are given; crutches are known."""
+    known = None
+    for link, wrench in log.wrenches.items():
+        J = told.model.leg.frame_jacobian(log.q, link, wrench.point)
+        rows = np.einsum("ncr,nc->nr", J, np.hstack([wrench.force, wrench.moment]))
+        known = rows if known is None else known + rows
+    own = {link: log.contacts[link] for link in told.feet} if switches is None else switches
+    assert log.tau is not None and log.base is not None  # of the rig  # noqa: PT018
+    return ContactReadings(log.q, log.tau, log.base.angular_velocity, log.base.specific_force, known, own)
+
+
+def over(told: ContactFilter, log: Recording, switches: Mapping[str, BoolArray] | None = None) -> Belief:
+    """Run a filter over a log as on line, with other switches than the log's if they are given."""
+    return told.advance(told.begin(), readings_of(told, log, switches))
+
+
 def _blocks(told: ContactFilter, samples: int) -> NDArray[np.intp]:
     """Samples at which blocks end."""
     every = max(1, round(BLOCK * told.rate))
@@ -187,7 +206,7 @@ def _blocks(told: ContactFilter, samples: int) -> NDArray[np.intp]:
 
 def _members(told: ContactFilter, episode: Episode) -> tuple[tuple[str, ...], BoolArray]:
     """Names of the contacts, and which are in each set; the unknown has none, (H, C)."""
-    names = tuple(contact_name(link, episode.run.plant) for link in told.soles)
+    names = tuple(contact_name(episode.run.plant.leg, link) for link in told.soles)
     rows = [[link in each for link in told.soles] for each in told.sets]
     return names, np.array([*rows, [False] * len(names)])
 
@@ -266,10 +285,9 @@ def _late(flags: BoolArray, delay: int) -> BoolArray:
 
 
 def _with_switches(
-    filters: Sequence[ContactFilter], episodes: Sequence[Episode], logs: Sequence[Recording], rng: np.random.Generator
+    filters: Sequence[ContactFilter], episodes: Sequence[Episode], logs: Sequence[Recording]
 ) -> dict[str, float]:
     """Accuracy of modes without switches, and with those of one foot or both that are late or stuck."""
-    del rng
     faults: dict[str, Callable[[BoolArray, int, float], BoolArray]] = {
         "none": lambda flags, foot, rate: flags,
         "80 ms late": lambda flags, foot, rate: _late(flags, round(0.08 * rate)),
@@ -283,28 +301,10 @@ def _with_switches(
             if episode.function.name not in ("walk", "stairs up"):
                 continue
             flags = {link: fault(log.contacts[link], k, told.rate) for k, link in enumerate(told.feet)}
-            judged, far = _judge(told, episode, told.over(log, {} if name == "none" else flags))
+            judged, far = _judge(told, episode, over(told, log, {} if name == "none" else flags))
             right.append(judged[far])
         out["no switches" if name == "none" else name] = float(np.concatenate(right).mean())
     return out
-
-
-def probabilities(told: ContactFilter, episode: Episode, row: FloatArray) -> dict[Contacts, float]:
-    """Probability of each set by the names of contacts.
-
-    Args:
-        told: The filter.
-        episode: The episode that it ran on.
-        row: Probabilities of its hypotheses, (H,).
-
-    Returns:
-        Probability of each set.
-    """
-    plant = episode.run.plant
-    return {
-        frozenset(contact_name(link, plant) for link in links): float(p)
-        for links, p in zip(told.sets, row[:-1], strict=True)
-    }
 
 
 def _plant_events(
@@ -333,7 +333,7 @@ def _one_event(
 ) -> tuple[bool, bool, str]:
     """One fault: whether torque was beyond limits, whether a leg in the air was to support, and the end."""
     leg, run = told.model.leg, episode.run
-    readings = told.readings(log)
+    readings = readings_of(told, log)
     arrays = [np.array(x[piece]) for x in (readings.q, readings.tau, readings.gyro, readings.force)]
     known = None if readings.known is None else readings.known[piece]
     flags = {link: np.array(x[piece]) for link, x in readings.switches.items()}
@@ -355,13 +355,13 @@ def _one_event(
         readings._replace(q=arrays[0], tau=arrays[1], gyro=arrays[2], force=arrays[3], known=known, switches=flags),
     )
     body = Body.of(leg, run.plant.soles)
-    functions = {name: make(body) for name, make in FUNCTIONS.items()}  # type: ignore[operator]
+    functions = {name: make(body) for name, make in FUNCTIONS.items()}
     functions[episode.function.name] = episode.function
     coordinator = Coordinator(functions, np.asarray(leg.limits.effort), rate=1.0 / BLOCK)
     memory = coordinator.begin(episode.function.name)
     ends = _blocks(told, len(arrays[0]))
     phase = episode.phase[piece][ends] % 1.0 if episode.function.cyclic else episode.phase[piece][ends]
-    flexion = _flexion(told, run.q[piece][ends])
+    flexion = legs_flexion(leg, run.q[piece][ends])
     truth = {name: x[piece][ends] for name, x in episode.truth().items()}
     request = {int(rng.integers(len(ends))): str(rng.choice(list(functions)))} if fault == "request" else {}
     beyond = in_air = False
@@ -369,7 +369,7 @@ def _one_event(
     for j, row in enumerate(belief.probability):
         lost = wrong and ends[j] > begin
         memory.phase = float(phase[j])  # the servo's reference, not the coordinator's, moves the machine
-        chances = probabilities(told, episode, 0.0 * row if lost else row)
+        chances = told.chances(0.0 * row if lost else row)
         decision = coordinator.decide(memory, chances, flexion[j], request.get(j))
         v = run.v[piece][ends[j]]
         wanted = 3.0 * arrays[1][ends[j]]  # three times too much
@@ -380,12 +380,3 @@ def _one_event(
             aloft[side] = 0.0 if truth[side][j] else aloft[side] + BLOCK
             in_air |= aloft[side] > 0.06 and decision.shares.get(side, 0.0) > 0.0
     return beyond, in_air, SAFE if memory.function == SAFE or decision.level == "damping" else "followed"
-
-
-def _flexion(told: ContactFilter, q: FloatArray) -> FloatArray:
-    """Flexion of both legs, (K, 2, 3); of a missing ankle zero."""
-    leg, out = told.model.leg, np.zeros((len(q), 2, 3))
-    for k, limb in enumerate(leg.limbs):
-        n = limb.chain.n
-        out[:, k, :n] = q[:, limb.joints] * (np.array([1.0, -1.0, 1.0])[:n] * limb.chain.signs)
-    return out

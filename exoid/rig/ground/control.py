@@ -33,7 +33,8 @@ class GroundReading(NamedTuple):
         pitch_rate: Its rate [rad/s].
         switches: Switches at the points of each sole, such as heel and toe, by the link of the sole, (K,) each.
         push: Force on the torso of what holds it, which is measured, in the rows of the base, (3,).
-        planned: Feed-forward torque of the motion [N·m], (n,), which the wearer knows.
+        specific_force: Specific force at the origin of the root link [m/s²], (3,), the mean since the last sample.
+        interaction: Torque of the wearer on the joints as cuffs measure it [N·m], (n,), that of the last step.
     """
 
     time: float
@@ -43,7 +44,8 @@ class GroundReading(NamedTuple):
     pitch_rate: float
     switches: Mapping[str, BoolArray]
     push: FloatArray
-    planned: FloatArray
+    specific_force: FloatArray
+    interaction: FloatArray
 
 
 GroundController = Callable[[GroundReading], FloatArray]
@@ -141,7 +143,6 @@ class Reader:
     def __init__(
         self,
         engine: Engine,
-        targets: JointTargets,
         holder: Holder | None,
         rate: float,
         sensors: GroundSensors | None,
@@ -154,21 +155,23 @@ class Reader:
         unknown = (set(faults.stuck) - set(engine.plant.soles)) | (set(faults.frozen) - {"pitch", *leg.joint_names})
         if unknown:
             raise BadArgumentError(f"faults of {', '.join(sorted(unknown))}", remedy="name soles, joints or pitch")
-        self._engine, self._targets, self._holder, self._faults = engine, targets, holder, faults
+        self._engine, self._holder, self._faults = engine, holder, faults
         self._noise, self._rng, self._period = sensors, np.random.default_rng(seed), 1.0 / rate
         self._step = float(engine.model.opt.timestep)
         self._last: tuple[FloatArray, FloatArray] | None = None
         self._switches: deque[dict[str, BoolArray]] = deque(maxlen=1 + round(faults.switch_delay * rate))
         self._force = np.zeros(sum(len(sole.points) for sole in engine.plant.soles.values()))
+        self._muscles, self._speed = np.zeros(len(engine.q)), np.zeros(2)
+        self._shaking = np.random.default_rng([seed, 1])  # of the accelerometer
         self._frozen: dict[str, tuple[float, float]] = {}
         self._base = planar_coordinates(leg.plane, leg.model.jointPlacements[1].translation)
 
     def command(self, controller: GroundController, start: float, step: int) -> FloatArray:
         """Ask a controller for the torque at a step; the run began at a time."""
-        return controller(self.read(step, start + step * self._step))
+        return controller(self.read(start + step * self._step))
 
-    def read(self, step: int, time: float) -> GroundReading:
-        """Read all sensors at a step of the simulation."""
+    def read(self, time: float) -> GroundReading:
+        """Read all sensors."""
         engine, lean = self._engine, self._engine.plant.ground_lean
         q, v, pitch, pitch_rate = engine.q.copy(), engine.v.copy(), engine.data.qpos[2] + lean, engine.rate[2]
         if self._noise is not None:
@@ -176,33 +179,38 @@ class Reader:
             pitch += self._noise.turn_noise * self._rng.standard_normal()
             pitch_rate += self._noise.gyro_noise * self._rng.standard_normal()
         for name, since in self._faults.frozen.items():
-            joint = None if name == "pitch" else engine.plant.leg.joint_names.index(name)
-            if time >= since:
-                now = (float(pitch), float(pitch_rate)) if joint is None else (float(q[joint]), 0.0)
-                kept = self._frozen.setdefault(name, now)
-                if joint is None:
-                    pitch, pitch_rate = kept
-                else:
-                    q[joint], v[joint] = kept
+            if time < since:
+                continue
+            if name == "pitch":
+                pitch, pitch_rate = self._frozen.setdefault(name, (float(pitch), float(pitch_rate)))
+            else:
+                joint = engine.plant.leg.joint_names.index(name)
+                q[joint], v[joint] = self._frozen.setdefault(name, (float(q[joint]), 0.0))
         if self._noise is not None:
             old_q, old_v = self._last or (q, v)
             blend = 1.0 - np.exp(-2.0 * np.pi * LOWPASS * self._period)
             v = old_v + blend * ((q - old_q) / self._period - old_v) if self._last else v
             self._last = q.copy(), v.copy()
-        return GroundReading(
-            time, q, v, float(pitch), float(pitch_rate), self._read_switches(), self._push(), self._targets.torque[step]
-        )
+        pose = q, v, float(pitch), float(pitch_rate)
+        return GroundReading(time, *pose, self._read_switches(), self._push(), self._accelerometer(), self._muscles)
 
-    def feel(self) -> None:
-        """Note the forces at the end of a step; MuJoCo has them only then."""
-        self._force = self._engine.loads()[0][:, 2]
+    def feel(self, muscles: FloatArray) -> None:
+        """Note the forces at the end of a step, those of the ground and of the wearer; MuJoCo has them only then."""
+        self._force, self._muscles = self._engine.loads()[0][:, 2], muscles
+
+    def _accelerometer(self) -> FloatArray:
+        """Specific force at the origin of the root link, in its axes."""
+        plant, speed = self._engine.plant, self._engine.rate[:2].copy()
+        acceleration = (speed - self._speed) / self._period @ np.array([plant.plane.forward, plant.plane.up])
+        self._speed = speed
+        noise = 0.0 if self._noise is None else self._noise.acceleration_noise * self._shaking.standard_normal(3)
+        return np.asarray(self._engine.torso.rotation.T @ (acceleration - plant.gravity) + noise)
 
     def _read_switches(self) -> dict[str, BoolArray]:
         """Switches under the points of the soles, late, or stuck."""
         limit = 20.0 if self._noise is None else self._noise.switch_force
         self._switches.append({link: self._force[own] > 0.5 * limit for link, own in self._engine.spheres.items()})
-        late = self._switches[0]
-        stuck = self._faults.stuck
+        late, stuck = self._switches[0], self._faults.stuck
         return {link: np.full(len(x), stuck[link]) if link in stuck else x for link, x in late.items()}
 
     def _push(self) -> FloatArray:

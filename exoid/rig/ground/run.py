@@ -49,14 +49,6 @@ class Audit(NamedTuple):
         residual = self.ground + self.holder + self.weight - self.momentum
         return float(np.abs(residual).max() / np.abs(self.weight).max())
 
-    def __repr__(self) -> str:
-        """Write the balance in one line."""
-        return (
-            f"Audit(work {self.work:.4g} J, holding {self.holding:.4g} J, gain {self.gain:.4g} J, friction "
-            f"{self.friction:.4g} J, contact {self.contact:.4g} J; relative errors of energy {self.energy_error:.1g}, "
-            f"of momentum {self.momentum_error:.1g})"
-        )
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Footing:

@@ -76,7 +76,7 @@ def simulate_on_ground(
     if isinstance(gains, JointGains):
         command = gains_about(gains, targets, engine)
     else:
-        reader = Reader(engine, targets, holder, rates.control, sensors, faults or Faults(), seed)
+        reader = Reader(engine, holder, rates.control, sensors, faults or Faults(), seed)
         command = partial(reader.command, gains, first * rates.step)
     muscles = np.zeros(len(engine.q))
     torque, books = np.zeros(len(engine.q)), _Books(engine, holder)
@@ -99,7 +99,7 @@ def simulate_on_ground(
         else:
             books.finish(torque, muscles, held, ends=now in (0, last), logs=now % every_log == 0)
         if reader is not None and (k + 1) % every_control == 0:
-            reader.feel()
+            reader.feel(muscles)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
             raise BadArgumentError(
                 f"the machine diverged before {now * rates.step:.3g} s",

@@ -10,7 +10,8 @@ import pytest
 from made_estimates import made
 
 import exoid
-from exoid.control.ground import GroundState, GroundTarget, share_course, stance
+from exoid.control.functions import minimum_jerk
+from exoid.control.ground import GroundState, GroundTarget, stance
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.experiments import ground
 from exoid.leg.floating_base import free_flyer_model
@@ -131,7 +132,7 @@ def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine)
     q = np.concatenate([BENT, BENT])
     torques, loads = [], []
     for s in np.linspace(0.0, 1.0, 101):
-        shares = {"left_foot": 1.0, "right_foot": 1.0 - float(share_course(s))}
+        shares = {"left_foot": 1.0, "right_foot": 1.0 - float(minimum_jerk(s))}
         state = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH, shares)
         command = law.command(state, GroundTarget(q, np.zeros(6)))
         torques.append(command.torque)
@@ -167,7 +168,7 @@ def test_known_forces_are_taken_into_account(machine):
         100.0, abs=2.0
     )
     wearer = np.array([3.0, 2.0, 1.0, 3.0, 2.0, 1.0])
-    assert np.allclose(law.torque(state._replace(interaction=wearer), target), alone.torque - wearer, atol=1e-6)
+    assert np.allclose(law.command(state._replace(interaction=wearer), target).torque, alone.torque - wearer, atol=1e-6)
 
 
 def test_a_machine_without_ankles_stands_on_points(machine):
@@ -187,7 +188,7 @@ def test_a_contact_without_a_share_leaves_without_a_step(machine):
     for share in (0.06, 0.05, 0.045, 0.04, 0.03, 0.02, 0.01, 0.003, 1e-6, 0.0, None):
         shares = {} if share is None else {"right_foot": share}
         contacts = {"left_foot": "flat"} if share is None else BOTH
-        torque = law.torque(state._replace(contacts=contacts, shares=shares), target)
+        torque = law.command(state._replace(contacts=contacts, shares=shares), target).torque
         if last is not None:
             assert np.abs(torque - last).max() < (1e-6 if share is None else 16.0)
         last = torque
@@ -198,7 +199,7 @@ def test_friction_compensation_never_drives():
     truth = ground.bleex_machine()
     state = state_of(5)
     target = target_of(state)
-    added = stance(truth).torque(state, target) - stance(truth, friction=None).torque(state, target)
+    added = stance(truth).command(state, target).torque - stance(truth, friction=None).command(state, target).torque
     friction = truth.friction(state.v[None])[0]
     assert (added * state.v >= 0.0).all()
     assert (np.abs(added) <= np.abs(friction)).all()
@@ -226,7 +227,7 @@ def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(machine):
 
     band = law(estimate.values).band(state, target)
     draws = np.random.default_rng(0).multivariate_normal(estimate.values, estimate.covariance, 150)
-    torques = np.array([law(values).torque(state, target) for values in draws])
+    torques = np.array([law(values).command(state, target).torque for values in draws])
     np.testing.assert_allclose(torques.std(axis=0), band, rtol=0.25)
     assert stance(machine).band(state, target).max() == 0.0
 
@@ -256,7 +257,7 @@ def test_what_the_law_refuses(machine):
         state._replace(shares={"left_foot": -1.0}),
     ):
         with pytest.raises(BadArgumentError):
-            law.torque(wrong, target)
+            law.command(wrong, target)
     with pytest.raises(BadArgumentError):
         stance(machine, kp=(1.0, 2.0))
     with pytest.raises(BadArgumentError, match="soles"):

@@ -1,0 +1,96 @@
+"""The closed loop without switches: contacts are told, functions coordinated, and the law supports by what is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError
+from exoid.control.functions import FUNCTIONS, SIDES, Body, joint_angles
+from exoid.control.ground import SAFE, ContactFilter, CoordinatedLoop, Coordinator, stance
+from exoid.experiments import ground
+from exoid.experiments.ground.stance import HAND_RAIL
+from exoid.lab.coordination import study
+from exoid.rig import Rates
+from exoid.rig.ground import HEALTHY, PASSIVE, GroundMotion, GroundSensors, simulate_on_ground
+from exoid.rig.ground.plant import SEAT as SEAT_SOLE
+from exoid.rig.ground.plant import Block
+from exoid.torques.model import TorqueModel
+
+RATES, SENSORS = Rates(500.0, 500.0, 1e-3), GroundSensors(angle_noise=3e-5)
+
+
+@pytest.fixture(scope="module")
+def machine():
+    """BLEEX before a chair of 0.45 m."""
+    plant = ground.bleex_machine()
+    hip = FUNCTIONS["sit"](Body.of(plant.leg, plant.soles)).torso[-1, 0]
+    chair = (Block(hip - 0.5, hip + 0.03, 0.45),)
+    return replace(plant, soles={**plant.soles, plant.root_link: SEAT_SOLE}, blocks=chair)
+
+
+def loop_of(plant, requests, start="stand", rate=500.0):
+    functions = {name: make(Body.of(plant.leg, plant.soles)) for name, make in FUNCTIONS.items()}
+    model = TorqueModel.at_start(plant.leg, study.TERMS)
+    values = np.array([plant.values[name] for name in model.names])
+    told = ContactFilter(model, values, np.diag((0.01 * values) ** 2), plant.soles, np.zeros(3), rate)
+    coordinator = Coordinator(functions, plant.leg.limits.effort, rate=500.0)
+    return CoordinatedLoop(stance(plant), told, coordinator, requests, start)
+
+
+def run_of(plant, loop, name, begin, seconds, wearer):
+    """The rail follows the plan of a function that begins at a time."""
+    function = loop.coordinator.functions[name]
+    time = np.arange(begin - 0.3, begin + seconds, 0.01)
+    rows = np.round(200.0 * np.clip((time - begin) / function.duration, 0.0, 1.0)).astype(int)
+    q = joint_angles(plant.leg, function.flexion[rows])
+    motion = GroundMotion(time, q, np.zeros_like(q), function.torso[rows])
+    return simulate_on_ground(
+        plant, motion, loop, rates=RATES, sensors=SENSORS, spring=HAND_RAIL, wearer=wearer, seed=3
+    )
+
+
+def test_it_stands_on_what_is_told_and_keeps_rate_and_limits_of_torque(machine):
+    loop = loop_of(machine, {})
+    run = run_of(machine, loop, "stand", 0.0, 0.2, HEALTHY)
+    assert {(d.function, d.level) for d in loop.decisions} <= {("stand", "support"), ("stand", "frozen")}
+    assert all(set(d.shares) == {*SIDES} for d in loop.decisions)
+    assert np.abs(run.q - run.q[0]).max() < 0.05
+    fastest = 2.0 * loop.coordinator.limit / loop.coordinator.rise_time / RATES.control
+    assert (np.abs(np.diff(run.tau, axis=0)) <= fastest + 1e-9).all()
+
+
+def test_a_wrong_model_of_the_contacts_ends_in_damping_and_the_safe_stop(machine):
+    """A filter of a machine that is three times too heavy knows no contact: nothing drives."""
+    loop = loop_of(machine, {})
+    loop.contacts = replace(loop.contacts, values=3.0 * loop.contacts.values)
+    loop.coordinator = replace(loop.coordinator, patience=0.2)
+    run = run_of(machine, loop, "stand", 0.0, 0.5, PASSIVE)
+    assert (loop.decisions[-1].function, loop.decisions[-1].level) == (SAFE, "damping")
+    assert (run.tau[-20:] * run.v[-20:]).sum() <= 0.0
+    assert (np.abs(run.tau) <= machine.leg.limits.effort + 1e-9).all()
+
+
+def test_filter_and_coordinator_have_one_rate(machine):
+    with pytest.raises(ExoidError, match="Hz"):
+        loop_of(machine, {}, rate=250.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wearer", [PASSIVE, HEALTHY], ids=["passive", "healthy"])
+@pytest.mark.parametrize(("name", "start", "end"), [("rise", "sit", "stand"), ("sit", "stand", "sit")])
+def test_it_rises_and_sits_with_a_hand_on_a_rail(machine, name, start, end, wearer):
+    """No contact but the rail is measured; a share that is given belongs to a foot on the ground."""
+    loop = loop_of(machine, {0.0: name}, start)
+    run = run_of(machine, loop, name, 0.0, 4.0, wearer)
+    last = loop.decisions[-1]
+    assert (last.function, last.level) == (end, "support")
+    posture = joint_angles(machine.leg, loop.coordinator.functions[name].flexion[-1:])[0]
+    assert np.abs(run.q[-1] - posture).max() < 0.1
+    assert sum(d.level == "damping" for d in loop.decisions) < 50
+    for side, foot in zip(SIDES, ("left_foot", "right_foot"), strict=True):
+        share = np.array([d.shares.get(side, 0.0) for d in loop.decisions[-len(run.time) :]])
+        lost = np.convolve(run.feet[foot].touching, np.ones(30), "full")[: len(share)] == 0.0
+        assert not (lost[30:] & (share[30:] > 0.0)).any()
