@@ -315,7 +315,7 @@ def stance(
         >>> state = GroundState(q, np.zeros(6), 0.0, 0.0, both)
         >>> command = law.command(state, GroundTarget(q, np.zeros(6)))
         >>> round(sum(float(force[1]) for force in command.forces.values()) / 9.81, 1)  # kg
-        49.1
+        49.0
     """
     require_daqp()
     model = GroundModel.on(source, soles)
