@@ -23,6 +23,7 @@ LONG = (
     "amperes",
     "amplification",
     "commissioning",
+    "coordination",
     "figures",
     "gains",
     "ground-rig",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import shutil
@@ -82,6 +83,8 @@ def main() -> None:
             raise
         line, status = describe_error(error)
         typer.echo(f"exoid: {line}", err=True)
+        with contextlib.suppress(OSError):  # what a full disk left in the buffer was said above
+            _flush()
         sys.exit(status)
 
 

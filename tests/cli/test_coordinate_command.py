@@ -9,7 +9,7 @@ pytest.importorskip("mujoco")
 
 @pytest.mark.slow
 def test_a_day_is_told_right(exoid_, tmp_path):
-    options = ("--seconds", "30", "--events", "3", "--json", "--figures", str(tmp_path / "day"))
+    options = ("--seconds", "30", "--events", "1", "--json", "--figures", str(tmp_path / "day"))
     done = exoid_("coordinate", "cuhk", *options)
     assert done.code == 0, done.err
     data = json.loads(done.out)
@@ -17,7 +17,6 @@ def test_a_day_is_told_right(exoid_, tmp_path):
     assert {"sit", "rise", "stand", "walk", "stairs up", "stairs down", "slope"} == set(data["functions"])
     assert all(0.0 <= each["accuracy"] <= 1.0 for each in data["functions"].values())
     assert data["events"]["beyond_limits"] == 0
-    assert "%" in done.err  # progress
     assert {path.suffix for path in (tmp_path / "day").iterdir()} == {".pdf", ".svg"}
 
 

@@ -68,6 +68,7 @@ def test_a_full_device_as_standard_output_is_one_line(verb, data, estimate, tmp_
             text=True,
             check=False,
             cwd=tmp_path,
+            env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
         )
     assert done.returncode == 2
     assert done.stderr == "exoid: No space left on device. To fix it: check this file, free space and permissions\n"

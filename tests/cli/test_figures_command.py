@@ -21,7 +21,6 @@ OF_A_FIT = {
     "residuals_velocity": TWO,
     "residuals_angle": TWO,
     "excitation": TWO,
-    "coverage": TWO,
 }
 
 VERBS = {

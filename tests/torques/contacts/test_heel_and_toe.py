@@ -165,7 +165,7 @@ def test_switches_that_close_after_the_jolt_of_a_touch_down_are_late(late):
     np.testing.assert_allclose(begun, jolts + (shift if late < 0.03 else 0), atol=1)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("radius", "delay"), [(5e-4, 0.0), (5e-4, 0.06), (0.02, 0.0)])
 def test_round_edges_and_late_switches_are_named(radius, delay):
     """A walk of the study, without noise of other seeds: sharp edges in time are no finding."""

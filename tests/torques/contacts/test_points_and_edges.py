@@ -154,7 +154,7 @@ def beside(estimate):
     return [each.value for each in estimate.findings if each.kind == "contact-kind"]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_feet_that_rest_behind_their_points_are_named(walked):
     model = quadruped().model.copy()
     for foot in FEET:
@@ -167,7 +167,7 @@ def test_feet_that_rest_behind_their_points_are_named(walked):
     assert not beside(exoid.identify(quadruped(), log, terms=()))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_what_a_log_on_point_feet_determines_is_predicted():
     """Without noise but that of the torques, as the prediction assumes; four feet at rest leave parameters open."""
     leg = quadruped()
