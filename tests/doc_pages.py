@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -115,8 +116,18 @@ def run_commands(commands: tuple[str, ...] | list[str], folder: Path) -> str:
 def run(folder: Path, python: str = "", commands: tuple[str, ...] | list[str] = (), name: str = "") -> str:
     """Run Python and commands in one fresh interpreter; return what they printed."""
     command, given = [sys.executable, "-c", PROGRAM, name], json.dumps([python, commands])
+    # readline, which pytest imports, puts COLUMNS behind Python's back into what a child inherits
+    env = dict(os.environ)
     done = subprocess.run(
-        command, input=given, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False, timeout=600
+        command,
+        input=given,
+        cwd=folder,
+        env=env,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
