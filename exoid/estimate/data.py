@@ -16,7 +16,6 @@ from exoid.leg.leg import Leg
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.regression.diagnostics import JointNoise
-from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.signals import Preparation
@@ -75,7 +74,7 @@ class EstimateData(ParameterTable):
             it was not stored, or where logs were not checked.
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
-        evidence: What recordings say beside the values: noise, influence, scales.
+        evidence: What recordings say beside the values: noise, scales.
         columns: How the command line read its logs, as in a file for ``--columns``; empty if as they stand.
     """
 
@@ -118,11 +117,6 @@ class EstimateData(ParameterTable):
     def noise(self) -> tuple[JointNoise, ...]:
         """Noise of the residuals of each joint; see :class:`Evidence`."""
         return self.evidence.noise or ()
-
-    @property
-    def influence(self) -> Influence | None:
-        """Influence of each recording, where there are several."""
-        return self.evidence.influence
 
     @property
     def supports(self) -> tuple[Support, ...]:

@@ -10,7 +10,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import JointNoise
-from exoid.regression.influence import Influence
 
 OUTLYING = 0.001  # share of the samples at each end of a range that may be outliers
 
@@ -68,7 +67,6 @@ class Evidence:
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
             see so many times worse than the best, (P,).
         noise: Noise of the residuals of each joint, n of them.
-        influence: Influence of each recording, where there are several.
         ranges: Ranges of the motion that was fitted.
         torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,).
         cutoff_source: How the cut-off of the preparation was chosen.
@@ -82,7 +80,6 @@ class Evidence:
     reference_scale: FloatArray | None = None
     collinearity: FloatArray | None = None
     noise: tuple[JointNoise, ...] | None = None
-    influence: Influence | None = None
     ranges: MotionRanges | None = None
     torque_spread: FloatArray | None = None
     cutoff_source: str | None = None

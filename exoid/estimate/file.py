@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
@@ -156,17 +156,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         torque_delays=np.array([data["torque_delays"][name] for name in leg.joint_names], dtype=np.float64),
         actuators=None if data["actuators"] is None else actuators_from_data(data["actuators"], leg),
         columns=data.get("columns", {}),
-        evidence=_evidence(data["evidence"]),
+        evidence=record(Evidence, {field.name: data["evidence"][field.name] for field in fields(Evidence)}),
     )
-
-
-def _evidence(data: Mapping[str, Any]) -> Evidence:
-    """Read evidence; what is infinite is null in a file: recordings without which there is no estimate."""
-    found = record(Evidence, {field.name: data[field.name] for field in fields(Evidence)})
-    if found.influence is None:
-        return found
-    change = found.influence.change
-    return replace(found, influence=found.influence._replace(change=np.where(np.isnan(change), np.inf, change)))
 
 
 def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:

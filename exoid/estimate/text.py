@@ -9,7 +9,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.actuators.drive_data import describe_actuators
 from exoid.regression.diagnostics import ILL_CONDITIONED, identifiability_class
-from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import ZeroPhase
 from exoid.tools.tables import DataTable, with_error
@@ -121,7 +120,6 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     if estimate.actuators is not None:
         yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
-    yield from influences(estimate)
     yield from map(str, estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
@@ -151,20 +149,6 @@ def assumptions(prior_knowledge: PriorKnowledge, bounded: Sequence[str]) -> Iter
         yield "prior: " + ", ".join(f"{name} = {value:.4g} ± {std:.2g}" for name, (value, std) in pairs)
     if bounded:
         yield f"kept at zero: {', '.join(bounded)}; intervals are as wide as without the bound"
-
-
-def influences(estimate: EstimateData) -> Iterator[str]:
-    """Name recordings that move a parameter out of its interval, or without which it could not be identified."""
-    influence = estimate.influence
-    if influence is None:
-        return
-    for recording, moved in influence.strongest(half_width(0.95, estimate.dof_each)):
-        names = ", ".join(estimate.names[k] for k in moved)
-        yield f"{recording} alone moves {names} by more than the interval, and more than noise explains"
-    changes = zip(influence.recordings, influence.change, strict=True)
-    needed = ", ".join(recording for recording, change in changes if np.isinf(change).any())
-    if needed:
-        yield f"not to be identified without {needed}"
 
 
 def provenance(estimate: EstimateData) -> list[str]:

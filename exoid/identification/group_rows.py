@@ -123,12 +123,6 @@ class Group:
             yield RowBlock(kind, rows, begins, following is None, first)
             rows, begins = following, False
 
-    def recording_r_factors(self, weights: Sequence[float]) -> Iterator[RFactor]:
-        """Stack the weighted R factors of all joints of each recording."""
-        for index, of_joints in enumerate(self.each):
-            at_rest = self.at_rest(index)
-            yield stack(of_joints, [weights[self.place(at_rest, joint)] for joint in range(len(of_joints))])
-
     def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
         if index not in self._prepared:

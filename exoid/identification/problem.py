@@ -162,26 +162,6 @@ class Problem:
         of_group = slice(*self.starts[1, group : group + 2])
         return self.widened(stack(self.groups[group].r_factors, weights[of_group]), group)
 
-    def recording_r_factors(self, weights: Sequence[float]) -> list[RFactor]:
-        """R factor of the weighted rows of each recording, group by group."""
-        return [
-            self.widened(r_factor, k)
-            for k, group in enumerate(self.groups)
-            for r_factor in group.recording_r_factors(weights[slice(*self.starts[1, k : k + 2])])
-        ]
-
-    def without(self, index: int, others: RFactor, solution: Solution) -> FloatArray:
-        """Solve without one of the recordings; a group that has no other loses its own parameters."""
-        name = [group.name for group in self.groups for _ in group.each][index]
-        if sum(len(group.data) for group in self.groups if group.name == name) > 1:
-            return self.solve(others).values
-        places = [self.layout.place(one, self.layout.groups.index(name)) for one in self.layout.own]
-        lost = [k for k in places if self.names[k] not in self.prior_knowledge.names]
-        known = {**self.prior_knowledge.known, **{self.names[k]: float(solution.values[k]) for k in lost}}
-        found = self.solve(others, replace(self.prior_knowledge, known=known)).values.copy()
-        found[lost] = np.inf
-        return found
-
 
 class Fitted(NamedTuple):
     """A fit to a problem."""

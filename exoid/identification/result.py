@@ -26,7 +26,6 @@ from exoid.regression.diagnostics import (
     short_runs,
 )
 from exoid.regression.fit import samples_left, uncertainty_of
-from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
@@ -60,7 +59,6 @@ class Result:
     collinearity: Collinearity  # parameters that the rows can hardly tell apart
     nonlinear: NonlinearParameters  # nonlinear parameters with their covariance
     inputs: tuple[Input, ...]  # all recordings: the errors of every group come from all of them
-    influence: Influence | None  # influence of each recording on all parameters; None for one, and on the ground
     warnings: tuple[str, ...]  # warnings of the fit as a whole
 
     @classmethod
@@ -81,7 +79,7 @@ class Result:
         left = samples_left(rows, solution.inverse, samples.tolist(), free)
         summaries = {group.name: group.summaries for group in problem.groups}
         inputs = [one.evidence for of_group in summaries.values() for one in of_group]
-        std, standing = np.sqrt(np.diag(covariance)), problem.groups[0].links is not None
+        standing = problem.groups[0].links is not None
         collinearity, nonlinear = Collinearity.of(solution), fitted.nonlinear
         if nonlinear is not NO_NONLINEAR_PARAMETERS:
             count = len(fitted.models[0].names)
@@ -103,9 +101,6 @@ class Result:
             collinearity=collinearity,
             nonlinear=nonlinear,
             inputs=tuple(dict.fromkeys(inputs)) if standing else tuple(inputs),
-            influence=None
-            if standing or len(inputs) < 2
-            else influence(problem, [one.name for one in inputs], fit.weights, std),
             warnings=(
                 *fitted.warnings,
                 *(() if nonlinear is NO_NONLINEAR_PARAMETERS else nonlinear.warnings),
@@ -166,7 +161,6 @@ class Result:
                 reference_scale=self.reference[places],
                 collinearity=self.collinearity.indices[places],
                 noise=noise,
-                influence=None if self.influence is None else self.influence.at(places),
                 ranges=checkup.ranges,
                 torque_spread=checkup.torque_spread,
                 cutoff_source=self.cutoff_source,

@@ -2,14 +2,12 @@
 
 from .diagnostics import JointNoise
 from .fit import Fit
-from .influence import Influence
 from .least_squares import joint_table, stack
 from .parameters import Prior
 from .row_data import Rows
 
 __all__ = [
     "Fit",
-    "Influence",
     "JointNoise",
     "Prior",
     "Rows",

@@ -57,9 +57,3 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
         """Go over the rows in order of time, all or as many as carry independent noise, recording by recording."""
-
-    def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
-        """Reduce the rows of each recording to an R factor, weighted as :attr:`r_factors`."""
-
-    def without(self, index: int, others: RFactor, solution: Solution) -> NDArray[np.float64]:
-        """Solve for the weighted rows of all recordings but one; infinite where only that one determines, (P,)."""

@@ -2,7 +2,7 @@
 
 ``pytest tests/benchmarks/test_least_squares.py -s`` prints the ratios. Ours goes from samples to estimate and
 covariance block by block, on orthogonal factorisations, which need no refinement. What :func:`exoid.identify` does
-beyond (a model of the noise, diagnostics, influence, a hash of the data) has no counterpart in the loop.
+beyond (a model of the noise, diagnostics, a hash of the data) has no counterpart in the loop.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from exoid.actuators.drive_data import describe_actuators
 from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate, predict_motion
 from exoid.estimate.finding import ordered, verdict_line
-from exoid.estimate.text import assumptions, influences
+from exoid.estimate.text import assumptions
 from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
@@ -116,7 +116,7 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
 
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
-    """Recordings, drives, the influence of each recording, and the settings."""
+    """Recordings, drives, and the settings."""
     rows = [
         (i.label, f"{i.samples}", f"{i.sample_rate:.4g}", "moves" if i.moving_base else "at rest", i.sha256)
         for i in estimate.inputs
@@ -124,28 +124,7 @@ def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
     yield DataTable("Recordings", ("name", "samples", "rate [Hz]", "base", "sha256"), rows)
     if estimate.actuators is not None:
         yield Text(["Torques were computed of what these drives measured.", *describe_actuators(estimate.actuators)])
-    yield from _influence(estimate)
     yield _settings(estimate)
-
-
-def _influence(estimate: Estimate) -> Iterator[Block]:
-    """Table and notes on the influence of each of several recordings; nothing for a single recording."""
-    influence = estimate.influence
-    if influence is None:
-        return
-    uncertain = estimate.std > 0.0
-    rows = []
-    for recording, change, share, expected in zip(*influence, strict=True):
-        most = int(np.argmax(np.abs(change) / np.maximum(expected, 1.0)))
-        largest = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not identifiable"
-        # Nonlinear parameters also take a share of the information, which is not known.
-        mean_share = "–" if len(estimate.nonlinear) else f"{100 * share[uncertain].mean():.0f}"
-        by_noise = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
-        rows.append((recording, mean_share, estimate.names[most], largest, by_noise))
-    headers = ("left-out recording", "share of information [%]", "changes most", "change [std]", "by noise [std]")
-    yield DataTable("Influence of each recording", headers, rows)
-    if lines := [f"{line}." for line in influences(estimate)]:
-        yield Text(lines)
 
 
 def _settings(estimate: Estimate) -> Text:
