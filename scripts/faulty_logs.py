@@ -76,7 +76,7 @@ def clean_log(name: str, seed: int, *, sharpness: float = SHARPNESS) -> Log:
 
 def _truth(leg: exoid.Leg, size: FloatArray) -> dict[str, float]:
     """True parameters of a simulated log, by name; others are zero."""
-    labels = TorqueModel.at_start(leg, exoid.torques.DEFAULT_TERMS).joint_labels
+    labels = TorqueModel(leg, exoid.torques.DEFAULT_TERMS).joint_labels
     truth = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     for part, symbol in ((COULOMB, "c0"), (VISCOUS, "d")):
         truth |= {f"{symbol}_{label}": part * float(own) for label, own in zip(labels, size, strict=True)}

@@ -168,7 +168,6 @@ for name in ("wls", "ols", "huber", "ml"):
 TERMS: Mapping[str, tuple[Any, ...]] = {
     "coulomb asymmetric": (exoid.Coulomb(asymmetric=True), exoid.Viscous(asymmetric=True)),
     "presliding": (exoid.Coulomb(presliding=1e-3), exoid.Viscous()),
-    "presliding found": (exoid.Coulomb(presliding=torques.NonlinearParameter(1e-3, 1e-5, 0.03)), exoid.Viscous()),
     "stribeck": (exoid.Coulomb(), torques.Stribeck(), exoid.Viscous()),
     "load": (exoid.Coulomb(), torques.LoadFriction(), exoid.Viscous()),
     "load split": (torques.LoadFriction(split=True), exoid.Viscous()),

@@ -75,7 +75,7 @@ class WornLog:
     @property
     def model(self) -> TorqueModel:
         """Bodies and terms."""
-        return TorqueModel.at_start(self.leg, TERMS)
+        return TorqueModel(self.leg, TERMS)
 
     @property
     def wearer(self) -> Array:

@@ -19,7 +19,7 @@ from exoid.torques import (
     TorqueModel,
     Viscous,
 )
-from exoid.torques.term import TermBlock, number
+from exoid.torques.term import TermBlock
 from exoid.torques.terms import DryFriction
 
 from .dialect import Dialect
@@ -110,7 +110,7 @@ def _stiffness(term: Stiffness, joint: JointInC) -> str:
 
 @register_c_form(Stribeck, "friction")
 def _stribeck(term: Stribeck, joint: JointInC) -> str:
-    ratio = f"({joint.variable} / {joint.number(number(term.velocity))})"
+    ratio = f"({joint.variable} / {joint.number(term.velocity)})"
     return _dry(term, f"{joint.parameters['cs']} * {joint.function('exp')}(-{ratio} * {ratio})", joint)
 
 

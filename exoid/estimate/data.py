@@ -67,8 +67,8 @@ class EstimateData(ParameterTable):
         inputs: Recordings that were fitted.
         warnings: Reasons to doubt this estimate.
         prior_knowledge: Known parameters, priors and signs.
-        nonlinear: Nonlinear parameters, such as a Stribeck velocity; the covariance of the values includes their
-            uncertainty.
+        nonlinear: Constants of drives that were fitted, such as a torque constant; the covariance of the values
+            includes their uncertainty.
         findings: Faults of the logs or the model that checks found, the worst first; see ``docs/checks.md``.
         model_error: Doubt about the form of friction, which widens bands beyond the motion that was fitted; None where
             it was not stored, or where logs were not checked.

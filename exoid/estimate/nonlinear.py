@@ -1,4 +1,4 @@
-"""Nonlinear parameters that a fit has found."""
+"""Constants of drives that a fit has found, which the torque is not linear in."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .evidence import freeze
 
 @dataclass(frozen=True, eq=False)
 class NonlinearParameters:
-    """Nonlinear parameters of terms, such as a Stribeck velocity, with their uncertainty.
+    """Constants of drives, such as a torque constant, with their uncertainty.
 
     Attributes:
-        names: Symbol and joint, (S,).
+        names: Symbol and joint, such as kt_hip, (S,).
         units: Their units.
         values: (S,).
         covariance: Covariance of the values (Gauss and Newton), (S, S); zero for those that are held.
-        held: Settings that the recordings did not determine, and that stand where the fit left them.
+        held: Constants that stand at a bound.
     """
 
     names: tuple[str, ...] = ()
@@ -37,7 +37,7 @@ class NonlinearParameters:
         freeze(self, {"values": (count,), "covariance": (count, count)})
 
     def __len__(self) -> int:
-        """Number of settings."""
+        """Number of constants."""
         return len(self.names)
 
     @property
@@ -53,19 +53,8 @@ class NonlinearParameters:
             for name, value, std in zip(self.names, self.values, self.std, strict=True)
         )
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Say of each that was found but is not determined what that means."""
-        return tuple(
-            f"{name} = {value:.3g} ± {std:.2g} {unit} is not determined: a given value may predict as well"
-            for name, value, std, unit, judged in zip(
-                self.names, self.values, self.std, self.units, self.identifiability, strict=True
-            )
-            if judged == "not"
-        )
-
     def interval(self, dof: float, level: float = 0.95) -> FloatArray:
-        """Confidence intervals, (S, 2), of Student's t for the logarithms, as settings are positive.
+        """Confidence intervals, (S, 2), of Student's t for the logarithms, as constants are positive.
 
         Args:
             dof: Degrees of freedom of the estimate.

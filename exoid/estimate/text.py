@@ -42,7 +42,7 @@ def below_parameters(estimate: EstimateData) -> Iterator[str]:
 
 
 def parameter_table(estimate: EstimateData, caption: str = "") -> DataTable:
-    """Make a table of the parameters, then of fitted settings of terms, with the URDF's values beside them."""
+    """Make a table of the parameters, then of fitted constants of drives, with the URDF's values beside them."""
     leg, nonlinear = estimate.model.leg, estimate.nonlinear
     given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     settings = number_rows(nonlinear, nonlinear.interval(estimate.dof))

@@ -53,14 +53,14 @@ def refuse_beside_unknown(
     wrong = {
         "groups of recordings are fitted": [*mounted] != [""],
         f"{name_of(estimator)} fits the torque of every sample": getattr(estimator, "fits_samples", False),
-        "terms are nonlinear or depend on the load": any(term.nonlinear or term.loaded for term in terms),
+        "terms depend on the load": any(term.loaded for term in terms),
         "delays are to be corrected": delay is not None,
     }
     for what, is_so in wrong.items():
         if is_so:
             raise NotSupportedError(
                 f"{which}: constants of drives are not found where {what}",
-                remedy="identify them first, by wls and linear terms from recordings of one leg, and give the "
+                remedy="identify them first, by wls and terms without load from recordings of one leg, and give the "
                 "motors these numbers",
             )
     told = [name for name in constants if name in names]

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.actuators import Actuators
 from exoid.actuators.constants import unknown_constants
-from exoid.errors import BadArgumentError, within
+from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.estimate.late_velocity import without_late_velocity
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
@@ -25,7 +25,7 @@ from .drives import Drives, computed_joints, default_terms, drive_groups, known_
 from .estimators import Estimator
 from .findings.repeats import counted_once
 from .group_rows import Group, Measured, check_recordings
-from .groups import own_parameters, pair_groups, refuse_nonlinear_terms
+from .groups import own_parameters, pair_groups
 from .problem import Problem
 from .recording_summary import (
     SMALLEST_MOTION,
@@ -76,8 +76,12 @@ def begin(
         known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)
         knowledge = replace(knowledge, known=known)
         refuse_beside_unknown(mounted, estimator, chosen, delay, knowledge.names)
-    if len(pairs) > 1:
-        refuse_nonlinear_terms(next(iter(pairs.values()))[0], chosen)
+    loaded = [type(term).__name__ for term in chosen if term.loaded]
+    if len(pairs) > 1 and loaded:
+        raise NotSupportedError(
+            f"{', '.join(loaded)}: several groups are fitted together only where torque is linear in all parameters",
+            remedy="leave LoadFriction out, or identify them one by one",
+        )
     groups = tuple(
         Group(name, _model(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
         for name, (of_group, data) in pairs.items()
@@ -179,6 +183,6 @@ def _remodelled(problem: Problem, own: str | Sequence[str] | None, apart: Sequen
 
 def _model(leg: Leg, terms: Sequence[Term], known: Sequence[str], apart: Sequence[str] = ()) -> TorqueModel:
     """Make a torque model: parameters are regrouped into free ones only, since a known one cannot take them in."""
-    model = TorqueModel.at_start(leg, terms, (*known, *apart))
+    model = TorqueModel(leg, tuple(terms), separate=(*known, *apart))
     freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(known)]
-    return TorqueModel.at_start(leg, terms, (*known, *apart, *freed)) if freed else model
+    return TorqueModel(leg, model.terms, separate=(*known, *apart, *freed)) if freed else model

@@ -8,15 +8,13 @@ from typing import NamedTuple
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, within
+from exoid.errors import BadArgumentError, ExoidError, within
 from exoid.estimate.comparison import Equality, equality_of
 from exoid.leg.leg import Leg
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
-from exoid.torques import Term
-from exoid.torques.nonlinear import nonlinear_settings
 
 from .estimators import Estimator
 from .estimators.by_name import fit_by
@@ -98,18 +96,6 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
     if not set(rigid) <= wanted:
         _refuse_other_designs(groups)
     return tuple(name for name in model.names if name in wanted)
-
-
-def refuse_nonlinear_terms(leg: Leg, terms: Sequence[Term]) -> None:
-    """Refuse terms whose torque is not linear in all parameters where there are several groups."""
-    free = [setting.name for setting in nonlinear_settings(terms, leg.joint_names, leg.joint_labels)]
-    loaded = [type(term).__name__ for term in terms if term.loaded]
-    if free or loaded:
-        raise NotSupportedError(
-            f"{', '.join((*free, *loaded))}: several groups are fitted together only where torque is linear in all "
-            "parameters",
-            remedy="give settings numbers, such as those that exoid.identify finds, and leave LoadFriction out",
-        )
 
 
 def _refuse_other_designs(groups: Sequence[Group]) -> None:

@@ -23,10 +23,10 @@ from .estimators import Estimator
 from .estimators.by_name import find_estimator, fit_linear, name_of
 from .gather import begin, gather
 from .group_rows import Measured
+from .load_friction import fit_under_load
 from .on_ground import fit_on_ground
 from .problem import Fitted, Problem
 from .result import Result
-from .variable_projection import VariableProjection
 
 
 class FitOptions(TypedDict, total=False):
@@ -176,10 +176,8 @@ def identify(
 
 
 def way_to_fit(problem: Problem) -> Callable[[Problem, Estimator], Fitted]:
-    """Choose how a model is fitted in the air: at once where it is linear in all parameters, else by a search."""
+    """Choose how a model is fitted in the air: at once where it is linear in all parameters, else step by step."""
     actuators = problem.groups[0].actuators
     if actuators is not None and unknown_constants(actuators):
         return search_constants
-    if any(term.nonlinear or term.loaded for term in problem.terms):
-        return lambda problem, estimator: VariableProjection(problem, estimator).run()
-    return fit_linear
+    return fit_under_load if any(term.loaded for term in problem.terms) else fit_linear

@@ -109,10 +109,8 @@ def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: 
     """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
     if getattr(estimator, "fits_samples", False):
         raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber or ols")
-    if any(term.nonlinear or term.loaded for term in problem.terms):
-        raise NotSupportedError(
-            "terms beside a ground are linear in their parameters", remedy="give settings as numbers"
-        )
+    if any(term.loaded for term in problem.terms):
+        raise NotSupportedError("terms beside a ground are linear in their parameters", remedy="leave LoadFriction out")
     groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
     share = 1.0 / len(groups)
     return replace(problem, groups=tuple(replace(group, memory_share=share) for group in groups))

@@ -33,7 +33,7 @@ class Problem:
     groups: tuple[Group, ...]  # recordings and rows of each group
     own: tuple[str, ...] = ()  # names of parameters that each group has of its own
     given: PriorKnowledge = NO_PRIOR_KNOWLEDGE  # known parameters, priors and signs, as they were given
-    terms: tuple[Term, ...] = ()  # terms of the models, settings of which may be nonlinear parameters
+    terms: tuple[Term, ...] = ()  # terms of the models
 
     @cached_property
     def layout(self) -> ParameterLayout:
@@ -166,10 +166,10 @@ class Problem:
 class Fitted(NamedTuple):
     """A fit to a problem."""
 
-    problem: Problem  # rows, about the solution linear in β and in the nonlinear parameters that are not held
+    problem: Problem  # rows, about the solution linear in β and in the constants of drives that are not held
     fit: Fit  # solution in both
-    models: tuple[TorqueModel, ...]  # torque model of each group with all settings, loaded by the fitted rigid bodies
-    nonlinear: NonlinearParameters  # nonlinear parameters that were found, without covariance
+    models: tuple[TorqueModel, ...]  # torque model of each group, loaded by the fitted rigid bodies
+    nonlinear: NonlinearParameters  # constants of drives that were found, without covariance
     warnings: tuple[str, ...]  # warnings for the reader
     doubt: FloatArray | None = (
         None  # covariance that errors of numbers beside the parameters add, (P, P); None for none

@@ -57,7 +57,7 @@ class Result:
     reference: FloatArray  # smallest reference scale that any group has for each parameter, (P,)
     noise: tuple[JointNoise, ...]  # noise of the residuals of each joint, group by group
     collinearity: Collinearity  # parameters that the rows can hardly tell apart
-    nonlinear: NonlinearParameters  # nonlinear parameters with their covariance
+    nonlinear: NonlinearParameters  # constants of drives with their covariance
     inputs: tuple[Input, ...]  # all recordings: the errors of every group come from all of them
     warnings: tuple[str, ...]  # warnings of the fit as a whole
 
@@ -103,7 +103,6 @@ class Result:
             inputs=tuple(dict.fromkeys(inputs)) if standing else tuple(inputs),
             warnings=(
                 *fitted.warnings,
-                *(() if nonlinear is NO_NONLINEAR_PARAMETERS else nonlinear.warnings),
                 *collinearity.warnings(problem.names),
                 *(() if white else short_runs(found.noises, problem.joint_names)),
             ),
@@ -118,7 +117,7 @@ class Result:
         first, rows, standing = parts[0], problem.groups[parts[0]], problem.groups[parts[0]].links is not None
         model = rows.plain_model if standing else self.fitted.models[first]
         every, values = layout.places[group], self.fitted.values(first)
-        places = every[: len(values)]  # nonlinear parameters stand behind the others
+        places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
         joints = range(*problem.starts[0, first : first + 2])
         noise = None if standing else self.noise[joints.start : joints.stop]

@@ -192,8 +192,8 @@ class RecursiveEstimator:
 def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:
     """Torque model of the estimator; that of the start where there is one, so that parameters have the same names."""
     if start is None:
-        return TorqueModel.at_start(leg, DEFAULT_TERMS if terms is None else terms)
-    model = TorqueModel.at_start(leg, start.model.terms if terms is None else terms, start.names)
+        return TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
+    model = TorqueModel(leg, start.model.terms if terms is None else tuple(terms), separate=start.names)
     if model.names != start.names:
         raise BadArgumentError(
             f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}",

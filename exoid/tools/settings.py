@@ -40,7 +40,7 @@ def named_default(registry: Registry[type[T]], name: str) -> T:
         ) from error
 
 
-def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type | None = None) -> dict[str, Any]:
+def named_to_json(registry: Registry[type[T]], key: str, thing: T) -> dict[str, Any]:
     """Describe an object by the name of its class, and by its settings."""
     kind = type(thing)
     name = registry.name_of(kind)
@@ -50,12 +50,15 @@ def named_to_json(registry: Registry[type[T]], key: str, thing: T, nested: type 
             remedy=f'give it one: {registry.call}("name", {kind.__name__})',
         )
     origin = {} if kind.__module__.partition(".")[0] == "exoid" else {ORIGIN: kind.__module__}
-    return {key: name, **origin, **_settings(thing, nested)}
+    settings = {
+        field.name: _value_to_json(getattr(thing, field.name), f"{kind.__name__}({field.name}=")
+        for field in fields(thing)  # type: ignore[arg-type]
+        if field.init
+    }
+    return {key: name, **origin, **settings}
 
 
-def named_from_json(
-    registry: Registry[type[T]], key: str, data: Mapping[str, Any], nested: type[Any] | None = None
-) -> T:
+def named_from_json(registry: Registry[type[T]], key: str, data: Mapping[str, Any]) -> T:
     """Make an object from its description."""
     name, origin = data.get(key, ""), str(data.get(ORIGIN, ""))
     kind = registry.find(name, origin)
@@ -65,7 +68,7 @@ def named_from_json(
             value = settings.get(field.name, 0.0)
             if field.type in (int, float, "int", "float") and type(value) not in (int, float):
                 raise TypeError(f"{field.name} is no number")
-        return kind(**{field: _value_from_json(value, nested) for field, value in settings.items()})
+        return kind(**{field: _value_from_json(value) for field, value in settings.items()})
     except TypeError as error:
         known = ", ".join(field.name for field in fields(kind) if field.init) or "none"  # type: ignore[arg-type]
         version = f"; install the version of {origin} that wrote the file" if origin else ""
@@ -75,21 +78,10 @@ def named_from_json(
         ) from error
 
 
-def _settings(thing: Any, nested: type | None) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
-    """Value of each field that the class takes."""
-    return {
-        field.name: _value_to_json(getattr(thing, field.name), nested, f"{type(thing).__name__}({field.name}=")
-        for field in fields(thing)
-        if field.init
-    }
-
-
-def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa: ANN401
+def _value_to_json(value: Any, where: str) -> Any:  # noqa: ANN401
     """Value of a field; numbers of NumPy are Python's only where they are the same type, as float64 is."""
-    if nested is not None and type(value) is nested:
-        return _settings(value, None)
     if type(value) is tuple:
-        return [_value_to_json(item, nested, where) for item in value]
+        return [_value_to_json(item, where) for item in value]
     if isinstance(value, float) and math.isfinite(value):
         return float(value)
     if (
@@ -98,14 +90,11 @@ def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa:
         or (type(value) is str and value.encode(errors="ignore").decode() == value)
     ):
         return value
-    beside = "" if nested is None else f", {nested.__name__}"
     raise BadArgumentError(
         f"{where}{reprlib.repr(value)}) cannot be written to a file",
-        remedy=f"let settings be finite numbers, text, True, False, None{beside}, or tuples of these",
+        remedy="let settings be finite numbers, text, True, False, None, or tuples of these",
     )
 
 
-def _value_from_json(value: Any, nested: type[Any] | None) -> Any:  # noqa: ANN401
-    if isinstance(value, list):
-        return tuple(_value_from_json(item, nested) for item in value)
-    return nested(**value) if isinstance(value, Mapping) and nested is not None else value
+def _value_from_json(value: Any) -> Any:  # noqa: ANN401
+    return tuple(_value_from_json(item) for item in value) if isinstance(value, list) else value

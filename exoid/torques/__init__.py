@@ -7,7 +7,7 @@ from .model import TorqueModel
 from .motion import JointMotion, Motion
 from .presliding import Presliding
 from .regrouping import Regrouped
-from .term import NonlinearParameter, Term
+from .term import Term
 from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
 __all__ = [
@@ -22,7 +22,6 @@ __all__ = [
     "JointMotion",
     "LoadFriction",
     "Motion",
-    "NonlinearParameter",
     "Offset",
     "Presliding",
     "Regrouped",

@@ -11,7 +11,7 @@ from exoid.tools.settings import named_default, named_from_json, named_to_json, 
 
 from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
-from .term import NonlinearParameter, Term
+from .term import Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
 DEFAULT_TERMS: tuple[Term, ...] = (
@@ -58,7 +58,7 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
     Args:
         name: Letters, digits, ".", "_" and "-", such as "end-stop".
         kind: The type, a frozen dataclass derived from :class:`Term`; None for a decorator. Settings that a file can
-            hold are finite numbers, text, True, False, None, :class:`NonlinearParameter` and tuples of these.
+            hold are finite numbers, text, True, False, None and tuples of these.
 
     Returns:
         The type as it is, or the decorator.
@@ -102,9 +102,9 @@ def term_by_name(name: str) -> Term:
 
 def term_to_json(term: Term) -> dict[str, Any]:
     """Describe a term by its name and settings, and by its module if that is not of exoid."""
-    return named_to_json(TERMS, KEY, term, NonlinearParameter)
+    return named_to_json(TERMS, KEY, term)
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:
     """Make a term from its description."""
-    return named_from_json(TERMS, KEY, data, NonlinearParameter)
+    return named_from_json(TERMS, KEY, data)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,6 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
 from .motion import JointMotion
-from .term import NonlinearParameter, number
 from .terms import DryFriction
 
 
@@ -22,31 +20,24 @@ class Stribeck(DryFriction):
     Dry friction falls from c0 + cs at breakaway to c0 at high speed. With cs < 0 it grows with speed to a limit.
 
     Attributes:
-        velocity: Stribeck velocity vs [rad/s], or :class:`NonlinearParameter` for the fit to find it.
+        velocity: Stribeck velocity vs [rad/s].
     """
 
-    velocity: float | NonlinearParameter = 0.1
+    velocity: float = 0.1
 
     def __post_init__(self) -> None:
         """Check that all settings make sense."""
         super().__post_init__()
-        if not isinstance(self.velocity, NonlinearParameter) and not 0.0 < self.velocity < np.inf:
-            raise BadArgumentError(
-                f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or NonlinearParameter"
-            )
+        if not 0.0 < self.velocity < np.inf:
+            raise BadArgumentError(f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive")
 
     symbols = ("cs",)
     units = ("N·m",)
 
-    @property
-    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbols of dry friction, and vs of the velocity."""
-        return {**super().nonlinear_symbols, "velocity": ("vs", "rad/s")}
-
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the column exp(−(v / velocity)²) z."""
         self.direction(motion, out[0])
-        out[0] *= np.exp(-((motion.v / number(self.velocity)) ** 2))
+        out[0] *= np.exp(-((motion.v / self.velocity) ** 2))
 
 
 @dataclass(frozen=True, kw_only=True)

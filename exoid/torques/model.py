@@ -19,7 +19,6 @@ from exoid.leg.torso import MovingBase
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
 from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
-from .nonlinear import nonlinear_settings, with_settings
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
 from .term import (
@@ -45,7 +44,7 @@ class TorqueModel:
         separate: Parameters that are not regrouped although no motion distinguishes them, as their values are known.
 
     Raises:
-        ExoidError: A parameter occurs twice, a setting is a :class:`NonlinearParameter`, a joint is missing, or
+        ExoidError: A parameter occurs twice, a joint is missing, or
             ``regrouped`` is of other terms.
 
     Example:
@@ -63,45 +62,18 @@ class TorqueModel:
     separate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check names and settings, and find what is regrouped."""
+        """Check names, and find what is regrouped."""
         names = self.every_name
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise BadArgumentError(
                 f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint"
             )
-        if any(term.nonlinear for term in self.terms):
-            settings = nonlinear_settings(self.terms, self.leg.joint_names, self.leg.joint_labels)
-            raise BadArgumentError(
-                f"nonlinear parameters have no value yet: {', '.join(setting.name for setting in settings)}",
-                remedy="give them numbers, or let exoid.identify find them",
-            )
         if self.regrouped is None:
             object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid, separate=self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
             raise BadArgumentError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
-
-    @classmethod
-    def at_start(cls, leg: Leg, terms: Sequence[Term], separate: Sequence[str] = ()) -> TorqueModel:
-        """Make a torque model with all nonlinear parameters at their start values.
-
-        Args:
-            leg: The leg.
-            terms: Terms, settings of which may be nonlinear parameters.
-            separate: Parameters that are not regrouped, as their values are known.
-
-        Returns:
-            The torque model.
-
-        Raises:
-            ExoidError: A term does not fit the leg.
-        """
-        if any(term.nonlinear for term in terms):
-            names, labels = leg.joint_names, leg.joint_labels
-            start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
-            terms = with_settings(terms, names, labels, start)
-        return cls(leg, tuple(terms), separate=tuple(separate))
 
     def __repr__(self) -> str:
         """Write leg, terms and parameters in one line."""
@@ -269,7 +241,7 @@ class TorqueModel:
             ExoidError: Shapes do not fit, or the leg does not have a joint that a payload names.
         """
         q, v, a = self.leg.samples(q, v, a)
-        motion = Motion(q, v, a, torso, internal_states(self._stateful, q, v), computed=computed)
+        motion = Motion(q, v, a, torso, internal_states(self.blocks, q, v), computed=computed)
         if not payloads:
             return motion
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q))
@@ -452,11 +424,6 @@ class TorqueModel:
     def _known_columns(self) -> int:
         """Number of columns beyond those of the parameters."""
         return 0
-
-    @property
-    def _stateful(self) -> tuple[TermBlock, ...]:
-        """Terms at joints whose internal states are needed."""
-        return self.blocks
 
     def _fill_terms(self, motion: LoadedMotion, out: FloatArray) -> None:
         """Write the terms' columns below those of the rigid bodies, (P or more, n, N)."""

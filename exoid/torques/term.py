@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,41 +16,6 @@ from exoid.leg.leg import Leg
 
 from .motion import JointMotion, LoadedMotion, Motion
 from .presliding import Presliding
-
-
-@dataclass(frozen=True)
-class NonlinearParameter:
-    """Start and bounds of a setting that the fit finds; pass it instead of a number.
-
-    ``Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))`` starts at 0.1 and searches between 0.01 and 1 rad/s.
-
-    Attributes:
-        start: Start value.
-        lower: Smallest value, above zero.
-        upper: Largest value.
-
-    Raises:
-        ExoidError: They are not in ascending order.
-    """
-
-    start: float
-    lower: float
-    upper: float
-
-    def __post_init__(self) -> None:
-        """Check the order."""
-        if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
-            raise BadArgumentError(
-                f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
-                remedy="0 < lower ≤ start ≤ upper, and lower < upper",
-            )
-
-
-def number(value: float | NonlinearParameter) -> float:
-    """Return the value of a setting."""
-    if isinstance(value, NonlinearParameter):
-        raise BadArgumentError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
-    return value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,16 +80,6 @@ class Term(ABC):
     def internal_state(self) -> Presliding | None:
         """Internal state, which depends on the motion before a sample; None for a term without memory."""
         return None
-
-    @property
-    def nonlinear(self) -> bool:
-        """Whether a setting is a :class:`NonlinearParameter`."""
-        return any(isinstance(getattr(self, field.name), NonlinearParameter) for field in fields(self))
-
-    @property
-    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol and unit of each field that may be an :class:`exoid.torques.NonlinearParameter`."""
-        return {}
 
     @abstractmethod
     def fill(self, motion: JointMotion, out: FloatArray) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from exoid.errors import BadArgumentError
 
 from .motion import JointMotion
 from .presliding import Presliding
-from .term import NonlinearParameter, Term, number
+from .term import Term
 
 SMOOTHING = 0.02
 """Usual velocity over which friction, and the efficiency of a drive, change their sign [rad/s]."""
@@ -52,7 +51,7 @@ class DryFriction(Term):
     """
 
     smoothing: float = SMOOTHING
-    presliding: float | NonlinearParameter = 0.0
+    presliding: float = 0.0
     dead_band: float = 0.0
     reversal_speed: float = 0.0
 
@@ -62,25 +61,18 @@ class DryFriction(Term):
             ("smoothing", "a velocity in rad/s, zero or positive"),
             ("dead_band", "a velocity in rad/s, zero or positive"),
             ("reversal_speed", "a velocity in rad/s, zero or positive"),
-            ("presliding", "an angle in rad, zero or positive, or NonlinearParameter"),
+            ("presliding", "an angle in rad, zero or positive"),
         ):
             value = getattr(self, name)
-            free = name == "presliding" and isinstance(value, NonlinearParameter)
-            if not free and not 0.0 <= value < np.inf:
+            if not 0.0 <= value < np.inf:
                 raise BadArgumentError(f"{type(self).__name__}({name}={value})", remedy=unit)
 
     friction = True
 
     @property
-    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol delta of presliding."""
-        return {"presliding": ("delta", "rad")}
-
-    @property
     def internal_state(self) -> Presliding | None:
         """Presliding state; None without presliding."""
-        length = number(self.presliding)
-        return Presliding(length) if length > 0.0 else None
+        return Presliding(self.presliding) if self.presliding > 0.0 else None
 
     def direction(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the direction z, between −1 and 1, zero in the dead band.
@@ -88,9 +80,6 @@ class DryFriction(Term):
         Args:
             motion: Motion of the joint, N samples.
             out: Receives z, (N,).
-
-        Raises:
-            ExoidError: A setting is a :class:`NonlinearParameter`.
         """
         if motion.state is not None:
             out[:] = motion.state

@@ -104,7 +104,7 @@ def test_every_group_may_have_its_own(swing):
         assert both[name]["J1"].value == pytest.approx(plain[name]["J1"].value - ROTOR, abs=1e-10)
 
 
-def test_terms_with_nonlinear_settings_or_load_take_it(swing):
+def test_terms_with_load_take_it(swing):
     terms = (Coulomb(), Viscous(), Armature(), LoadFriction())
     without = exoid.identify(swing.leg, swing.train, terms)
     with_ = exoid.identify(swing.leg, swing.train, terms, known={"Ia_hip": 1e-3})

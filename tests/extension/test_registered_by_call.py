@@ -16,7 +16,7 @@ from exoid.codegen.forms import FORMS
 from exoid.identification import register_estimator
 from exoid.identification.estimators import JointML, wls
 from exoid.signals import ZeroPhase
-from exoid.torques import NonlinearParameter, Term, TorqueModel, register_term
+from exoid.torques import Term, TorqueModel, register_term
 from exoid.torques.catalog import term_to_json
 
 LEG = exoid.load_leg("cuhk")
@@ -75,23 +75,6 @@ class TestTerms:
             with pytest.raises(ExoidError, match=r'exoid\.torques\.register_term\("name", Thick\)'):
                 write(tmp_path / name)
         assert not list(tmp_path.iterdir())
-
-    def test_settings_that_the_fit_finds_are_saved_as_numbers(self, springs, forgetful, recording, tmp_path):
-        register_term("end-stop", springs.EndStop)
-        free = NonlinearParameter(0.2, 0.05, 0.4)
-        estimate = exoid.identify(LEG, recording, (*FRICTION, springs.EndStop(onset=free)))
-        found = dict(zip(estimate.nonlinear.names, estimate.nonlinear.values, strict=True))
-        assert found == pytest.approx({"onset_hip": 0.3, "onset_knee": 0.3}, rel=0.01)
-        estimate.save(tmp_path / "est.json")
-        again = Estimate.load(tmp_path / "est.json")
-        assert again.model.terms == estimate.model.terms
-        assert again.model.terms[-1].onset == found["onset_knee"]
-        assert again.value("k_knee") == pytest.approx(STIFFNESS["knee"], rel=0.05)
-
-    def test_a_nonlinear_parameter_without_a_symbol_is_refused(self, recording):
-        thick = Thick(setting=NonlinearParameter(0.2, 0.05, 0.4))
-        with pytest.raises(ExoidError, match=r"Thick\(setting=.*the term has no symbol.*nonlinear_symbols"):
-            exoid.identify(LEG, recording, (*FRICTION[:1], thick))
 
     def test_it_can_be_a_decorator(self, forgetful):
         assert register_term("thick")(Thick) is Thick

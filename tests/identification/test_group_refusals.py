@@ -12,7 +12,7 @@ import exoid
 from exoid import identify
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.identification.estimators import JointML
-from exoid.torques import LoadFriction, NonlinearParameter, Stribeck
+from exoid.torques import LoadFriction
 
 BAD, NI = BadArgumentError, NotIdentifiableError
 
@@ -39,7 +39,6 @@ def with_an_arm(leg, two):
     return identify({"a": leg, "b": arm}, {**two, "b": Session(arm, 1, (0, 0), (1, 1), (1, 1)).recording()}, TERMS)
 
 
-STRIBECK = Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))
 REFUSALS = {
     "own parameters that do not exist": (lambda leg, two: identify(leg, two, TERMS, own="c1"), BAD),
     "an own parameter of no joint": (lambda leg, two: identify(leg, two, TERMS, own=("offset", "c0_toe")), BAD),
@@ -62,7 +61,6 @@ REFUSALS = {
         UnreadableInputError,
     ),
     "friction under load": (lambda leg, two: identify(leg, two, (*TERMS, LoadFriction())), NotSupportedError),
-    "a free setting": (lambda leg, two: identify(leg, two, (*TERMS, STRIBECK)), NotSupportedError),
     "ml": (lambda leg, two: identify(leg, two, TERMS, JointML()), NotSupportedError),
     "a known parameter of no joint": (lambda leg, two: identify(leg, two, TERMS, known={"c0_toe": 1.0}), BAD),
     "a known parameter of no group": (lambda leg, two: identify(leg, two, TERMS, known={"c0_hip[c]": 1.0}), BAD),

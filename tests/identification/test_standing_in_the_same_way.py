@@ -64,10 +64,7 @@ def test_standing_groups_share_parameters_and_have_some_of_their_own(exo, runs):
     ("arguments", "kind"),
     [
         ({"estimator": "ml"}, exoid.errors.NotSupportedError),
-        (
-            {"terms": (exoid.torques.Stribeck(velocity=exoid.torques.NonlinearParameter(0.1, 0.01, 1.0)),)},
-            exoid.errors.NotSupportedError,
-        ),
+        ({"terms": (exoid.torques.LoadFriction(),)}, exoid.errors.NotSupportedError),
         ({"preparation": "finite-difference"}, exoid.errors.NotSupportedError),
     ],
 )

@@ -65,13 +65,6 @@ def test_settings_come_back_exactly(setting):
     assert exact(again.setting, setting)
 
 
-def test_a_nested_dataclass_comes_back_also_in_a_tuple():
-    thing = Thing((Inner(0.5), 1, "a"))
-    data = json.loads(json.dumps(named_to_json(registry(), "name", thing, Inner)))
-    assert data == {"name": "thing", "from": __name__, "setting": [{"number": 0.5}, 1, "a"]}
-    assert named_from_json(registry(), "name", data, Inner) == thing
-
-
 @pytest.mark.parametrize(
     "setting",
     [

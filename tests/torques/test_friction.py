@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from planar_chains import random_motion
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Offset, Viscous
-from exoid.torques import JointMotion, LoadFriction, NonlinearParameter, Presliding, Stribeck, TorqueModel
+from exoid import Armature, Coulomb, Viscous
+from exoid.torques import JointMotion, LoadFriction, Presliding, Stribeck, TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
-from exoid.torques.linearised import linearise
-from exoid.torques.nonlinear import nonlinear_settings, with_settings
+from exoid.torques.linearised import Linearised
 
 DRY = (
     Coulomb(),
@@ -23,8 +22,6 @@ DRY = (
     LoadFriction(),
     LoadFriction(split=True, smoothing=0.1),
 )
-DELTA = NonlinearParameter(1e-3, 1e-5, 0.1)
-VS = NonlinearParameter(0.1, 0.01, 1.0)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -188,17 +185,14 @@ def test_columns_of_a_stretch_are_those_of_the_whole(presliding):
 # ------------------------------------------------------------------------------------- settings
 
 
-settings = st.one_of(
-    st.floats(0.0, 10.0),
-    st.builds(lambda x: NonlinearParameter(x, 0.1 * x, 10.0 * x), st.floats(1e-6, 1e3)),
-)
+settings = st.floats(0.0, 10.0)
 
 
 @given(settings, settings, st.floats(0.0, 1.0), st.booleans())
 def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
     lean = {"joints": ("knee",), "dead_band": band}
     terms = [
-        Coulomb(presliding=first, smoothing=second if isinstance(second, float) else 0.1, asymmetric=yes, **lean),
+        Coulomb(presliding=first, smoothing=second, asymmetric=yes, **lean),
         LoadFriction(presliding=second, split=yes, **lean),
         Stribeck(velocity=first if first != 0.0 else 1.0, **lean),
         Viscous(asymmetric=yes),
@@ -207,60 +201,31 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
         assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term
 
 
-def test_one_quantity_of_a_joint_is_one_setting():
-    names, labels = ("left_hip", "left_knee"), ("hip", "knee")
-    terms = (Coulomb(presliding=DELTA), Offset(), Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)))
-    assert [setting.name for setting in nonlinear_settings(terms, names, labels)] == [
-        "delta_hip",
-        "delta_knee",
-        "vs_knee",
-    ]
-    settled = with_settings(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
-    assert settled == (
-        Coulomb(joints=("left_hip",), presliding=1e-3),
-        Coulomb(joints=("left_knee",), presliding=2e-3),
-        Offset(),
-        Stribeck(joints=("left_knee",), presliding=2e-3, velocity=0.3),
-    )
-    with pytest.raises(ExoidError, match=r"delta_hip is .* one quantity"):
-        nonlinear_settings(
-            (Coulomb(presliding=DELTA), LoadFriction(presliding=NonlinearParameter(1e-2, 1e-5, 0.1))), names, labels
-        )
-
-
 def test_a_linearised_model_has_the_derivatives_of_the_torque():
-    """∂τ/∂β and ∂τ/∂θ by differences of the whole nonlinear torque; and at the point it gives that torque."""
+    """∂τ/∂β by differences of the whole nonlinear torque; and at the point it gives that torque."""
     leg = exoid.load_leg("cuhk")
     terms = (
-        Coulomb(presliding=DELTA),
-        LoadFriction(split=True, presliding=DELTA),
-        Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)),
-        Viscous(),
-        Armature(),
+        *(Coulomb(presliding=0.02, joints=("hip",)), Coulomb(presliding=0.01, joints=("knee",))),
+        *(LoadFriction(split=True, presliding=0.02), Stribeck(presliding=0.01, velocity=0.3, joints=("knee",))),
+        *(Viscous(), Armature()),
     )
     time = np.arange(600) / 200.0
     q = np.column_stack([np.sin(3.0 * time), 0.4 * np.cos(5.0 * time)])
     v = np.column_stack([3.0 * np.cos(3.0 * time), -2.0 * np.sin(5.0 * time)])
     a = np.column_stack([-9.0 * np.sin(3.0 * time), -10.0 * np.cos(5.0 * time)])
-    settings = {"delta_hip": 0.02, "delta_knee": 0.01, "vs_knee": 0.3}
-    beta = np.concatenate([leg.parameters, [0.8, 0.5, 0.1, 0.05, 0.08, 0.03, 0.4, 0.2, 0.1, 0.02]])
-    point = np.append(beta, list(settings.values()))
+    point = np.concatenate([leg.parameters, [0.8, 0.5, 0.1, 0.05, 0.08, 0.03, 0.4, 0.2, 0.1, 0.02]])
+    model = TorqueModel(leg, terms)
 
     def torque(x):
-        found = dict(zip(settings, x[len(beta) :], strict=True))
-        model = TorqueModel(leg, with_settings(terms, leg.joint_names, leg.joint_labels, found))
-        return model.loaded_by(x[: len(beta)]).regressor(q, v, a) @ x[: len(beta)]
+        return model.loaded_by(x).regressor(q, v, a) @ x
 
-    model = linearise(leg, terms, beta, settings)
-    assert model.names[-3:] == tuple(settings)
-    assert model.units[-3:] == ("rad", "rad", "rad/s")
-    W = model.regressor(q, v, a)
+    linear = Linearised.of(model, point)
+    W = linear.regressor(q, v, a)
     np.testing.assert_allclose(W @ np.append(point, 1.0), torque(point), atol=1e-7)
     for k, x in enumerate(point):
-        step = 1e-5 * max(abs(x), 0.1)
         change = np.zeros(len(point))
-        change[k] = step
-        slope = (torque(point + change) - torque(point - change)) / (2.0 * step)
+        change[k] = 1e-5 * max(abs(x), 0.1)
+        slope = (torque(point + change) - torque(point - change)) / (2.0 * change[k])
         np.testing.assert_allclose(W[:, :, k], slope, atol=2e-3 * max(1.0, np.abs(slope).max()))
     for joint in range(2):
-        assert not W[:, joint, :-1][:, ~model.acting[joint]].any()
+        assert not W[:, joint, :-1][:, ~linear.acting[joint]].any()

@@ -15,8 +15,6 @@ from exoid.torques import (
     CouplingFriction,
     CouplingInertia,
     CouplingSpring,
-    JointMotion,
-    NonlinearParameter,
     Stribeck,
     TorqueModel,
 )
@@ -24,7 +22,6 @@ from exoid.torques.catalog import term_by_name, term_from_json, term_to_json
 
 LEG = exoid.load_leg("cuhk")
 BOTH = ("hip", "knee")
-FREE = NonlinearParameter(0.1, 0.01, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,22 +44,12 @@ def spring(joints=BOTH, ratios=(1.0, 1.0)):
     return CouplingSpring(joints=joints, ratios=ratios)
 
 
-def still(term):
-    """Columns of a joint at rest."""
-    term.fill(JointMotion(*np.zeros((4, 1))), np.zeros((1, 1)))
-
-
 SETTINGS = {
     "negative smoothing": lambda: Coulomb(smoothing=-0.1),
     "infinite dead band": lambda: Coulomb(dead_band=np.inf),
     "negative presliding": lambda: Coulomb(presliding=-1.0),
     "Stribeck at rest": lambda: Stribeck(velocity=0.0),
     "half a degree": lambda: Stiffness(degree=2.5),
-    "start below its bound": lambda: NonlinearParameter(0.1, 0.2, 1.0),
-    "bound at zero": lambda: NonlinearParameter(0.1, 0.0, 1.0),
-    "no upper bound": lambda: NonlinearParameter(0.1, 0.1, np.inf),
-    "open setting in columns": lambda: still(Stribeck(velocity=FREE)),
-    "open setting in a model": lambda: TorqueModel(LEG, (Stribeck(velocity=FREE),)),
     "no joints": lambda: spring(joints=None),
     "one joint": lambda: spring(("hip",), (1.0,)),
     "joints as text": lambda: spring("hip", (1.0,)),

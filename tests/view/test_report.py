@@ -12,7 +12,7 @@ from exoid.experiments.excitation import assess
 from exoid.regression import Prior
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
-from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, TorqueModel, Viscous
+from exoid.torques import Armature, Coulomb, Offset, Stribeck, TorqueModel, Viscous
 from exoid.view.report import identification_report
 from exoid.view.report.fit import (
     RecordingPrediction,
@@ -124,7 +124,7 @@ def particular(swing):
     """An estimate with all kinds of prior knowledge, and the page about it."""
     data, _ = swing
     parts = [replace(data.train.slice(k * 1000, (k + 1) * 1000), source=Source(f"run{k}.csv", f"{k}")) for k in (0, 1)]
-    terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
+    terms = (Coulomb(), Stribeck(), Viscous(), Armature(), Offset())
     prior = Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
     return estimate, *undrawn_report(estimate, parts)
@@ -141,14 +141,6 @@ def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
     assert f"Kept at zero: {', '.join(estimate.bounded)}" in text
     assert "X1 is " not in text
     assert "brings X1" not in text
-
-
-def test_nonlinear_parameters_stand_below_the_linear_ones(particular):
-    estimate, _, tree = particular
-    rows = [[cell.text for cell in row] for row in tree.find(".//table").iter("tr")]
-    assert [row[0] for row in rows[1:]] == [*estimate.names, *estimate.nonlinear.names]
-    nonlinear = rows[-len(estimate.nonlinear) :]
-    np.testing.assert_allclose([float(row[1]) for row in nonlinear], estimate.nonlinear.values, rtol=5e-2)
 
 
 @pytest.mark.slow

@@ -111,7 +111,7 @@ def refuse_readings(rows: FloatArray, before: FloatArray, rate: float, names: tu
 def observed_log(source: ModelSource, recording: Recording, rate: float) -> Recording:
     """Pick what an observer reads from a log, joints in the order of the leg, with torques, at its rate."""
     where = source_of(recording)
-    model = source.model if isinstance(source, Estimate) else TorqueModel.at_start(ControlModel.of(source).leg, ())
+    model = source.model if isinstance(source, Estimate) else TorqueModel(ControlModel.of(source).leg, ())
     if isinstance(source, Estimate) and source.actuators is not None:
         recording = source.actuators.torque(recording)
     recording = for_leg(model, recording)

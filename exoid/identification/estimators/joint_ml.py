@@ -110,8 +110,8 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
     )
     if not plain:
         raise NotSupportedError(
-            "ml takes no friction that remembers, depends on load, or has free settings",
-            remedy="use wls or huber, or give the settings numbers",
+            "ml takes no friction that remembers or depends on load",
+            remedy="use wls or huber",
         )
     for data in problem.local_data:
         where, links = source_of(data), data.loaded_links if isinstance(data, Recording) else ()

@@ -176,7 +176,7 @@ def select_terms(
             "friction is not selected beside rows of the base",
             remedy='pass terms to identify, or select with base="moving" and recordings without wrenches and contacts',
         )
-    model = TorqueModel.at_start(leg, tuple(beside))
+    model = TorqueModel(leg, tuple(beside))
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)
     refuse_dead_torques(model, summaries)

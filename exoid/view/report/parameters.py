@@ -94,7 +94,6 @@ def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text
             f"{name} is {IDENTIFIABILITY[grade]} ({value} ± {std} {estimate.units[k]}); its error correlates most with "
             f"that of {estimate.names[partner]} (correlation {estimate.correlation[k, partner]:+.2f})."
         )
-    lines += [f"{warning}." for warning in estimate.nonlinear.warnings]
     if not lines:
         yield Text(["Every parameter is well identified. Test the model on a held-out recording."])
         return

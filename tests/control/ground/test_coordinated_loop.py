@@ -33,7 +33,7 @@ def machine():
 
 def loop_of(plant, requests, start="stand", rate=500.0):
     functions = {name: make(Body.of(plant.leg, plant.soles)) for name, make in FUNCTIONS.items()}
-    model = TorqueModel.at_start(plant.leg, study.TERMS)
+    model = TorqueModel(plant.leg, study.TERMS)
     values = np.array([plant.values[name] for name in model.names])
     told = ContactFilter(model, values, np.diag((0.01 * values) ** 2), plant.soles, np.zeros(3), rate)
     coordinator = Coordinator(functions, plant.leg.limits.effort, rate=500.0)

@@ -13,7 +13,7 @@ from exoid.torques.model import TorqueModel
 
 def filter_of(plant, soles):
     """The filter that knows the machine to 1 %."""
-    model, truth = TorqueModel.at_start(plant.leg, study.TERMS), plant.values
+    model, truth = TorqueModel(plant.leg, study.TERMS), plant.values
     values = np.array([truth[name] for name in model.names])
     return ContactFilter(model, values, np.diag((0.01 * values) ** 2), soles, np.array(study.SENSORS.imu_position))
 

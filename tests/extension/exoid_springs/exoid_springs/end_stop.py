@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid.codegen import register_c_form
-from exoid.torques import NonlinearParameter, Term
+from exoid.torques import Term
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,12 +13,12 @@ class EndStop(Term):
     """τ = k sgn(q) (|q| − onset)^power beyond the onset, and 0 before it.
 
     Attributes:
-        onset: Angle at which the stop begins [rad]; or NonlinearParameter, for the fit to find it.
+        onset: Angle at which the stop begins [rad].
         power: Exponent.
         sides: Directions in which there is a stop, "lower" and "upper".
     """
 
-    onset: float | NonlinearParameter = 0.3
+    onset: float = 0.3
     power: int = 2
     sides: tuple[str, ...] = ("lower", "upper")
 
@@ -33,10 +33,6 @@ class EndStop(Term):
     @property
     def nonnegative(self):
         return ("k",)
-
-    @property
-    def nonlinear_symbols(self):
-        return {"onset": ("onset", "rad")}
 
     def fill(self, motion, out):
         q = motion.q

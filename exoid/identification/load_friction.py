@@ -1,0 +1,109 @@
+"""Fits of models whose friction depends on the torque of the rigid bodies, which is not known beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import NotIdentifiableError
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
+from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, factorize, scaled_lstsq, stack
+from exoid.torques import TorqueModel
+from exoid.torques.linearised import Linearised
+
+from .estimators import Estimator
+from .estimators.by_name import fit_by
+from .problem import Fitted, Problem
+
+PASSES = 6  # passes over the rows at most to settle the parameters
+SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual
+TINY = 1e-9  # residuals below this part of the torque are rounding
+STEPS = 8  # steps at most with the estimator asked for, from the solution of weighted least squares
+STILL = 0.1  # these have converged when nothing moves by more than this part of its standard deviation,
+ROUNDING = 1e-6  # and this part of itself, where there is no noise; or when predictions have settled
+
+
+def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
+    """Solve for a linearised model again and again: by weighted least squares, then by the estimator asked for."""
+    values, change = _start(given), np.inf
+    for _ in range(STEPS):
+        problem = _linearised(given, values)
+        fit = fit_by(estimator, problem)
+        before, values = values, fit.solution.values
+        moved = values - before
+        if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
+            change = 0.0
+            break
+        change = _change(problem, fit, moved)
+        if change <= SETTLED:
+            break
+    # After the last step, a warning is due if predictions still change by more than this part of the residual
+    unsettled = () if change <= 0.02 else (f"the fit has not settled in {STEPS} steps: leave some terms out",)
+    model = given.model
+    settled = TorqueModel(model.leg, model.terms, values[: len(model.leg.parameter_names)], separate=model.separate)
+    return Fitted(problem, fit, (settled,), NO_NONLINEAR_PARAMETERS, (*fit.warnings, *unsettled))
+
+
+def _linearised(given: Problem, values: FloatArray) -> Problem:
+    return given.changed(model=Linearised.of(given.model, values))
+
+
+def _start(given: Problem) -> FloatArray:
+    """Solve from no load on, with equal weights first and then with those by the residuals of each joint."""
+    values, weights = given.prior_knowledge.fixed_values(given.names), None
+    for weighted in (False, True):
+        for _ in range(PASSES):
+            problem = _linearised(given, values)
+            problem.refuse_empty_joints()
+            values, moved = _solve(given, problem.r_factors, weights, values)
+            if moved <= SETTLED:
+                break
+        if not weighted:
+            sizes = [t.residual(values) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
+            torques = [float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
+            weights = [1.0 / max(size, TINY * max(torques)) for size in sizes]
+            values, _ = _solve(given, problem.r_factors, weights, values)
+    _refuse_unloaded(given, problem.r_factors)
+    return values
+
+
+def _solve(
+    given: Problem, r_factors: Sequence[RFactor], weights: Sequence[float] | None, values: FloatArray
+) -> tuple[FloatArray, float]:
+    """Solve for the free parameters; tells how far predictions moved, as a part of the residual."""
+    free = given.prior_knowledge.free(given.names)
+    R = stack(r_factors, weights).R
+    table = np.column_stack([R[:, :-1][:, free], R[:, -1] - R[:, :-1][:, ~free] @ values[~free]])
+    R, count = factorize(table, 0, 0.0).R, int(free.sum())
+    found = values.copy()
+    # shortest where a column says nothing: friction under a load that is not yet known
+    found[free] = scaled_lstsq(R[:count, :count], R[:count, -1])
+    left = max(float(np.linalg.norm(R[count:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
+    moved = R[:count, :count] @ (found - values)[free]
+    return found, float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
+
+
+def _refuse_unloaded(given: Problem, r_factors: Sequence[RFactor]) -> None:
+    """Refuse friction that depends on a rigid-body torque where there is none."""
+    columns = np.sqrt(sum(t.R**2 for t in r_factors)).max(axis=0)
+    loads = {name for block in given.model.blocks if block.term.loaded for name in block.names}
+    loads -= set(given.prior_knowledge.known)
+    # Columns of friction under load below this part of the torque count as zero
+    unloaded = [n for n, size in zip(given.names, columns, strict=False) if n in loads and size <= 1e-6 * columns[-1]]
+    if unloaded:
+        raise NotIdentifiableError(
+            f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
+            remedy="leave out LoadFriction at these joints",
+            parameters=tuple(unloaded),
+        )
+
+
+def _change(problem: Problem, fit: Fit, moved: FloatArray) -> float:
+    """How far predictions move with the parameters, as a part of the residual."""
+    table = stack(problem.r_factors, fit.weights).R
+    left = float(np.linalg.norm(table @ np.append(fit.solution.values, -1.0)))
+    left = max(left, TINY * float(np.linalg.norm(table[:, -1])))
+    return float(np.linalg.norm(table[:, :-1] @ moved)) / left if left > 0.0 else 0.0
