@@ -7,7 +7,6 @@ standard deviation:
 * planned: 60 s;
 * document: 60 s of its dynamic experiments: BLEEX fifteen swings of 4 s, each joint at 0.2 to 1 Hz; CUHK-EXO rows 3
   to 5 of Table II, 20 s each;
-* with poses: the same with all poses of its static experiments besides, which take many minutes more;
 * richest: 60 s of its validation motion (BLEEX, all joints at once), or of the replay's random multisine (CUHK-EXO).
 
     OMP_NUM_THREADS=1 python scripts/study_plan.py                        # comparison
@@ -26,10 +25,9 @@ import exoid
 from exoid.experiments import Bench, Harmonics, bleex, cuhk
 from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
-from exoid.experiments.excitation.precision import Precision, StaticRows, predict
+from exoid.experiments.excitation.precision import Precision, predict
 from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
-from exoid.signals import Poses
 
 NOISE = {"bleex": (0.3, 0.2, 0.1), "cuhk": (0.3, 0.3)}
 RATE = 100.0
@@ -51,19 +49,18 @@ def log(leg: exoid.Leg, motion: Harmonics, seconds: float, rig: int = 0) -> exoi
     return exoid.Recording(stamps, q, v, a, joint_names=leg.joint_names)
 
 
-def documents(leg: exoid.Leg, name: str) -> dict[str, list[exoid.Recording | StaticRows]]:
+def documents(leg: exoid.Leg, name: str) -> dict[str, list[exoid.Recording]]:
     """Return what the documents did, by name."""
-    rng = np.random.default_rng(0)
     if name == "bleex":
         motions = bleex.dynamic_motions()
         swings = [log(leg, motions, 4.0, rig) for rig in range(bleex.VALIDATION)]
-        q, readings, richest = bleex.static_sets(rng).all, 50, log(leg, motions, 60.0, bleex.VALIDATION)
+        richest = log(leg, motions, 60.0, bleex.VALIDATION)
     else:
         swings = [log(leg, cuhk.swing(joint), 20.0) for joint in (cuhk.HIP, cuhk.KNEE, cuhk.HIP)]
-        q, readings = np.vstack([cuhk.stiffness_poses(), cuhk.random_poses(rng)]), 20
+        rng = np.random.default_rng(0)
+        cuhk.random_poses(rng)  # the poses of the document come first
         richest = log(leg, cuhk.multisine(leg, rng), 60.0)
-    poses = StaticRows(Poses(q, np.zeros_like(q), leg.joint_names), readings)
-    return {"document": swings, f"with {len(q)} poses": [*swings, poses], "richest": [richest]}
+    return {"document": swings, "richest": [richest]}
 
 
 def compare(name: str, starts: int, longer: int) -> Plan:

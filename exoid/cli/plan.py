@@ -86,13 +86,6 @@ class LimitOptions(NamedTuple):
         )
 
 
-class TorsoOptions(NamedTuple):
-    """Torso tilts and poses of a leg whose torso is held."""
-
-    tilts: Annotated[str, Option(metavar="DEG,DEG", help="Torso tilts of the motions.")] = "0"
-    poses: Annotated[int, Option(min=0, help="Number of additional static poses at each tilt.")] = 0
-
-
 class StanceOptions(NamedTuple):
     """Options of motions on the ground."""
 
@@ -104,13 +97,13 @@ class StanceOptions(NamedTuple):
 @expand_options(without={"choice": ("moving_base",)})
 def plan(
     leg: LegName,
-    output: Annotated[Text, Option("--output", "-o", metavar="PLAN.CSV", help="Write the motion (and poses).")] = None,
+    output: Annotated[Text, Option("--output", "-o", metavar="PLAN.CSV", help="Write the motion.")] = None,
     assess: Annotated[Texts, Option(metavar="LOG", help="Instead, assess this log. Repeatable.")] = None,
     choice: LegOptions = ANY_LEG,
     terms: TermNames = None,
     search: SearchOptions = SearchOptions(),  # noqa: B008 - a tuple does not change
     limits: LimitOptions = LimitOptions(),  # noqa: B008
-    torso: TorsoOptions = TorsoOptions(),  # noqa: B008
+    tilts: Annotated[Text, Option(metavar="DEG,DEG", help="Torso tilts of the motions; default: upright.")] = None,
     stance: StanceOptions = StanceOptions(),  # noqa: B008
     figure: Annotated[Text, Option(metavar="PNG", help="Draw motion and precision.")] = None,
     reading: LogOptions = READ_AS_IT_IS,
@@ -128,12 +121,13 @@ def plan(
     else:
         choice = choice._replace(floating_base=True)
         searched = {name: value for name, value in given(search).items() if name in SEARCHED}
-        refuse({"--assess": assess, **given(torso), **searched}, "--stance plans fixed motions on the ground")
+        refuse({"--assess": assess, "--tilts": tilts, **searched}, "--stance plans fixed motions on the ground")
     if assess:
         refuse({"-o": output}, "--assess plans nothing")
     else:
         refuse(given(reading), "only the log of --assess is read")
-    files = {f"--output ({file.name})": file for file in _files(output, torso, stance)}
+    torso_tilts = parse_numbers(tilts, "--tilts") or (0.0,)
+    files = {f"--output ({file.name})": file for file in _files(output, torso_tilts, stance)}
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
@@ -151,8 +145,7 @@ def plan(
     else:
         with progress_bar("searching") as progress:
             more: dict[str, Any] = {"limits": allowed, "progress": progress}
-            tilts = parse_numbers(torso.tilts, "--tilts") or ()
-            more |= {"tilts_deg": tilts, "poses": torso.poses} | search.arguments()
+            more |= {"tilts_deg": torso_tilts} | search.arguments()
             result = excitation.plan_excitation(found, chosen, **more)
     if output is not None and not isinstance(result, excitation.Assessment):
         for path in excitation.plan_files.write_plan(output, result):
@@ -162,7 +155,7 @@ def plan(
     print_result(result, as_json=as_json, data=_to_json(result))
 
 
-def _files(output: str | None, torso: TorsoOptions, stance: StanceOptions) -> Sequence[Path]:
+def _files(output: str | None, tilts: Sequence[float], stance: StanceOptions) -> Sequence[Path]:
     """Files of a plan."""
     from exoid.experiments.excitation.plan_files import plan_files  # noqa: PLC0415
 
@@ -171,8 +164,7 @@ def _files(output: str | None, torso: TorsoOptions, stance: StanceOptions) -> Se
         return ()
     if feet is not None:
         return plan_files(output, feet)
-    tilts = parse_numbers(torso.tilts, "--tilts") or ()
-    return plan_files(output, [f"tilt{tilt:+g}" for tilt in tilts], poses=torso.poses > 0)
+    return plan_files(output, [f"tilt{tilt:+g}" for tilt in tilts])
 
 
 def _stance_arguments(stance: StanceOptions, search: SearchOptions) -> dict[str, Any]:

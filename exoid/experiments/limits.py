@@ -1,14 +1,120 @@
-"""Checks of poses and motions against the limits of a leg, before an experiment runs."""
+"""Limits of motions: those of a plan, and checks of poses and motions before an experiment runs."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
 from exoid.tools.numbers import ROUNDED, checked
+
+MARGIN = np.deg2rad(3.0)
+"""Margin to the joint limits of the URDF for overshoot of the servos [rad]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionLimits:
+    """Limits of each joint, (n,) each.
+
+    Attributes:
+        lower: Smallest angle [rad].
+        upper: Largest angle [rad].
+        velocity: Largest speed [rad/s].
+        acceleration: Largest acceleration [rad/s²]; inf for none.
+        torque: Largest torque [N·m]; inf for none.
+
+    Raises:
+        ExoidError: A limit is not positive, or a lower limit is not below the upper one.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    torque: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check the limits."""
+        if not (self.lower < self.upper).all() or not np.isfinite([self.lower, self.upper]).all():
+            joint = int(np.argmin(self.upper - self.lower))
+            raise BadArgumentError(
+                f"no range between the limits of joint {joint}: {np.rad2deg(self.lower[joint]):.1f}° to "
+                f"{np.rad2deg(self.upper[joint]):.1f}°",
+                remedy="give a lower limit below the upper one, both finite, or a smaller margin",
+            )
+        for name in ("velocity", "acceleration", "torque"):
+            checked(getattr(self, name), f"a {name} limit", above=0.0, infinite=True)
+
+    def __repr__(self) -> str:
+        """Write the limits of all joints."""
+        lower, upper = np.rad2deg([self.lower, self.upper])
+        angles = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in zip(lower, upper, strict=True))
+        others = (("velocity", "rad/s"), ("acceleration", "rad/s²"), ("torque", "N·m"))
+        texts = [f"{name} {', '.join(f'{x:.3g}' for x in getattr(self, name))} {unit}" for name, unit in others]
+        return f"MotionLimits(angle {angles} deg; {'; '.join(texts)})"
+
+    @classmethod
+    def of(
+        cls,
+        leg: Leg,
+        *,
+        margin: float = MARGIN,
+        angles_deg: Mapping[str, tuple[float, float]] | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> MotionLimits:
+        """Take the limits of the URDF, narrowed by given ones.
+
+        Args:
+            leg: Leg with the limits of its URDF; continuous joints get ±180°.
+            margin: Margin to these limits [rad].
+            angles_deg: Narrower ranges of angle by joint name or label [deg].
+            velocity: Largest speed [rad/s], a number or (n,).
+            acceleration: Largest acceleration [rad/s²], a number or (n,).
+            torque: Largest torque [N·m], a number or (n,).
+
+        Returns:
+            Limits of a planned motion.
+
+        Raises:
+            ExoidError: A joint is unknown, no range of angle remains, or a limit has the wrong size or sign.
+        """
+        own, n, given = leg.limits, len(leg.joint_names), angles_deg or {}
+        for k, names in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
+            if leg.model.joints[k + 1].nq == 1 and not np.isfinite(own.lower[k]) and given.keys().isdisjoint(names):
+                raise BadArgumentError(
+                    f"the URDF has no limits of joint {names[0]!r}, which is not continuous",
+                    remedy=f"give the range that is safe, in degrees: angles_deg={{{names[0]!r}: (low, high)}}",
+                    command=f"give the range that is safe, in degrees: --angles {names[0]}=LOW:HIGH",
+                    joints=(names[0],),
+                )
+        lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + margin
+        upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - margin
+        for name, (low, high) in given.items():
+            if name not in (*leg.joint_names, *leg.joint_labels):
+                known = ", ".join(leg.joint_names)
+                raise BadArgumentError(f"no joint {name!r} in the leg", remedy=f"its joints are {known}")
+            joint = (*leg.joint_names, *leg.joint_labels).index(name) % n
+            lower[joint] = max(lower[joint], np.deg2rad(low))
+            upper[joint] = min(upper[joint], np.deg2rad(high))
+        speed, change, effort = (
+            for_joints(np.inf if x is None else x, n, f"{name} limits")
+            for name, x in (("velocity", velocity), ("acceleration", acceleration), ("torque", torque))
+        )
+        return cls(lower, upper, np.minimum(own.velocity, speed), change, np.minimum(own.effort, effort))
+
+    @property
+    def span(self) -> FloatArray:
+        """Range of angle [rad], (n,)."""
+        return self.upper - self.lower
 
 
 def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
@@ -21,7 +127,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
             remedy=f"pass one row a pose and one column for each of {', '.join(leg.joint_names)}",
         )
     lower, upper, *_ = leg.limits
-    beyond = np.argwhere(~((angles >= lower - ROUNDED) & (angles <= upper + ROUNDED)))  # NaN counts as beyond
+    beyond = _beyond(angles, lower, upper)
     if len(beyond):
         pose, joint = beyond[0]
         raise BadArgumentError(
@@ -44,21 +150,20 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float)
             remedy=f"give one row for each of {', '.join(leg.joint_names)} and one column a rig",
         )
     lower, upper, fastest, _ = (limit[:, None] for limit in leg.limits)
-    _refuse(leg, time, "an angle", "°", q, lower, upper)
-    _refuse(leg, time, "a speed", "°/s", v, -fastest, fastest)
+    for quantity, unit, values, low, high in (
+        ("an angle", "°", q, lower, upper),
+        ("a speed", "°/s", v, -fastest, fastest),
+    ):
+        for k, joint, rig in _beyond(values, low, high)[:1]:
+            least, asked, most = np.rad2deg([values[:, joint].min(), values[k, joint, rig], values[:, joint].max()])
+            raise BadArgumentError(
+                f"the motion asks {leg.joint_names[joint]} for {quantity} of {asked:.1f}{unit} at {time[k]:.2f} s",
+                where=leg.description.name,
+                remedy=f"it goes from {least:.1f} to {most:.1f}{unit}, the joint from {np.rad2deg(low[joint, 0]):.1f} "
+                f"to {np.rad2deg(high[joint, 0]):.1f}{unit}: make the motion smaller or slower",
+            )
 
 
-def _refuse(
-    leg: Leg, time: FloatArray, quantity: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
-) -> None:
-    beyond = np.argwhere(~((values >= lowest - ROUNDED) & (values <= highest + ROUNDED)))  # NaN counts as beyond
-    if len(beyond):
-        k, joint, rig = beyond[0]
-        raise BadArgumentError(
-            f"the motion asks {leg.joint_names[joint]} for {quantity} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
-            f"at {time[k]:.2f} s",
-            where=leg.description.name,
-            remedy=f"it goes from {np.rad2deg(values[:, joint].min()):.1f} to {np.rad2deg(values[:, joint].max()):.1f}"
-            f"{unit}, the joint from {np.rad2deg(lowest[joint, 0]):.1f} to {np.rad2deg(highest[joint, 0]):.1f}{unit}: "
-            "make the motion smaller or slower",
-        )
+def _beyond(values: FloatArray, lowest: FloatArray, highest: FloatArray) -> NDArray[np.intp]:
+    """Places of values beyond limits; NaN counts as beyond."""
+    return np.argwhere(~((values >= lowest - ROUNDED) & (values <= highest + ROUNDED)))

@@ -117,7 +117,7 @@ for words in {commands!a}:
             ("identify", "bleex", "log.csv", "--cutoff", "x"),
             r"Invalid value for '--cutoff': [^.,]* a number\. To fix it",
         ),
-        (("plan", "bleex", "--poses", "-1"), r"Invalid value for '--poses': .*\. To fix it"),
+        (("plan", "bleex", "--starts", "0"), r"Invalid value for '--starts': .*\. To fix it"),
         (("plan", "bleex", "--starts", "x"), r"Invalid value for '--starts': [^.,]* a whole number\. To fix it"),
         (("identify", "bleex", "log.csv", "--cutoff"), r"Option '--cutoff' requires an argument"),
     ],

@@ -91,7 +91,6 @@ REFUSED = {
         ("noise", lambda: plan(noise=0.0)),
         ("c0_elbow", lambda: plan(values={"c0_elbow": 1.0})),
         ("torque", lambda: plan({"torque": 5.0, "angles_deg": {"hip": (40, 50)}})),
-        ("400 poses", lambda: plan({"torque": 0.5}, poses=3)),
         ("elbow", lambda: plan({"angles_deg": {"elbow": (0, 1)}})),
         ("range", lambda: plan({"angles_deg": {"knee": (90, 20)}})),
         ("velocity", lambda: plan({"velocity": -1.0})),

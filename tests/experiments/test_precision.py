@@ -10,10 +10,10 @@ import exoid
 from exoid.experiments import Bench, Harmonics, cuhk
 from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
-from exoid.experiments.excitation.precision import StaticRows, predict
+from exoid.experiments.excitation.precision import predict
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
-from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
+from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 LEG = exoid.load_leg("cuhk")
@@ -82,20 +82,6 @@ def test_noise_behind_a_filter_scatters_estimates_as_predicted(multisine, prepar
     rows = (W * weight[:, None]).reshape(-1, W.shape[2])
     errors = np.linalg.lstsq(rows, (noise * weight[:, None]).reshape(len(rows), -1))[0]
     np.testing.assert_allclose(errors.std(axis=1), predicted.std, rtol=0.15)
-
-
-def test_poses_count_as_often_as_they_are_read():
-    q = cuhk.random_poses(np.random.default_rng(0), 20)
-    poses = Poses(q, np.zeros_like(q), LEG.joint_names)
-    model = TorqueModel(LEG, (exoid.Offset(),))
-    scales = Scales.of(model, MotionLimits.of(LEG))
-    motion = log(cuhk.multisine(LEG, np.random.default_rng(0), draws=2), 20.0)
-    once, often = (predict(model, [StaticRows(poses, n), motion], NOISE, scales).std for n in (1, 10**6))
-    assert (often < once).all()
-    still = np.zeros_like(q)
-    W = model.regressor(q, still, still)[..., [0, 1, 3, 4, 6, 7]]  # what statics see
-    information = sum(W[:, j].T @ W[:, j] * 10**6 / std**2 for j, std in enumerate(STD))
-    np.testing.assert_allclose(often[[0, 1, 3, 4, 6, 7]], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-2)
 
 
 def test_narrow_band_noise_counts_by_its_spectral_density(multisine):

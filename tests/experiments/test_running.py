@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.errors import ExoidError
 from exoid.experiments import Bench, StaticProtocol, cuhk, run_static
 from exoid.experiments.bench import run_motion, stiff_servo
-from exoid.experiments.excitation.plan_files import write_static_protocol
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 
 LEG = exoid.load_leg("cuhk")
@@ -63,29 +61,6 @@ def test_a_motion_is_followed_and_logged(plant):
     run = run_motion(plant, cuhk.swing(0), BENCH, 2.0, np.random.default_rng(0))
     assert run.recording(0).joint_names == LEG.joint_names
     assert np.abs(run.q - run.target).max() < 0.1
-
-
-# ------------------------------------------------------------------------------------------------ files
-
-
-def test_a_written_static_protocol_goes_to_each_pose_from_both_sides(tmp_path):
-    poses = np.array([[0.5, 0.5], [1.0, 0.2]])
-    write_static_protocol(tmp_path / "plan.csv", LEG, poses, 0.1)
-    header, *rows = (tmp_path / "plan.csv").read_text().splitlines()
-    assert header == "pose,approach,start_left_hip,start_left_knee,q_left_hip,q_left_knee"
-    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
-    np.testing.assert_array_equal(table[:, :2], [[0, 1], [0, -1], [1, 1], [1, -1]])
-    np.testing.assert_array_equal(table[:, 4:], np.repeat(poses, 2, axis=0))
-    np.testing.assert_allclose(table[:, 4:] - table[:, 2:4], 0.1 * table[:, 1:2] * np.ones((1, 2)))
-
-
-def test_protocols_beyond_the_limits_are_not_written(tmp_path):
-    path = tmp_path / "plan.csv"
-    with pytest.raises(ExoidError, match=r"pose 0 asks left_hip for 171\.9°"):
-        write_static_protocol(path, LEG, np.array([[3.0, 0.0]]), 0.1)
-    with pytest.raises(ExoidError, match=r"a distance of -0\.1 rad"):
-        write_static_protocol(path, LEG, np.array([[0.5, 0.5]]), -0.1)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])

@@ -11,7 +11,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Leg, TorsoMotion
 from exoid.errors import BadArgumentError
-from exoid.experiments.excitation.limits import MotionLimits
+from exoid.experiments.excitation import MotionLimits
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.model import dynamic_parameters

@@ -1,7 +1,8 @@
 """Optimal excitation: motions that minimise the standard deviations of the parameters within given limits."""
 
+from exoid.experiments.limits import MotionLimits
+
 from .assess import Assessment, assess
-from .limits import MotionLimits
 from .plan import Plan, plan_excitation
 from .stance import StancePlan, plan_stance, run_stance
 

@@ -13,15 +13,15 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .limits import MotionLimits
-from .precision import Information, Precision, StaticRows, information_of, on_ground, supports_during
+from .precision import Information, Precision, information_of, on_ground, supports_during
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
 from .text import prediction_text
 
@@ -86,7 +86,7 @@ class Assessment:
 
 def assess(
     leg: Leg,
-    data: Recording | Poses | Sequence[Recording | Poses],
+    data: Recording | Sequence[Recording],
     terms: Sequence[Term] | None = None,
     *,
     noise: ArrayLike | None = None,
@@ -99,7 +99,7 @@ def assess(
 
     Args:
         leg: The leg.
-        data: Recordings and poses; each joint torque of a pose counts as one reading.
+        data: One recording or several.
         terms: Terms as for :func:`exoid.identify`.
         noise: Standard deviation of the torque noise [N·m], a number or (n,); None for 2 % of typical torques.
         noise_bandwidth: Bandwidth of the torque noise [Hz]; inf for white noise.
@@ -113,19 +113,18 @@ def assess(
 
     Raises:
         ExoidError: There is no recording, a joint is missing, a recording is too short for the filter, or a log of a
-            leg on the ground has poses, or no stretch on links without measured wrenches.
+            leg on the ground has no stretch on links without measured wrenches.
     """
-    items = [data] if isinstance(data, (Recording, Poses)) else list(data)
-    if not items:
+    recordings = [data] if isinstance(data, Recording) else list(data)
+    if not recordings:
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
-    rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
-    if stands := on_ground(model, rows):
-        scales = _scales_on_ground(model, limits, values, rows, preparation)
+    if stands := on_ground(model, recordings):
+        scales = _scales_on_ground(model, limits, values, recordings, preparation)
     else:
         scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
-    recorded = information_of(model, rows, torque_noise, preparation)
+    recorded = information_of(model, recordings, torque_noise, preparation)
     advice = () if stands else _advise(model, limits, torque_noise, scales, recorded)
     return Assessment(recorded.precision(model, scales), advice, torque_noise)
 
@@ -134,7 +133,7 @@ def _scales_on_ground(
     model: TorqueModel,
     limits: MotionLimits,
     values: Mapping[str, float] | None,
-    recordings: Sequence[Recording | StaticRows],
+    recordings: Sequence[Recording],
     preparation: Preparation | None,
 ) -> Scales:
     """Compute the scales over random states on the supports of a log, with the least joint torques that hold them."""

@@ -9,12 +9,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.experiments.limits import MotionLimits
 from exoid.experiments.references import States
 from exoid.leg.torso import TorsoMotion
 from exoid.torques import TorqueModel
 
 from .fourier import Basis
-from .limits import MotionLimits
 from .scales import Scales, TorqueNoise
 
 Criterion = Literal["worst", "a", "d"]
@@ -47,7 +47,6 @@ class Objective:
     noise: TorqueNoise  # torque noise
     seconds: float  # duration of each motion [s]
     rate: float  # rate of the log [Hz]
-    prior_information: FloatArray  # information of other data about scaled parameters, (P, P)
     pitches: FloatArray  # tilt of the torso in each motion [rad], (T,)
     limit_names = ("angle", "velocity", "acceleration", "torque")
 
@@ -55,9 +54,7 @@ class Objective:
         """Value and gradient at flattened coefficients."""
         motions = [self.basis.states(each) for each in self.coefficients(x)]
         columns = [self.columns(k, states) for k, states in enumerate(motions)]
-        information = self.prior_information + sum(
-            np.einsum("pjt,qjt->pq", W * self.weight, W, optimize=True) for W in columns
-        )
+        information = np.sum([np.einsum("pjt,qjt->pq", W * self.weight, W, optimize=True) for W in columns], axis=0)
         value, by_information = criterion_value(information, stage.power)
         gradient = []
         for k, (states, W) in enumerate(zip(motions, columns, strict=True)):

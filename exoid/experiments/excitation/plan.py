@@ -10,17 +10,16 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.torso import TorsoMotion
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .fourier import FourierMotion, series
-from .limits import MotionLimits
 from .objective import Criterion, Objective
-from .poses import choose_poses
-from .precision import Precision, StaticRows, information_of
+from .precision import Precision, predict
 from .scales import Scales, TorqueNoise
 from .search import search
 from .text import prediction_text
@@ -38,11 +37,11 @@ class Peaks(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Plan:
-    """Planned experiment; prints itself as a table. Motions and poses are those at each torso tilt.
+    """Planned experiment; prints itself as a table.
 
     Attributes:
         model: Leg and terms.
-        motions: Motions from rest to rest.
+        motions: Motion from rest to rest at each torso tilt.
         precision: Predicted precision of each parameter.
         noise: Torque noise of the prediction.
         rate: Rate of command and log [Hz].
@@ -51,7 +50,6 @@ class Plan:
         costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
             "worst".
         limits: Motion limits.
-        poses: Static poses, to be approached from both sides.
     """
 
     model: TorqueModel
@@ -63,7 +61,6 @@ class Plan:
     seed: int
     costs: tuple[float, ...]
     limits: MotionLimits
-    poses: tuple[Poses, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -90,8 +87,7 @@ class Plan:
 
     def __repr__(self) -> str:
         """Name the leg, and write duration and precision."""
-        poses = f" and {sum(map(len, self.poses))} poses" if self.poses else ""
-        return f"Plan({self.model.leg.description.name}: {self.duration:g} s of motion{poses}; {self.precision!r})"
+        return f"Plan({self.model.leg.description.name}: {self.duration:g} s of motion; {self.precision!r})"
 
     def __str__(self) -> str:
         """Print the motion, its demands on each joint, and the predicted precision."""
@@ -100,8 +96,6 @@ class Plan:
         tilts = ", ".join(f"{np.rad2deg(motion.pitch):+.0f}°" for motion in self.motions)
         if any(motion.pitch for motion in self.motions):
             parts[0] += f"; torso at {tilts}, {self.motions[0].duration:g} s each"
-        if self.poses:
-            parts.append(f"{sum(map(len, self.poses))} poses, each reached from both sides")
         parts.append(f"torque noise {self.noise}, joint by joint")
         p = self.peaks
         for k, name in enumerate(names):
@@ -123,7 +117,6 @@ def plan_excitation(
     noise_bandwidth: float = np.inf,
     values: Mapping[str, float] | None = None,
     tilts_deg: Sequence[float] = (0.0,),
-    poses: int = 0,
     highest: float = 1.0,
     criterion: Criterion = "worst",
     starts: int = 16,
@@ -143,7 +136,6 @@ def plan_excitation(
         noise_bandwidth: Frequency up to which the noise spectrum is flat [Hz]; inf for white noise.
         values: Expected parameters by name; None for those of the URDF, and zero for terms.
         tilts_deg: Torso tilts, one for each motion [deg].
-        poses: Number of additional static poses at each tilt.
         highest: Highest frequency of the motion [Hz].
         criterion: Criterion to minimise: "worst" (largest relative standard deviation), "a" (sum of their squares) or
             "d" (volume of the confidence ellipsoid).
@@ -165,19 +157,14 @@ def plan_excitation(
     refuse_floating_base(leg, "a planned excitation")
     if criterion not in get_args(Criterion):
         raise BadArgumentError(f"no criterion {criterion!r}", remedy=f"use one of {', '.join(get_args(Criterion))}")
-    if starts < 1 or poses < 0 or not tilts_deg:
+    if starts < 1 or not tilts_deg:
         raise BadArgumentError(
-            f"{starts} starts, {poses} poses, {len(tilts_deg)} tilts",
-            remedy="at least one start and one tilt, and no negative number of poses",
+            f"{starts} starts, {len(tilts_deg)} tilts", remedy="request at least one start and one tilt"
         )
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)
-    tilts, rng = np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)), np.random.default_rng(seed)
-    static = choose_poses(model, limits, torque_noise, scales, tilts, poses, rng) if poses else ()
-    of_poses = information_of(model, map(StaticRows, static), torque_noise)
-    scaled = of_poses.r_factor * scales.scale
     objective = Objective(
         model=model,
         limits=limits,
@@ -186,22 +173,19 @@ def plan_excitation(
         noise=torque_noise,
         seconds=seconds,
         rate=rate,
-        prior_information=scaled.T @ scaled,
-        pitches=tilts,
+        pitches=np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)),
     )
-    found = search(objective, criterion, starts, rng, progress)
+    found = search(objective, criterion, starts, seed, progress)
     recordings = [planned_recording(model, scales, motion, rate) for motion in found.motions]
-    of_motions = information_of(model, recordings, torque_noise, preparation)
     return Plan(
         model=model,
         motions=found.motions,
-        precision=of_poses.plus(of_motions).precision(model, scales),
+        precision=predict(model, recordings, torque_noise, scales, preparation),
         noise=torque_noise,
         rate=rate,
         criterion=criterion,
         seed=seed,
         costs=tuple(float(np.exp(cost)) for cost in found.costs),
-        poses=static,
         limits=limits,
     )
 

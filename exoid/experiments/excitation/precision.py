@@ -15,7 +15,7 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
@@ -26,16 +26,6 @@ from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.motion import BLOCK
 
 from .scales import Scales, TorqueNoise
-
-READINGS = 50
-"""Default number of independent readings of a pose, both directions of approach together."""
-
-
-class StaticRows(NamedTuple):
-    """Static poses, whose torques are not used, and the number of readings of each."""
-
-    poses: Poses
-    readings: int = READINGS  # independent ones, which are averaged
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -116,35 +106,33 @@ class Information(NamedTuple):
 
 def information_of(
     model: TorqueModel,
-    data: Iterable[Recording | StaticRows],
+    recordings: Sequence[Recording],
     noise: TorqueNoise,
     preparation: Preparation | None = None,
 ) -> Information:
-    """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation."""
-    items, count = list(data), len(model.names)
-    if not isinstance(model, SupportModel) and on_ground(model, items):
-        return _information_on_ground(model, items, noise, preparation)
+    """Compute the information of motions, with rows W̃ = F W / σ and F the filter of a preparation."""
+    if not isinstance(model, SupportModel) and on_ground(model, recordings):
+        return _information_on_ground(model, recordings, noise, preparation)
     if preparation is None:
-        preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in items if isinstance(one, Recording)]))
+        preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in recordings]))
+    count = len(model.names)
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
-    for item in items:
-        if isinstance(item, Recording):
-            duration += item.duration * (1.0 if item.mask is None else float(np.mean(item.mask)))
-        for W, filtered in _rows(model, item, noise, preparation):
+    for recording in recordings:
+        duration += recording.duration * (1.0 if recording.mask is None else float(np.mean(recording.mask)))
+        for W, filtered in _rows(model, recording, noise, preparation):
             R = _r_factor(R, W)
             score_covariance += filtered.T @ filtered
     return Information(R, score_covariance, duration)
 
 
-def on_ground(model: TorqueModel, data: Iterable[Recording | StaticRows]) -> bool:
+def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
     """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
-    logs = (for_leg(model, one) for one in data if isinstance(one, Recording))
-    return bool(model.leg.base_rows) or any(map(depends_on_contacts, logs))
+    return bool(model.leg.base_rows) or any(depends_on_contacts(for_leg(model, one)) for one in recordings)
 
 
 def _information_on_ground(
     model: TorqueModel,
-    recordings: Sequence[Recording | StaticRows],
+    recordings: Sequence[Recording],
     noise: TorqueNoise,
     preparation: Preparation | None,
 ) -> Information:
@@ -163,13 +151,11 @@ def _information_on_ground(
 
 
 def supports_during(
-    model: TorqueModel, recordings: Sequence[Recording | StaticRows], preparation: Preparation | None
+    model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation | None
 ) -> Iterator[tuple[SupportModel, list[Recording]]]:
     """Sets of links that rest, with the parts of the recordings during which they do."""
     found: dict[tuple[str, ...], list[Recording]] = {}
     for recording in recordings:
-        if isinstance(recording, StaticRows):
-            raise NotSupportedError("static poses of a floating base", remedy="predict the precision of motions")
         for links, _, part in split(model.leg, for_leg(model, recording), preparation).stretches:
             found.setdefault(links, []).append(part)
     for links, parts in found.items():
@@ -185,13 +171,13 @@ def supports_during(
 
 def predict(
     model: TorqueModel,
-    data: Iterable[Recording | StaticRows],
+    recordings: Sequence[Recording],
     noise: TorqueNoise,
     scales: Scales,
     preparation: Preparation | None = None,
 ) -> Precision:
     """Predict the covariance of weighted least squares; wrenches of links that rest are not known."""
-    return information_of(model, data, noise, preparation).precision(model, scales)
+    return information_of(model, recordings, noise, preparation).precision(model, scales)
 
 
 def _r_factor(*blocks: FloatArray) -> FloatArray:
@@ -199,18 +185,10 @@ def _r_factor(*blocks: FloatArray) -> FloatArray:
 
 
 def _rows(
-    model: TorqueModel, item: Recording | StaticRows, noise: TorqueNoise, preparation: Preparation
+    model: TorqueModel, recording: Recording, noise: TorqueNoise, preparation: Preparation
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Weighted rows W̃ of each joint, and Fᵀ W̃."""
-    if isinstance(item, StaticRows):
-        poses = for_leg(model, item.poses)
-        still = np.zeros_like(poses.q)
-        W = model.regressor(poses.q, still, still, poses.torso) / np.asarray(noise.std)[:, None]
-        W *= np.sqrt(item.readings)
-        for joint in range(W.shape[1]):
-            yield W[:, joint], W[:, joint]
-        return
-    recording = for_leg(model, item).resampled()
+    recording = for_leg(model, recording).resampled()
     rate, of_joints = recording.sample_rate, noise.per_sample(recording.sample_rate)
     for block in _blocks(recording):
         q, v, a, valid = preparation.kinematics(block)

@@ -10,14 +10,13 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.limits import MotionLimits
 from exoid.experiments.references import States
 from exoid.leg.joint_numbers import for_joints
 from exoid.regression.diagnostics import SIZE, parameter_scale
 from exoid.regression.least_squares import factorize
 from exoid.tools.numbers import checked
 from exoid.torques import TorqueModel
-
-from .limits import MotionLimits
 
 STATES = 4000
 """Number of reference states."""

@@ -42,7 +42,7 @@ def search(
     objective: Objective,
     criterion: str,
     starts: int,
-    seed: int | np.random.Generator,
+    seed: int,
     progress: Callable[[float], None] | None = None,
 ) -> SearchResult:
     """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best."""

@@ -12,8 +12,9 @@ from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.experiments.ground.planned_motion import follow
 from exoid.experiments.ground.posture import PlanarLeg, planar_legs
-from exoid.experiments.ground.protocol import FRICTION, JointLimits, ProtocolMotion, protocol_motion
+from exoid.experiments.ground.protocol import FRICTION, ProtocolMotion, protocol_motion
 from exoid.experiments.ground.stance import GAINS
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import GroundPlant, GroundRun, Sole
@@ -23,7 +24,6 @@ from exoid.tools.numbers import checked
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .assess import assess
-from .limits import MotionLimits
 from .precision import Precision, predict
 from .scales import TorqueNoise
 from .text import prediction_text
@@ -55,7 +55,6 @@ class StancePlan:
     precision: Precision
     noise: TorqueNoise
     missing: tuple[str, ...]
-    poses: tuple[()] = ()  # no static poses, see :class:`.plan.Plan`
 
     @property
     def duration(self) -> float:
@@ -183,9 +182,8 @@ def _motion(
     plant: GroundPlant, name: str, number: int, duration: float, limits: MotionLimits, friction: float
 ) -> ProtocolMotion:
     """Motion of the protocol on one support, as large as the limits allow."""
-    legs = planar_legs(plant)
-    boxes = JointLimits(limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.torque)
-    return protocol_motion(plant, _standing(plant, legs, name), duration, boxes, friction=friction, number=number)
+    stands = _standing(plant, planar_legs(plant), name)
+    return protocol_motion(plant, stands, duration, limits, friction=friction, number=number)
 
 
 def _standing(plant: GroundPlant, legs: tuple[PlanarLeg, ...], name: str) -> tuple[PlanarLeg, ...]:

@@ -10,21 +10,12 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundPlant
 
 from .planned_motion import LEAD, Bearing, force_on_one_foot, knots, planned_motion, rise
 from .posture import PlanarLeg, planar_legs, stand_flat, total_mass
-
-
-class JointLimits(NamedTuple):
-    """Limits of the joints, (n,) each."""
-
-    lower: FloatArray  # smallest angles [rad]
-    upper: FloatArray  # largest angles [rad]
-    velocity: FloatArray  # largest speeds [rad/s]
-    acceleration: FloatArray  # largest accelerations [rad/s²]
-    torque: FloatArray  # largest torques [N·m]
 
 
 class Wave(NamedTuple):
@@ -99,7 +90,7 @@ def protocol_motion(
     plant: GroundPlant,
     stands: tuple[PlanarLeg, ...],
     duration: float,
-    limits: JointLimits,
+    limits: MotionLimits,
     *,
     friction: float = FRICTION,
     number: int = 0,
@@ -184,7 +175,7 @@ def _margins(
     plant: GroundPlant,
     stands: tuple[PlanarLeg, ...],
     motion: GroundMotion,
-    limits: JointLimits,
+    limits: MotionLimits,
     friction: float,
 ) -> dict[str, float]:
     """Smallest margins of a motion to all limits, negative where one is exceeded."""
