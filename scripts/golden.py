@@ -144,7 +144,7 @@ for words in (
     *("identify bleex bleex_swing:train", "identify bleex bleex_swing:train --no-check --cutoff 5"),
     *("check bleex bleex_swing:train", "validate est.json bleex_swing:test", "interaction est.json worn.csv"),
     *("identify bleex forces.csv --actuators bleex --no-check", "compare est.json right.json"),
-    *("identify bleex bleex_swing:train --terms coulomb,viscous,stiffness --no-check", "stability cuhk"),
+    *("identify bleex bleex_swing:train --terms coulomb,viscous,stiffness --no-check",),
     *("validate right.json right.csv --cutoff 6", "select bleex bleex_swing:train"),
     *("plan cuhk --noise 0.3 --velocity 2 --duration 10 --starts 1 --seed 3 -o plan.csv",),
     *("plan bleex --assess bleex_swing:train --noise 0.5", "track est.json --period 2", "reproduce cuhk"),

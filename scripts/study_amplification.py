@@ -30,7 +30,7 @@ from exoid.control import ControlModel, sensitivity_amplification, simulate_many
 from exoid.control.tracking import Tracking
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
-from exoid.lab.stability.worn.draws import draw_truths
+from exoid.lab.stability.draws import draw_truths
 from exoid.rig import Sensors, Wearer
 from exoid.torques import Coulomb, TorqueModel, Viscous
 

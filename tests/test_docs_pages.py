@@ -15,7 +15,6 @@ TESTED_ELSEWHERE = {
     "extending": "tests/extension/test_extending_page.py",  # it needs an installed package
     "control": "tests/control/test_control_page.py",
     "microcontroller": "tests/codegen/test_microcontroller_page.py",
-    "stability": "tests/cli/test_stability_command.py",
     "view": "tests/view/test_view_docs.py",
 }
 """Pages that need a compiler, minutes, or a look at what they write."""

@@ -23,7 +23,6 @@ VERBS = {
     "plan": "Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log.",
     "reproduce": "Run a document's experiments on virtual rigs, identify, and print every table side by side.",
     "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",
-    "stability": "Find how far the gains of PD control with gravity compensation may be raised, by rate and delay.",
     "track": "Run controllers on a rig and compare tracking error, torque, energy and chatter.",
     "coordinate": (
         "Run a day on the rig with ground: sit, rise, walk, stairs, sit; tell contacts by the identified model."

@@ -19,7 +19,6 @@ COMMANDS = {
     "export": "export est.json -o leg.urdf",
     "plan": "plan cuhk -o plan.csv --duration 3 --starts 1",
     "plan-assess": "plan bleex --assess test.csv",
-    "stability": "stability cuhk",
     "track": "track est.json --period 1",
     "track-dry": "track est.json --dry-run test.csv",
     "wear": "wear est.json --period 2",

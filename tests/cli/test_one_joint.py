@@ -24,7 +24,6 @@ COMMANDS = {
     "plan --assess": "plan one.urdf --assess log.csv --figure plan.png",
     "view": "view one.urdf --html leg.html",
     "view --log": "view est.json --log log.csv --html leg.html",
-    "stability": "stability est.json --kp 50 --target 10 --figure runs.png",
     "track": "track est.json --period 1",
     "track --reference": "track est.json --reference short.csv",
 }

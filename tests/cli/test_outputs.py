@@ -65,7 +65,6 @@ def run(inputs, tmp_path, monkeypatch, capsys):
         (("view", "leg.urdf", "--html", "leg.urdf"), "leg.urdf"),
         (("view", "leg.urdf", "--log", "logs/log.csv", "--html", "logs/log.csv"), "logs/log.csv"),
         (("plan", "leg.urdf", "--assess", "logs/log.csv", "--figure", "logs/log.csv"), "logs/log.csv"),
-        (("stability", "est.json", "--figure", "est.json"), "est.json"),
         (("track", "est.json", "--reference", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
         (("track", "est.json", "--report", "est.json"), "est.json"),
         (("validate", "est.json", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
@@ -99,7 +98,6 @@ def test_two_outputs_have_two_names(run):
         ("export", "est.json", "-o"),
         ("view", "leg.urdf", "--html"),
         ("reproduce", "bleex", "--report"),
-        ("stability", "est.json", "--figure"),
     ],
 )
 def test_devices_and_pipes_are_refused(run, words):

@@ -59,16 +59,6 @@ REFUSED = {
         ("bleex --stance left --friction 0", "friction"),
         ("bleex --stance left,right -o plan.txt", "name the file .csv"),
     ],
-    "stability": [
-        ("absent", "no leg or estimate 'absent'"),
-        ("cuhk --kp 3,4,5", "--kp 3,4,5", "left_hip, left_knee"),
-        ("cuhk --target 3,x", "--target 3,x"),
-        ("cuhk --kd 3,-1", "kd", "≥ 0"),
-        ("cuhk --figure nowhere/a.png", "nowhere/a.png", "no such folder"),
-        ("driven.json --rotor 0.1", "--rotor has no effect"),
-        ("cuhk --rotor -0.1", "rotor inertia is negative"),
-        ("driven.json", "driven.json", "c0_hip = -0.2 ± 0.001 is negative"),
-    ],
     "view": [
         ("absent.urdf --html leg.html", "absent.urdf", "no leg or URDF file"),
         ("absent.json --html leg.html", "absent.json", "no such file"),

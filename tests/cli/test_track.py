@@ -148,7 +148,7 @@ def test_document_2s_comparison_is_printed(exoid_, monkeypatch):
 
     def replay(seed, *, progress):
         progress(1.0)
-        return reproduce.cuhk_tracking.TrackingReplay(None, runs, {}, 0.8, seed)
+        return reproduce.cuhk_tracking.TrackingReplay(None, runs, 0.8, seed)
 
     monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
     code, out, err = exoid_("reproduce", "tracking", "--json", "--seed", 3)

@@ -33,8 +33,6 @@ COMMANDS = {
     "view": "view {}/one.urdf --html leg.html",
     "view, page": "view one.urdf --html {}/leg.html",
     "view, log": "view one.urdf --log {}/log.csv --html leg.html",
-    "stability": "stability {}/est.json",
-    "stability, figure": "stability est.json --figure {}/v.png",
     "track": "track {}/est.json",
     "track, log": "track est.json --reference {}/log.csv",
     "track, figures": "track est.json --figures {}/figures",

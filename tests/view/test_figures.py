@@ -11,8 +11,6 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.control import LawReplay, Tracking
-from exoid.lab.stability import plot_gain_margins
-from exoid.lab.stability.gain_margin import GainMargins
 from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
@@ -92,14 +90,6 @@ def test_the_friction_figure_draws_the_fitted_step():
 def test_the_reference_is_drawn_in_degrees():
     _, ax = drawn(PLOTS["reference"])
     np.testing.assert_allclose(ax.lines[0].get_ydata(), np.rad2deg(TIME))
-
-
-def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
-    margins = GainMargins((30.0, 100.0), (0, 1), np.array([[2.2, 0.9], [7.3, 3.5]]))
-    figure, ax = drawn(lambda ax: plot_gain_margins(ax, margins))
-    np.testing.assert_array_equal(ax.lines[1].get_ydata(), [0.9, 3.5])
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["no delay", "delay of 1 period"]
-    assert inside(figure, ax)
 
 
 def test_torques_of_each_joint_have_separate_axes():

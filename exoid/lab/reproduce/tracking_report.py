@@ -18,7 +18,7 @@ from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN, paper
 from exoid.view.tracking import plot_law_replay
 
-from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
+from .cuhk_tracking import DOCUMENT_DEG, GAINS, TrackingReplay
 from .report import Drawing, ReplayReport
 
 LABELS = {
@@ -60,14 +60,6 @@ def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
     )
     tables, notes = [tracking_table(caption, replay.laws.values())], _document_notes(replay.laws)
     data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
-    if replay.wrong:
-        tables.append(tracking_table("The same with a wrong model of the leg", replay.wrong.values()))
-        printed, pd = replay.wrong[f"gravity_friction_pd {PRINTED}"], replay.laws["pd"]
-        notes.append(
-            f"Compensating with Table III as printed errs by {_pair(printed.peak_deg, '.0f')}°, PD alone by "
-            f"{_pair(pd.peak_deg, '.0f')}°. {LOADED}: on the shank of the rig."
-        )
-        data["wrong"] = {name: run.to_json() for name, run in replay.wrong.items()}
     return tracking_report("Controllers on cuhk", replay.laws, tables, data, notes, of_document=True)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from exoid.control import ControlModel
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.lab.stability.worn.draws import draw_truths
+from exoid.lab.stability.draws import draw_truths
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.leg.published import cuhk_cad_parameters

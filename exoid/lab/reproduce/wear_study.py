@@ -17,8 +17,8 @@ from exoid.estimate import Estimate
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.lab.stability import Amplification, largest_amplification
-from exoid.lab.stability.worn.amplification import AmplifiedLaw
-from exoid.lab.stability.worn.worn_loop import poses_of
+from exoid.lab.stability.amplification import AmplifiedLaw
+from exoid.lab.stability.worn_loop import poses_of
 from exoid.rig import Plant, Reference, Sensors, Wearer
 
 from .wear_models import WornModels, worn_models

@@ -43,7 +43,7 @@ def cuhk(tmp_path_factory):
 )
 def tracking(request):
     """Document 2's comparison of controllers with every law, with rotors and without."""
-    replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)
+    replay = reproduce.reproduce_cuhk_tracking(0, request.param)
     report = cuhk_tracking_report(replay)
     return {
         "json": report.data,

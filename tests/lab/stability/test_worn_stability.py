@@ -14,14 +14,13 @@ from integrated_worn_leg import WornLeg
 import exoid
 from exoid import ExoidError, published
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
-from exoid.control.lqr import linearise
+from exoid.control.lqr import discretise, linearise
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
-from exoid.lab.stability.gain_margin import held_leg, spectral_radius
-from exoid.lab.stability.worn.draws import draw_truths, variance_shares
-from exoid.lab.stability.worn.linear_law import linear_law, loop_matrices
-from exoid.lab.stability.worn.worn_leg import hold, linear_leg, linear_legs, linear_wearer
-from exoid.lab.stability.worn.worn_loop import WornLoop, poses_of
+from exoid.lab.stability.draws import draw_truths, variance_shares
+from exoid.lab.stability.linear_law import linear_law, loop_matrices
+from exoid.lab.stability.worn_leg import HeldLeg, hold, linear_leg, linear_legs, linear_wearer
+from exoid.lab.stability.worn_loop import WornLoop, poses_of
 from exoid.rig import Plant, Wearer
 from exoid.tools.numbers import ROUNDED
 from exoid.torques import Coulomb, TorqueModel, Viscous
@@ -79,11 +78,19 @@ def test_draws_of_parameters_give_the_same_legs_as_control_models(name):
 
 
 @pytest.mark.parametrize("delay", [0, 1, 3])
-def test_without_wearer_and_memory_the_radius_is_that_of_the_gain_margins(delay):
+def test_without_wearer_and_memory_the_radius_is_that_of_the_model_of_lqr(delay):
     law = gravity_friction_pd(PLANT, (22.0, 55.0), (2.2, 5.5), friction=None, rate=50.0)
     loop = WornLoop.of([law], np.zeros(1), None, POSE[None], delay)
     radius = loop.radius(loop.legs_of([MODEL]), np.zeros(1))
-    assert radius[0] == pytest.approx(spectral_radius(held_leg(PLANT, POSE, law.rate), law, POSE, delay), rel=1e-7)
+    A, B = discretise(linearise(MODEL, POSE, np.zeros(2), np.zeros(2)), 1.0 / law.rate)
+    matrix = loop_matrices(HeldLeg(A[None], B[None], np.eye(6, 4)), linear_law(law, POSE).without_last(), delay)
+    assert radius[0] == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), rel=1e-7)
+
+
+@pytest.mark.parametrize("delay", [-1, 0.5])
+def test_impossible_delays_are_refused(wearer, delay):
+    with pytest.raises(ExoidError, match="give a whole number"):
+        largest_amplification(heavier(1.1), truth=MODEL, wearer=wearer, law=AMPLIFIED, poses=POSE, delay=delay)
 
 
 @pytest.mark.parametrize("delay", [0, 2])

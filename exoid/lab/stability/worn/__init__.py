@@ -1,1 +1,0 @@
-"""Stability of a worn leg: what the controller's model must know how well."""
