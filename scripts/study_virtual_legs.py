@@ -32,7 +32,6 @@ def main() -> None:
     parser.add_argument("--memory", type=float, default=0.05, help="correlation time of correlated noise [s]")
     parser.add_argument("--replicates", type=int, default=100)
     parser.add_argument("--duration", type=float, default=60.0, help="duration of each motion [s]")
-    parser.add_argument("--followed", choices=("exactly", "by a rig"), default="exactly")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--parameters", action="store_true", help="print a line for each parameter, too")
@@ -58,7 +57,6 @@ def main() -> None:
         estimators=tuple(given.estimators.split(",")),
         replicates=given.replicates,
         seed=given.seed,
-        followed=given.followed,
     )
     result = run_study(study, None if given.workers == 1 else given.workers)
     print(result)

@@ -78,7 +78,8 @@ class Chunk(NamedTuple):
 class Study:
     """Many virtual identifications.
 
-    Every replicate has different noise. Its seed depends only on the seed of the study and the number of the replicate.
+    The leg follows each motion exactly, so that all errors are due to noise. Every replicate has different noise. Its
+    seed depends only on the seed of the study and the number of the replicate.
     All estimators use the same data.
 
     Attributes:
@@ -92,9 +93,7 @@ class Study:
         seed: Seed of all random numbers.
         rate: Rate of the log [Hz].
         cutoff: Cut-off frequency of the parallel filter [Hz].
-        followed: "exactly" (motion as commanded, so all errors are due to noise), or "by a rig" (simulated with servo,
-            stiction and encoder, so model errors appear as bias).
-        chunk: Number of replicates of a chunk; a rig's are simulated in parallel.
+        chunk: Number of replicates of a chunk.
     """
 
     leg: LegText
@@ -107,7 +106,6 @@ class Study:
     seed: int = 0
     rate: float = 100.0
     cutoff: float = 8.0
-    followed: str = "exactly"
     chunk: int = 20
 
     def __post_init__(self) -> None:
@@ -119,8 +117,6 @@ class Study:
         if unknown or not self.estimators or len(set(self.estimators)) < len(self.estimators):
             remedy = f"name each once, out of {', '.join(ESTIMATORS)}"
             raise BadArgumentError(f"estimators {', '.join(self.estimators) or 'none'}", remedy=remedy)
-        if self.followed not in ("exactly", "by a rig"):
-            raise BadArgumentError(f"motions followed {self.followed!r}", remedy="use one of exactly, by a rig")
         names, joints = self.model.names, len(self.leg.joints)
         if not self.protocols or not self.noises or {len(noise.std) for noise in self.noises} != {joints}:
             sizes = ", ".join(str(len(noise.std)) for noise in self.noises) or "no"
@@ -155,7 +151,7 @@ class Study:
             Information matrix in inverse squared units of the parameters, (P, P).
         """
         model, motions = self.model, self.protocols[protocol]
-        rows = (model.regressor(*motions.states(k, self.rate), motions.torso(k)) for k in range(len(motions.motions)))
+        rows = (model.regressor(*motions.states(k, self.rate)) for k in range(len(motions.motions)))
         return np.asarray(sum(self.noises[noise].information(W, self.rate) for W in rows))
 
     def bound(self, protocol: int, noise: int) -> FloatArray:

@@ -11,7 +11,6 @@ from exoid.experiments import Harmonics, bleex, cuhk
 from exoid.experiments.excitation import Plan
 from exoid.experiments.references import States
 from exoid.leg.leg import Leg
-from exoid.leg.torso import TorsoMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,13 +21,11 @@ class Protocol:
         name: Name in results.
         motions: Motions of one rig each.
         seconds: Duration of each motion [s].
-        pitches: Tilt of the torso in each motion [rad].
     """
 
     name: str
     motions: tuple[Harmonics, ...]
     seconds: float
-    pitches: tuple[float, ...]
 
     def states(self, motion: int, rate: float) -> States:
         """Sample a motion.
@@ -42,24 +39,18 @@ class Protocol:
         """
         return self.motions[motion].over(np.arange(round(self.seconds * rate) + 1) / rate)
 
-    def torso(self, motion: int) -> TorsoMotion | None:
-        """Tilt of the torso during a motion; None for an upright one."""
-        pitch = self.pitches[motion]
-        return TorsoMotion(pitch=pitch) if pitch else None
-
 
 def planned(plan: Plan, name: str = "planned") -> Protocol:
     """Make a protocol of the motions of a plan.
 
     Args:
-        plan: Plan of :func:`exoid.experiments.excitation.plan_excitation`.
+        plan: Plan of :func:`exoid.experiments.excitation.plan_excitation` with an upright torso.
         name: Name in results.
 
     Returns:
         The protocol.
     """
-    motions = plan.motions
-    return Protocol(name, tuple(m.reference for m in motions), motions[0].duration, tuple(m.pitch for m in motions))
+    return Protocol(name, tuple(motion.reference for motion in plan.motions), plan.motions[0].duration)
 
 
 def document(leg: Leg, duration: float) -> Protocol:
@@ -90,4 +81,4 @@ def document(leg: Leg, duration: float) -> Protocol:
         raise NotSupportedError(
             f"no document moved {', '.join(leg.joint_names)}", remedy="study the protocol 'planned', or a built-in leg"
         )
-    return Protocol("document", motions, duration / len(motions), (0.0,) * len(motions))
+    return Protocol("document", motions, duration / len(motions))

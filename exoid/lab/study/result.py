@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import make_table, to_text
 
 from .design import Study
@@ -36,13 +34,6 @@ class Combination:
         """Squared Cramér–Rao bound divided by the mean squared error, (P,); 1 is best."""
         return np.asarray(self.bound**2 / (self.std**2 + self.bias**2))
 
-    def to_json(self) -> dict[str, Any]:
-        """Convert the statistics to JSON types."""
-        figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
-        rows = np.transpose([getattr(self, name) for name in figures])
-        about = attributes(self, "protocol", "noise", "estimator", "replicates")
-        return {**about, "parameters": {name: named(figures, row) for name, row in zip(self.names, rows, strict=True)}}
-
     def __str__(self) -> str:
         """Print as a table, one line for each parameter."""
         rows = zip(
@@ -65,13 +56,6 @@ class StudyResult:
     study: Study  # the study
     combinations: tuple[Combination, ...]  # statistics by protocol, noise and estimator
 
-    def to_json(self) -> dict[str, Any]:
-        """Convert all statistics to JSON types."""
-        return {
-            **attributes(self.study, "seed", "followed"),
-            "combinations": [combination.to_json() for combination in self.combinations],
-        }
-
     def __str__(self) -> str:
         """Print as a table, one line for each combination: means over parameters, and the worst parameter."""
         rows = []
@@ -91,7 +75,7 @@ class StudyResult:
         table = make_table(["combination", "coverage %", "farthest", "efficiency", "lowest", "bias / std"], rows)
         study = self.study
         error = 100.0 * math.sqrt(0.95 * 0.05 / study.replicates)
-        head = f"{study.replicates} identifications of each, motions followed {study.followed}, seed {study.seed}"
+        head = f"{study.replicates} identifications of each, seed {study.seed}"
         closing = (
             f"Coverage of 95 % intervals: mean over parameters and farthest from 95; Monte-Carlo error ± {error:.1f} "
             f"of each parameter, ± {1.0 / math.sqrt(study.replicates):.2f} of bias / std."

@@ -37,7 +37,7 @@ MIXED = Noise("mixed", STD, share=0.8)
 
 def study(**changes):
     motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
-    protocol = Protocol("multisine", (motion,), 12.0, (0.0,))
+    protocol = Protocol("multisine", (motion,), 12.0)
     plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, chunk=2, seed=4)
     return replace(plain, **changes)
 
@@ -48,7 +48,13 @@ def result():
 
 
 def same(one, other):
-    return json.dumps(one.to_json()) == json.dumps(other.to_json()) and str(one) == str(other)
+    return figures(one) == figures(other) and str(one) == str(other)
+
+
+def figures(result):
+    """All statistics, as text of every bit."""
+    names = ("bias", "std", "stated", "coverage", "bound")
+    return json.dumps([[getattr(each, name).tolist() for name in names] for each in result.combinations])
 
 
 def test_noise_has_the_correlation_it_says():
@@ -159,17 +165,6 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
 
 
 @pytest.mark.slow
-def test_a_study_on_rigs_shows_what_the_model_leaves_out():
-    """Stiction and a sharp sign are not in the model: friction is biased, inertia hardly."""
-    rigged = run_study(study(followed="by a rig", replicates=4, chunk=4))
-    (combination,) = rigged.combinations
-    assert (combination.std > 0.0).all()
-    names = combination.names
-    assert abs(combination.bias[names.index("J1")]) < 0.02 * TRUTH[names.index("J1")]
-    assert same(rigged, run_study(study(followed="by a rig", replicates=4, chunk=4)))
-
-
-@pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
 
@@ -182,11 +177,11 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
         "import sys\n"
         f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "from test_virtual_identifications import *\n"
-        "print(json.dumps(run_study(study(), workers=2).to_json()))\n",
+        "print(figures(run_study(study(), workers=2)))\n",
         encoding="utf-8",
     )
     ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=200, check=True)
-    assert ran.stdout == json.dumps(run_study(study()).to_json()) + "\n"
+    assert ran.stdout == figures(run_study(study())) + "\n"
 
 
 @pytest.mark.parametrize(
@@ -197,7 +192,6 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
         ({"replicates": 10**12}, "replicates is 1000000000000"),
         ({"truth": (1.0,)}, "1 true parameters"),
         ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
-        ({"followed": "somehow"}, "motions followed 'somehow'"),
     ],
 )
 def test_studies_that_make_no_sense_are_refused(changes, words):
