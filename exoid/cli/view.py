@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 def view(
     leg: Annotated[str, Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, or EST.JSON.")],
     log: Annotated[Text, Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
-    reference: Annotated[Text, Option(metavar="LOG", help="Log of a second, translucent leg.")] = None,
     html: Annotated[Text, Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
     choice: LegOptions = ANY_LEG,
     pose_deg: Annotated[Texts, Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")] = None,
@@ -52,31 +51,21 @@ def view(
     if html is not None:
         refuse({"--port": port}, "--html serves nothing")
     if log is None:
-        refuse({"--reference": reference}, "name the log to replay beside it with --log")
-        refuse(given(reading), "only the logs of --log and --reference are read")
-    check_outputs({"--html": html}, [leg, log, reference])
-    names = [each for each in (log, reference) if each is not None]
+        refuse(given(reading), "only the log of --log is read")
+    check_outputs({"--html": html}, [leg, log])
     if not leg.endswith(".json"):
         refuse_unknown_leg(leg)
-    elif names:
-        reading = with_remembered(reading, exoid.Estimate.load(leg), leg, names)
-    logs = read_logs(names, reading)
-    shown, identified = _shown(leg, choice, logs[0].joint_names if logs else ())
-    recording, ghost = (*(_with_torque(each, shown[0], reading) for each in logs), None, None)[:2]
+    elif log is not None:
+        reading = with_remembered(reading, exoid.Estimate.load(leg), leg, [log])
+    recording = None if log is None else read_logs([log], reading)[0]
+    shown, identified = _shown(leg, choice, () if recording is None else recording.joint_names)
     with status("drawing"):
-        label = "reference"
-        if ghost is None and recording is not None and isinstance(shown[0], exoid.Estimate):
-            label = "predicted"
-            if recording.measured.all() and not recording.loaded_links:  # no other forces act
-                ghost = exoid.estimate.predict_motion(shown[0], recording)
         drawn = exoid.view.scene(
             *shown,
             pose=values_by_name(
                 pose_deg, "--pose", lambda text: math.radians(float(text)), "JOINT=DEGREES, e.g. --pose left_knee=-40"
             ),
-            recording=recording,
-            ghost=ghost,
-            ghost_label=label,
+            recording=None if recording is None else _with_torque(recording, shown[0], reading),
             identified=identified,
             meshes=Path(leg).parent if meshes is None else meshes,
         )

@@ -1,4 +1,4 @@
-"""The result of an identification: values with intervals, files, text, comparison, validation, prediction, export."""
+"""The result of an identification: values with intervals, files, text, comparison, validation, export."""
 
 from .comparison import Comparison, compare
 from .data import EstimateData
@@ -12,7 +12,6 @@ from .mjcf import MjcfExport
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
 from .parameter import Parameter
-from .prediction import predict_motion
 from .torque_band import TorqueBand
 from .torque_filter import TorqueFilter
 from .validation import Validation, validate
@@ -36,6 +35,5 @@ __all__ = [
     "compare",
     "ground_forces",
     "joint_torques",
-    "predict_motion",
     "validate",
 ]

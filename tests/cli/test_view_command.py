@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from drawings import scene_of
 
-import exoid
 from exoid.view.scenes.server import SceneServer
 
 
@@ -50,19 +49,11 @@ def test_both_legs_in_a_pose_with_published_inertias(view):
     assert knee["matrix"][0] == pytest.approx(np.cos(np.deg2rad(40.0)), abs=1e-4)
 
 
-def test_an_estimate_replays_a_log_beside_its_prediction(view):
+def test_an_estimate_replays_a_log(view):
     code, _, err = view("est.json", "--log", "bleex_swing:test", "--stop", "4", "--html", "leg.html")
     assert (code, err) == (0, "")
     assert page()["duration"] == pytest.approx(4.0, abs=0.05)
-    assert {"predicted", "identified inertia", "measured torque"} <= set(labels())
-
-
-def test_a_reference_is_replayed_instead_of_a_prediction(view):
-    exoid.datasets.bleex_swing().test.to_csv("asked.csv")
-    words = ("est.json", "--log", "bleex_swing:test", "--reference", "asked.csv", "--stop", "3", "--html", "leg.html")
-    assert view(*words)[0] == 0
-    assert "reference" in labels()
-    assert "predicted" not in labels()
+    assert {"identified inertia", "measured torque"} <= set(labels())
 
 
 def test_all_joints_of_a_urdf_move_unless_some_are_named_or_logged(view):

@@ -15,7 +15,6 @@ from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Recording, Viscous
-from exoid.estimate import predict_motion
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.torques import TorqueModel
@@ -127,8 +126,6 @@ def test_a_validation_says_which_torque_was_not_measured():
     assert [f.joint for f in alone.findings if f.kind == "unmeasured-torque"] == ["left_ankle"]
     both = exoid.validate(found, [partial, log])
     np.testing.assert_allclose(both.rmse[2], exoid.validate(found, log).rmse[2])
-    with pytest.raises(ExoidError, match="the torque of left_ankle was not measured"):
-        predict_motion(found, partial)
 
 
 def test_checks_skip_a_joint_without_torque_and_find_faults_of_the_others():

@@ -18,7 +18,7 @@ from exoid import ExoidError, Leg, Recording, TorsoMotion
 from exoid.errors import NotSupportedError
 from exoid.leg.description import describe
 from exoid.view import scene
-from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
+from exoid.view.colours import CAD, IDENTIFIED
 from exoid.view.report.blocks import replay_blocks
 from exoid.view.scenes.leg_geometry import STEEL
 from exoid.view.scenes.page import _viewer_file as viewer_file
@@ -217,25 +217,6 @@ def test_published_legs_stand_beside_cad_by_their_joints():
         np.testing.assert_allclose(place[:3, 3], leg.model.inertias[1].lever, atol=1e-5)
 
 
-def test_the_ghost_is_translucent_and_follows_its_recording():
-    leg = exoid.load_leg("bleex")
-    recording = motion(leg)
-    ghost = Recording(time=TIME, q=0.5 * recording.q, joint_names=leg.joint_names)
-    drawn = scene(leg, recording=recording, ghost=ghost, ghost_label="asked for")
-    (layer,) = [layer for layer in drawn.layers if layer.label == "asked for"]
-    (root,) = layer.paths
-    found = places(drawn, 0.7)
-    rotation, _ = leg.forward_kinematics(ghost.q[42])
-    path = f"{root}/left_hip/body/left_knee/body/left_ankle/body"
-    np.testing.assert_allclose(found[path][:3, :3], rotation[0, 2], atol=2e-4)
-    shown = [path for path in objects(drawn) if path.startswith(root)]
-    assert len(shown) == 3  # the torso is there once
-    for path in shown:
-        for _, material, _ in meshes(objects(drawn)[path]):
-            assert material["transparent"]
-            assert material["color"] == int(PREDICTED[1:], 16)
-
-
 def test_both_legs_have_one_torso_and_one_has_no_other_leg():
     left, right = (exoid.load_leg("bleex", side) for side in ("left", "right"))
     both, one = objects(scene(left, right)), objects(scene(left))
@@ -324,7 +305,7 @@ def test_the_page_is_the_scene_with_meshcats_viewer_and_its_licence():
 def test_a_minute_of_replay_stays_below_a_megabyte():
     leg = exoid.load_leg("bleex")
     recording = motion(leg, np.arange(6000) / 100.0)
-    assert len(scene(leg, recording=recording, ghost=recording).html()) < 1e6
+    assert len(scene(leg, recording=recording).html()) < 1e6
 
 
 def test_notebooks_show_the_page_in_a_frame():
@@ -359,10 +340,6 @@ def test_scenes_that_cannot_be_drawn_raise_errors():
         scene(exoid.load_leg("bleex", "right"), recording=recording)
     with pytest.raises(ExoidError, match="left_ankle"):
         scene(leg, recording=recording.select(("left_hip", "left_knee")))
-    with pytest.raises(ExoidError, match="no time in common"):
-        scene(leg, recording=recording, ghost=Recording(time=TIME + 9.0, q=recording.q, joint_names=leg.joint_names))
-    with pytest.raises(ExoidError, match="ghost without a recording"):
-        scene(leg, ghost=recording)
     long = Recording(time=np.arange(4800) * 0.25, q=np.zeros((4800, 3)), joint_names=leg.joint_names)
     with pytest.raises(ExoidError, match="longest is 600 s"):
         scene(leg, recording=long)

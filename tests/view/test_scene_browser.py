@@ -11,7 +11,6 @@ from browser import distance_to
 
 import exoid
 from exoid import Leg
-from exoid.estimate import predict_motion
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
 from exoid.view.report.page import EmbeddedPage, Page, Section
@@ -93,8 +92,7 @@ def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
 
 @pytest.mark.slow
 def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, data, estimate):
-    predicted = predict_motion(estimate, data.test)
-    scene(estimate, recording=data.test, ghost=predicted, ghost_label="predicted").save(tmp_path / "leg.html")
+    scene(estimate, recording=data.test).save(tmp_path / "leg.html")
     url = (tmp_path / "leg.html").as_uri()
     with browser.page(url) as page:
         page.wait_for(READY)
@@ -135,23 +133,6 @@ def test_a_page_can_start_at_a_time(browser, tmp_path, data):
         assert page.evaluate("window.exoid.viewer.animator.time") == 2.5
         assert not page.evaluate("window.exoid.viewer.animator.playing")
         assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
-
-
-@pytest.mark.slow
-def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, data):
-    """A translucent one in the colour of the model."""
-    apart = exoid.Recording(
-        time=data.test.time, q=data.test.q + np.array([0.5, -0.3, 0.0]), joint_names=data.test.joint_names
-    )
-    scene(data.leg, recording=data.test, ghost=apart).save(tmp_path / "leg.html")
-    with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
-        page.wait_for(READY)
-        picture = page.screenshot("bleex_reference")[:, LEGEND:].astype(int)
-        switch(page, "reference")
-        without = page.screenshot()[:, LEGEND:].astype(int)
-        seen = np.abs(picture - without).max(axis=-1) > 15
-        assert seen.mean() > 0.005
-        assert (picture[seen] @ [-1, 0, 1] > without[seen] @ [-1, 0, 1]).mean() > 0.9  # bluer
 
 
 @pytest.mark.slow

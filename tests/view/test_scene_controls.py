@@ -11,7 +11,7 @@ from browser import distance_to
 from standing import standing
 
 import exoid
-from exoid.estimate import predict_motion, validate
+from exoid.estimate import validate
 from exoid.view import scene
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
@@ -24,8 +24,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def url(tmp_path_factory, data, estimate):
     file = tmp_path_factory.mktemp("scene") / "replay.html"
-    predicted = predict_motion(estimate, data.test)
-    scene(estimate, recording=data.test, ghost=predicted, ghost_label="predicted").save(file)
+    scene(estimate, recording=data.test).save(file)
     return f"{file.as_uri()}#t={START}"
 
 

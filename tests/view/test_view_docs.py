@@ -1,11 +1,9 @@
-"""docs/view.md is true: its commands and its Python run as they stand, and its table is what the study prints."""
+"""docs/view.md is true: its commands and its Python run as they stand."""
 
 from __future__ import annotations
 
-import runpy
-
 import pytest
-from doc_pages import ROOT, Page
+from doc_pages import Page
 
 PAGE = Page.read("docs/view.md")
 
@@ -14,7 +12,7 @@ pytestmark = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 @pytest.mark.slow
 def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
-    assert len(PAGE.commands) == 6
+    assert len(PAGE.commands) == 5
     PAGE.run_commands(tmp_path)
     assert 0.25e6 < (tmp_path / "leg.html").stat().st_size < 0.35e6
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
@@ -24,10 +22,3 @@ def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
 def test_the_python_runs(tmp_path):
     PAGE.run_python(tmp_path)
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
-
-
-@pytest.mark.slow
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_the_table_is_what_the_study_prints(capsys):
-    runpy.run_path(str(ROOT / "scripts" / "study_prediction.py"), run_name="__main__")
-    assert capsys.readouterr().out in (ROOT / PAGE.name).read_text("utf-8")

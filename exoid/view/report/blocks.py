@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from exoid._typing import FloatArray
+from exoid.control.wearer import Interaction
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, findings_table
@@ -34,10 +34,12 @@ def finding_blocks(findings: Sequence[Finding]) -> Iterator[Block]:
         yield Text([sentence(line) for line in map(str, findings)])
 
 
-def replay_blocks(estimate: Estimate, shown: Recording, sentences: str, **more: Any) -> Iterator[Block]:  # noqa: ANN401
-    """Replay a recording in three dimensions; more arguments are those of the scene."""
+def replay_blocks(
+    estimate: Estimate, shown: Recording, sentences: str, interaction: Interaction | None = None
+) -> Iterator[Block]:
+    """Replay a recording in three dimensions, with the torque of a wearer if it is given."""
     try:
-        replay = scene(estimate, recording=shown, **more)
+        replay = scene(estimate, recording=shown, interaction=interaction)
         page = EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
     except ExoidError as error:
         yield Text([f"The leg cannot be drawn: {error.what}."])

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from exoid.actuators.drive_data import describe_actuators
-from exoid.errors import BadArgumentError, ExoidError
-from exoid.estimate import Estimate, predict_motion
+from exoid.errors import BadArgumentError
+from exoid.estimate import Estimate
 from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions
 from exoid.regression.rows import source_of
@@ -104,15 +104,10 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
 
 
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
-    """Replay the beginning of a recording, with the motion that the estimate predicts unless that diverges."""
+    """Replay the beginning of a recording."""
     shown = recording.between(recording.time[0], recording.time[0] + SHOWN_SECONDS)
-    try:
-        ghost, note = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
-    except ExoidError as error:
-        ghost, note = None, f"no prediction of the motion: {error.what}"
     part = shown_part(recording.time, source_of(recording) or "array")
-    said = f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."
-    return replay_blocks(estimate, shown, said, ghost=ghost, ghost_label="predicted")
+    return replay_blocks(estimate, shown, f"Shown: {part}. Drag to turn the view, scroll to zoom.")
 
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:

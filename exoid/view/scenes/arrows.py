@@ -99,7 +99,7 @@ def _around_axes(
 ) -> tuple[Drawing, tuple[str, ...]]:
     """Circular arrows around the axes of driven joints, ``beside`` them by that share of the reach, and their paths."""
     leg, reach, drawing, paths = geometry.leg, geometry.skeleton.reach, Drawing(), []
-    every = zip(geometry.joint_paths(geometry.root), geometry.skeleton.axes, geometry.joint_colours, strict=True)
+    every = zip(geometry.joint_paths, geometry.skeleton.axes, geometry.joint_colours, strict=True)
     driven = [each for each, name in zip(every, leg.tree_joint_names, strict=True) if name in leg.joint_names]
     for (joint, axis, own), of_joint in zip(driven, torque.T, strict=True):
         place, path = f"{joint}/{name}", f"{joint}/{name}/arrow"

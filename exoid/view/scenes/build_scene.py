@@ -29,8 +29,6 @@ def scene(
     *legs: Leg | Estimate,
     pose: Mapping[str, float] | None = None,
     recording: Recording | None = None,
-    ghost: Recording | None = None,
-    ghost_label: str = "reference",
     identified: Sequence[Leg] = (),
     interaction: Interaction | None = None,
     meshes: str | Path | None = None,
@@ -49,9 +47,6 @@ def scene(
             inertias (:func:`exoid.leg.lift.lift`).
         pose: Angles by joint name [rad]; zero for joints that are not named.
         recording: Motion to replay in real time, and torques if it has any. Legs without recorded joints stand still.
-        ghost: Motion of a second, translucent leg on the same time axis: a reference, or a prediction
-            (:func:`exoid.estimate.predict_motion`).
-        ghost_label: Name of the second leg in the legend.
         identified: The same legs with identified inertias, to draw beside their own.
         interaction: Torque of the wearer during the recording (:func:`exoid.interaction`), drawn as circular arrows
             beside those of the actuators.
@@ -70,16 +65,15 @@ def scene(
     """
     if not legs:
         raise BadArgumentError("no leg to draw", remedy="pass a Leg or an Estimate")
-    if ghost is not None and recording is None:
-        raise BadArgumentError("a ghost without a recording", remedy="pass the motion as recording=")
     if interaction is not None and recording is None:
         raise BadArgumentError("an interaction without a recording", remedy="pass the motion as recording=")
-    replay = None if recording is None else Replay.of(recording, ghost)
+    replay = None if recording is None else Replay.of(recording)
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
-    _check_joints(geometries, recording, ghost)
+    if recording is not None:
+        _check_joints(geometries, recording)
     views = [
-        view_leg(leg, geometry, q, replay, ghost_label, interaction)
+        view_leg(leg, geometry, q, replay, interaction)
         for leg, geometry, q in zip(legs, geometries, poses, strict=True)
     ]
     floors = [view.floor for view in views if view.floor is not None]
@@ -134,16 +128,15 @@ def _check_size(points: FloatArray, geometries: Sequence[LegGeometry]) -> None:
         )
 
 
-def _check_joints(geometries: Sequence[LegGeometry], *recordings: Recording | None) -> None:
+def _check_joints(geometries: Sequence[LegGeometry], recording: Recording) -> None:
     """Raise an error if a recording has no joint of any leg."""
     names = {name for geometry in geometries for name in geometry.leg.joint_names}
     labels = {*geometries[0].leg.joint_labels} if len(geometries) == 1 else set()  # of two legs they are the same
-    for recording in recordings:
-        if recording is not None and not (names | labels) & set(recording.joint_names):
-            raise BadArgumentError(
-                f"none of the logged joints ({', '.join(recording.joint_names)}) belongs to the leg",
-                remedy=f"map the log's columns to {', '.join(sorted(names))}",
-            )
+    if not (names | labels) & set(recording.joint_names):
+        raise BadArgumentError(
+            f"none of the logged joints ({', '.join(recording.joint_names)}) belongs to the leg",
+            remedy=f"map the log's columns to {', '.join(sorted(names))}",
+        )
 
 
 def _title(geometries: Sequence[LegGeometry]) -> str:

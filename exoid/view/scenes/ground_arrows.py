@@ -105,7 +105,7 @@ def foot_readings(geometry: LegGeometry, loads: Loads) -> Iterator[Readings]:
         known = measured.get(link) or predicted[link]
         yield Readings(
             link,
-            geometry.root if body < 0 else f"{geometry.joint_paths(geometry.root)[body]}/body",
+            geometry.body_paths[body + 1],
             geometry.joint_colours[body],
             1e3 * known.centre[:, 0],
             measured[link].force[:, 2] if link in measured else np.full(len(known.force), np.nan),

@@ -75,64 +75,66 @@ class LegGeometry:
         """Return the geometry without visuals of the torso, which another leg draws."""
         return replace(self, visuals=((), *self.visuals[1:]))
 
-    def joint_paths(self, root: str) -> tuple[str, ...]:
-        """Path of each joint's frame below a root; its body is the child "body"."""
-        paths = [root]
+    @property
+    def joint_paths(self) -> tuple[str, ...]:
+        """Path of each joint's frame; its body is the child "body"."""
+        paths = [self.root]
         for name, parent in zip(self.leg.tree_joint_names, self.skeleton.parents, strict=True):
             paths.append(child_path(paths[parent] if parent == 0 else f"{paths[parent]}/body", name))
         return tuple(paths[1:])
 
-    def place_joints(self, root: str) -> Iterator[Command]:
+    @property
+    def body_paths(self) -> tuple[str, ...]:
+        """Path of each body, the torso first."""
+        return (self.root, *(f"{joint}/body" for joint in self.joint_paths))
+
+    def place_joints(self) -> Iterator[Command]:
         """Commands that place the frames of the joints on their parent bodies."""
-        for path, placement in zip(self.joint_paths(root), self.skeleton.placements, strict=True):
+        for path, placement in zip(self.joint_paths, self.skeleton.placements, strict=True):
             yield set_transform(path, placement)
 
     def pose(self, q: FloatArray) -> Iterator[Command]:
         """Commands that move the joints to angles [rad], (n,)."""
-        for path, transform in zip(self.joint_paths(self.root), self.skeleton.joint_transforms(q)[0], strict=True):
-            yield set_transform(f"{path}/body", transform)
+        for path, transform in zip(self.body_paths[1:], self.skeleton.joint_transforms(q)[0], strict=True):
+            yield set_transform(path, transform)
 
-    def draw_bodies(self, root: str, material: Material | None = None) -> Iterator[Command]:
-        """Commands that draw the bodies; all of one material if that is given."""
-        for path, visuals in zip(
-            [root, *(f"{joint}/body" for joint in self.joint_paths(root))], self.visuals, strict=True
-        ):
-            drawn = [visual if material is None else replace(visual, material=material) for visual in visuals]
-            if drawn:
-                yield set_object(f"{path}/shape", drawn, shadows=material is None)
+    def draw_bodies(self) -> Iterator[Command]:
+        """Commands that draw the bodies."""
+        for path, visuals in zip(self.body_paths, self.visuals, strict=True):
+            if visuals:
+                yield set_object(f"{path}/shape", visuals)
 
     def draw_axes(self) -> Iterator[Command]:
         """Commands that draw the axes of the joints as rods."""
         reach = self.skeleton.reach
-        for path, axis, colour in zip(self.joint_paths(self.root), self.skeleton.axes, self.joint_colours, strict=True):
+        for path, axis, colour in zip(self.joint_paths, self.skeleton.axes, self.joint_colours, strict=True):
             rod = cylinder(0.004 * reach, 0.3 * reach, Material(colour, finish="flat"))
             yield set_object(f"{path}/axis", [rod.placed(homogeneous(np.zeros(3), align_z(axis)))], shadows=False)
 
     def draw_loops(self) -> Iterator[Command]:
         """Commands that draw the ends of closed loops as balls, one for each of the two bodies."""
         ball = ellipsoid(0.02 * self.skeleton.reach, FRAME)
-        bodies = [self.root, *(f"{path}/body" for path in self.joint_paths(self.root))]
-        for body, path in enumerate(bodies):
+        for body, path in enumerate(self.body_paths):
             if points := self.skeleton.loop_points(body):
                 yield set_object(f"{path}/loops", [ball.placed(homogeneous(point)) for point in points], shadows=False)
 
     def draw_masses(self) -> Iterator[Command]:
         """Commands that draw the centres of mass from all sources as balls."""
         for inertias in self.inertias:
-            for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
+            for path, inertia in zip(self.body_paths[1:], inertias.bodies, strict=True):
                 radius = (3.0 * inertia.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0)
                 ball = ellipsoid(radius, Material(inertias.colour)).placed(homogeneous(inertia.lever))
-                yield set_object(f"{path}/body/mass {inertias.label}", [ball], shadows=False)
+                yield set_object(f"{path}/mass {inertias.label}", [ball], shadows=False)
 
     def draw_inertias(self, inertias: Inertias) -> Iterator[Command]:
         """Commands that draw the inertias from one source as ellipsoids with three rings."""
         # Fillings mix their colours where ellipsoids overlap; rings keep theirs.
         ring = torus(1.0, 0.012, 2.0 * np.pi, Material(inertias.colour, finish="flat"))
         turns = [homogeneous(np.zeros(3), np.roll(np.eye(3), axis, axis=0)) for axis in range(3)]
-        for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
+        for path, inertia in zip(self.body_paths[1:], inertias.bodies, strict=True):
             body = inertia_ellipsoid(inertia, inertias.colour)
             rings = [ring.placed(body.transform @ turn) for turn in turns]
-            yield set_object(f"{path}/body/inertia {inertias.label}", [body, *rings], shadows=False)
+            yield set_object(f"{path}/inertia {inertias.label}", [body, *rings], shadows=False)
 
     def bounding_points(self, q: FloatArray, *, ellipsoids: bool = False) -> FloatArray:
         """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""

@@ -11,10 +11,9 @@ from exoid._typing import FloatArray
 from exoid.control.wearer import Interaction
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
-from exoid.view.colours import PREDICTED
 
 from .arrows import draw_torques, draw_wearer, draw_weights
-from .commands import Drawing, Layer, child_path, moving, set_transform
+from .commands import Drawing, Layer, moving, set_transform
 from .ground_arrows import draw_ground_forces, foot_readings, ground_loads
 from .leg_geometry import LegGeometry
 from .placeholders import FRAME
@@ -23,10 +22,6 @@ from .replay import LegTrajectory, Replay
 from .standing import Standing
 from .transforms import align_z, quaternions
 from .urdf_visuals import PLAIN
-from .visual import Material
-
-GHOST = Material(PREDICTED, 0.35, behind=True)
-"""Material of the second leg."""
 
 
 class LegView(NamedTuple):
@@ -44,7 +39,6 @@ def view_leg(
     geometry: LegGeometry,
     q: FloatArray,
     replay: Replay | None,
-    ghost_label: str,
     interaction: Interaction | None,
 ) -> LegView:
     """Draw a leg in a pose, or replaying a recording; its base moves where a recording tells how."""
@@ -57,17 +51,13 @@ def view_leg(
     else:
         down = np.swapaxes(base.rotation, 1, 2) @ align_z((0.0, 0.0, -1.0))
         drawing = moving(geometry.root, base.position, base.rotation)
-    drawing += Drawing([*geometry.place_joints(geometry.root), *geometry.pose(trajectory.q[0])])
+    drawing += Drawing([*geometry.place_joints(), *geometry.pose(trajectory.q[0])])
     points, (leg, *others) = geometry.bounding_points(trajectory.q), _bodies(geometry)
     drawing += leg
-    ghost = None if replay is None else replay.ghost_angles(geometry.leg)
-    if ghost is not None:
-        drawing += _ghost(geometry, ghost, ghost_label)
-        points = np.vstack([points, geometry.bounding_points(ghost)])
     for each in (*others, draw_weights(geometry, trajectory, down), draw_torques(geometry, trajectory)):
         drawing += each
     if len(trajectory.q) > 1:
-        drawing += Drawing(tracks=_joint_tracks(geometry, geometry.root, trajectory.q))
+        drawing += Drawing(tracks=_joint_tracks(geometry, trajectory.q))
     feet: tuple[Readings, ...] = ()
     if replay is not None and base is not None:
         loads, notes = ground_loads(source, geometry.leg, replay, base)
@@ -93,7 +83,7 @@ def _placed(points: FloatArray, torso: FloatArray, base: Standing | None) -> Flo
 def _bodies(geometry: LegGeometry) -> Iterator[Drawing]:
     """Layers of what moves with the bodies, the leg first."""
     layers = [
-        ("leg", (PLAIN,), geometry.draw_bodies(geometry.root)),
+        ("leg", (PLAIN,), geometry.draw_bodies()),
         ("joint axes", tuple(dict.fromkeys(geometry.joint_colours)), geometry.draw_axes()),
         ("centres of mass", tuple(inertias.colour for inertias in geometry.inertias), geometry.draw_masses()),
     ]
@@ -106,18 +96,11 @@ def _bodies(geometry: LegGeometry) -> Iterator[Drawing]:
         yield Drawing(commands, [Layer(label, colours, tuple(command["path"] for command in commands))])
 
 
-def _ghost(geometry: LegGeometry, q: FloatArray, label: str) -> Drawing:
-    """Draw a second, translucent leg."""
-    root = child_path(geometry.root, "ghost")
-    commands = [*geometry.place_joints(root), *geometry.without_torso().draw_bodies(root, GHOST)]
-    return Drawing(commands, [Layer(label, (GHOST.colour,), (root,))], _joint_tracks(geometry, root, q))
-
-
-def _joint_tracks(geometry: LegGeometry, root: str, q: FloatArray) -> dict[str, dict[str, FloatArray]]:
+def _joint_tracks(geometry: LegGeometry, q: FloatArray) -> dict[str, dict[str, FloatArray]]:
     """Keyframes of the joints' motion at angles (F, n) [rad]."""
     transforms = geometry.skeleton.joint_transforms(q)
     tracks = {}
-    for joint, (path, revolute) in enumerate(zip(geometry.joint_paths(root), geometry.skeleton.revolute, strict=True)):
+    for joint, (path, revolute) in enumerate(zip(geometry.joint_paths, geometry.skeleton.revolute, strict=True)):
         turns, places = transforms[:, joint, :3, :3], transforms[:, joint, :3, 3]
         tracks[f"{path}/body"] = {"quaternion": quaternions(turns)} if revolute else {"position": places}
     return tracks

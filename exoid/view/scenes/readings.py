@@ -54,7 +54,7 @@ def joint_readings(
     predicted = None
     if isinstance(source, Estimate) and replay is not None and trajectory.measured:
         predicted = _predicted_torque(source, geometry.leg, replay)
-    paths, revolute = geometry.joint_paths(geometry.root), geometry.skeleton.revolute
+    paths, revolute = geometry.joint_paths, geometry.skeleton.revolute
     for joint, name in enumerate(geometry.leg.joint_names):
         body = geometry.leg.tree_joint_names.index(name)
         yield Readings(

@@ -18,28 +18,21 @@ from .commands import FRAMES_PER_SECOND
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A recording at :data:`FRAMES_PER_SECOND`, with an optional second motion."""
+    """A recording at :data:`FRAMES_PER_SECOND`."""
 
     recording: Recording  # motion of the leg
-    ghost: Recording | None  # motion of the translucent leg, or None
     time: FloatArray  # time of each frame [s], (F,)
 
     @classmethod
-    def of(cls, recording: Recording, ghost: Recording | None = None) -> Replay:
+    def of(cls, recording: Recording) -> Replay:
         """Choose the frames of a replay."""
         if recording.duration > 600.0:  # browsers struggle with larger pages
             raise BadArgumentError(
                 f"a replay of {recording.duration:.0f} s; the longest is 600 s",
                 remedy="choose a part: recording.between(start, stop), or --start and --stop",
             )
-        if ghost is not None and (ghost.time[-1] <= recording.time[0] or ghost.time[0] >= recording.time[-1]):
-            raise BadArgumentError(
-                f"the ghost motion ({ghost.time[0]:g} to {ghost.time[-1]:g} s) has no time in common with the "
-                f"recording ({recording.time[0]:g} to {recording.time[-1]:g} s)",
-                remedy="give both the same time axis",
-            )
         frames = int(recording.duration * FRAMES_PER_SECOND) + 1
-        return cls(recording, ghost, recording.time[0] + np.arange(frames) / FRAMES_PER_SECOND)
+        return cls(recording, recording.time[0] + np.arange(frames) / FRAMES_PER_SECOND)
 
     @property
     def duration(self) -> float:
@@ -54,22 +47,18 @@ class Replay:
 
     def angles(self, leg: Leg) -> FloatArray | None:
         """Angles of a leg's joints [rad], (F, n); None for a leg that was not recorded."""
-        return self._at_frames(self.recording, leg, "q")
-
-    def ghost_angles(self, leg: Leg) -> FloatArray | None:
-        """Angles of the translucent leg's joints [rad], (F, n), or None."""
-        return None if self.ghost is None else self._at_frames(self.ghost, leg, "q")
+        return self._at_frames(leg, "q")
 
     def torques(self, leg: Leg) -> FloatArray | None:
         """Recorded torques of a leg's joints [N·m], (F, n), or None."""
-        found = None if self.recording.tau is None else self._at_frames(self.recording, leg, "tau")
+        found = None if self.recording.tau is None else self._at_frames(leg, "tau")
         return None if found is None else np.nan_to_num(found)  # no arrow where torque was not measured
 
-    def _at_frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
+    def _at_frames(self, leg: Leg, quantity: str) -> FloatArray | None:
         """Interpolate a quantity of a leg at the frames; None if the recording has none of its joints."""
         for names in (leg.joint_names, leg.joint_labels):
-            if set(names) & set(recording.joint_names):
-                return at_frames(self.time, recording.time, getattr(recording.select(names), quantity))
+            if set(names) & set(self.recording.joint_names):
+                return at_frames(self.time, self.recording.time, getattr(self.recording.select(names), quantity))
         return None
 
 

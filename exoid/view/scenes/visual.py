@@ -26,7 +26,6 @@ class Material:
     opacity: float = 1.0  # opacity; 1 for solid
     # "gloss", "matte", or "flat" for a surface that looks the same in any light
     finish: Literal["gloss", "matte", "flat"] = "gloss"
-    behind: bool = False  # whether solid visuals at the same place hide it, as the leg hides the ghost
 
     def to_threejs(self) -> dict[str, Any]:
         """Describe the material in three.js's format."""
@@ -36,8 +35,6 @@ class Material:
             material |= {"shininess": 40, "specular": 0x333333}
         if self.opacity < 1.0:
             material |= {"transparent": True, "opacity": self.opacity, "depthWrite": False}
-        if self.behind:
-            material |= {"polygonOffset": True, "polygonOffsetFactor": 2, "polygonOffsetUnits": 2}
         return material
 
 
