@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import exoid
 from exoid.errors import BadArgumentError, nearest
-from exoid.leg.loops import Loops
 
 from .messages import note
 from .numbers import split_names, values_by_name
@@ -60,6 +59,8 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
         refuse({"--floating-base": floating or None}, "--moving-base is for rows of joints only")
     chosen = split_names(joints)
     if chosen is None and logged is not None:
+        from exoid.leg.loops import Loops  # noqa: PLC0415 - help needs no legs
+
         chosen = _moving_joints(Path(name), logged, () if loops is None else Loops.read(loops).dependent)
     kinds: dict[str, Any] = values_by_name(contact, "--contact", str, "LINK=KIND, e.g. --contact LF_FOOT=point")
     return exoid.Leg.from_urdf(name, chosen, base=base, contacts=kinds, loops=loops)

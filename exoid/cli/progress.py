@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
-from rich.progress import Progress
-
 from .messages import quiet
 
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """Show a bar on a terminal."""
+    from rich.console import Console  # noqa: PLC0415 - help needs no bars
+    from rich.progress import Progress  # noqa: PLC0415
+
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=quiet.get() or not console.is_terminal) as bar:
         task = bar.add_task(label, total=1.0)
@@ -23,5 +23,7 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 @contextmanager
 def status(label: str) -> Iterator[None]:
     """Show on a terminal what a command is doing."""
+    from rich.console import Console  # noqa: PLC0415 - see above
+
     with Console(stderr=True, quiet=quiet.get()).status(label):
         yield

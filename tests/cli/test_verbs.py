@@ -42,6 +42,13 @@ def test_no_verb_is_imported_before_one_is_called(arguments, code):
     }
 
 
+def test_the_help_of_a_verb_needs_no_numbers_and_no_legs():
+    """Its import had grown to five times that of NumPy."""
+    status, modules = imported_by("identify", "--help")
+    assert status == 0
+    assert not modules & {*HEAVY, "rich.progress", "exoid.leg"}
+
+
 @pytest.mark.parametrize("name", VERBS)
 def test_the_line_in_the_list_of_verbs_is_the_first_of_the_verbs_own_help(name):
     verb = load_verb(name)
