@@ -20,7 +20,7 @@ def export(
     options: LawOptions = LawOptions(),  # noqa: B008
     as_json: AsJson = False,
 ) -> None:
-    """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
+    """Write an identified leg as a URDF, for MuJoCo with rotors, or in C.
 
     With --law, the C is a control law with this model: pd, gravity_friction_pd, feedforward_pd, computed_torque or lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives

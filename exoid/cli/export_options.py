@@ -24,15 +24,12 @@ class Target(NamedTuple):
     def files(self) -> dict[str, str | Path | None]:
         """Files by option."""
         from exoid.codegen.dialect import identifier  # noqa: PLC0415 - help needs no C
-        from exoid.estimate.export import sidecar_of  # noqa: PLC0415
 
-        sidecar = sidecar_of(Path(self.output)) if self.output is not None and Path(self.output).name else None
         header = None
         if self.c is not None and self.law is not None:
             header = Path(self.c).with_name(f"{identifier(self.c)}.h")
         return {
             "--output": self.output,
-            "the file beside --output": sidecar,
             "--c": self.c,
             "the header of --c": header,
             "--mjcf": self.mjcf,

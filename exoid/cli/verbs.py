@@ -19,7 +19,7 @@ VERBS = {
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "interaction": "Compute the torque between wearer and exoskeleton in the LOG, and test whether anything acts.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
-    "export": "Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.",
+    "export": "Write an identified leg as a URDF, for MuJoCo with rotors, or in C.",
     "plan": "Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log.",
     "reproduce": "Run a document's experiments on virtual rigs, identify, and print every table side by side.",
     "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",

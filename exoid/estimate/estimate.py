@@ -82,19 +82,19 @@ class Estimate(Report, EstimateData):
         return estimate_from_json(data, cls)
 
     def to_urdf(self, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR) -> Export:
-        """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
+        """Write the leg's URDF with identified inertias and friction.
 
         Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
         (:func:`exoid.leg.lift.lift`). Where none can exist with masses near the URDF's, the estimate moves: within its
         errors, and towards the URDF's links as the pull says. Coulomb and
-        viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
-        stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
+        viscous friction go into ``<dynamics friction= damping=>`` where they were identified. A URDF has no place for
+        rotor inertia, offset and stiffness: :meth:`to_mjcf` and :meth:`save` have. A rotor inertia that is
         regrouped into an inertia (J1 at the hip) stays there, unless ``identify(known={"Ia_hip": …})`` took it out.
         Everything else in the URDF stays as it is; file names of
         meshes too, so a URDF with relative ones belongs into the same folder.
 
         Args:
-            path: The URDF to write. Both files are written whole or neither is.
+            path: The URDF to write, whole or not at all.
             pull: Weight of the URDF's own links where the estimate is not that of possible links: χ²/2 + pull · D is
                 least, with D the divergence of the links. At 1 their inertias count as known to 50 %.
             mass_factor: Largest factor by which the mass of a link may change, above 1; ``math.inf`` for any.
@@ -103,8 +103,8 @@ class Estimate(Report, EstimateData):
             What was written, which prints itself: where the parameters are, and by how much they had to move.
 
         Raises:
-            ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, a file cannot
-                be written, or it is the URDF that was identified.
+            ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, the file
+                cannot be written, or it is the URDF that was identified.
         """
         return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
 

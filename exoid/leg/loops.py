@@ -83,7 +83,7 @@ class Loops:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Loops:
-        """Check and convert what a TOML file, an estimate or a sidecar holds; ``json_value`` writes it."""
+        """Check and convert what a TOML file or an estimate holds; ``json_value`` writes it."""
         try:
             found = record(cls, data)
         except (TypeError, ValueError, LookupError, AttributeError) as error:

@@ -16,23 +16,22 @@ def saved(exoid_, estimate):
     return estimate
 
 
-def test_export_writes_a_urdf_and_a_sidecar_and_says_so(saved, tmp_path, exoid_):
+def test_export_writes_a_urdf_and_says_so(saved, tmp_path, exoid_):
     code, out, err = exoid_("export", "est.json", "-o", "leg.urdf")
     assert (code, err) == (0, "")
-    written = (tmp_path / "leg.urdf").read_text(), (tmp_path / "leg.exoid.json").read_text()
+    written = (tmp_path / "leg.urdf").read_text()
     expected = saved.to_urdf("leg.urdf")
     assert out == f"{expected}\n"
-    assert written == (expected.urdf.read_text(), expected.sidecar.read_text())
-    for word in ("leg.urdf", "leg.exoid.json", "Ia_knee", "offset_hip", "exactly the estimated parameters"):
+    assert written == expected.urdf.read_text()
+    for word in ("leg.urdf", "Ia_knee", "offset_hip", "exactly the estimated parameters"):
         assert word in out
     again = Leg.from_urdf("leg.urdf", saved.joint_names)
     assert again.parameters == pytest.approx(saved.leg.parameters, rel=1e-12)
 
 
-def test_export_as_json_is_the_sidecar(saved, tmp_path, exoid_):
+def test_export_as_json_says_what_is_in_the_file(saved, exoid_):
     code, out, err = exoid_("export", "est.json", "-o", "leg.urdf", "--json")
     assert (code, err) == (0, "")
-    assert json.loads(out) == json.loads((tmp_path / "leg.exoid.json").read_text())
     assert json.loads(out) == json.loads(json.dumps(saved.to_urdf("leg.urdf").to_json()))
 
 

@@ -1,6 +1,5 @@
-"""A known rotor of the first joint is no part of J1, and leaves in the sidecar rather than in the thigh."""
+"""A known rotor of the first joint is no part of J1, and is left out of the exported thigh."""
 
-import json
 import sys
 
 import numpy as np
@@ -63,10 +62,9 @@ def test_a_file_keeps_it(known, tmp_path):
     np.testing.assert_array_equal(again.torque(*motion(3)), known.torque(*motion(3)))
 
 
-def test_the_exported_thigh_is_without_it_and_the_sidecar_has_it(known, merged, tmp_path):
+def test_the_exported_thigh_is_without_it(known, merged, tmp_path):
     export = known.to_urdf(tmp_path / "leg.urdf")
-    assert "Ia_hip" in export.only_in_sidecar
-    assert json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]["Ia_hip"] == ROTOR
+    assert "Ia_hip" in export.left_out
     joints = known.joint_names
     read = exoid.Leg.from_urdf(export.urdf, joints)
     assert read.parameters[2] == pytest.approx(merged["J1"].value - ROTOR, rel=1e-12)

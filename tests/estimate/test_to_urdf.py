@@ -1,7 +1,6 @@
 """An exported URDF is the user's own with other numbers, and every library that reads it finds the estimate."""
 
 import dataclasses
-import json
 
 import mujoco
 import numpy as np
@@ -96,7 +95,7 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
 
 
 def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, tmp_path):
-    """Everything comes from the two files: the leg from the URDF, friction from its <dynamics>, the rest beside it."""
+    """The leg comes from the URDF, friction from its <dynamics>, the rest from what the export says."""
     terms = (*FRICTION, Armature(), Offset())
     estimate = estimate_of(leg, terms, rigid=near(leg, 0.1))
     export = estimate.to_urdf(tmp_path / "leg.urdf")
@@ -109,7 +108,7 @@ def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, 
     q, v, a = harmonics(time, size, omega, phase)
     tau = again.inverse_dynamics(q, v, a)
     root = etree.parse(str(export.urdf)).getroot()
-    beside = json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]
+    beside = export.to_json()["values"]
     for k, (joint, label) in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
         dynamics = root.find(f"joint[@name='{joint}']/dynamics")
         tau[:, k] += float(dynamics.get("friction")) * np.tanh(v[:, k] / SMOOTHING)
@@ -279,34 +278,26 @@ def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
     assert "\n    <dynamics" in export.urdf.read_text(encoding="utf-8")
 
 
-# ------------------------------------------------------------------------------------------- sidecar
+# ------------------------------------------------------------------------------------------ left out
 
 
-def test_the_sidecar_has_what_the_urdf_has_no_place_for(tmp_path):
+def test_what_a_urdf_has_no_place_for_is_named(tmp_path):
     leg = exoid.load_leg("bleex")
     estimate = estimate_of(leg, (*FRICTION, Armature(), Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",))))
     export = estimate.to_urdf(tmp_path / "my.leg.urdf")
-    assert export.sidecar == tmp_path / "my.leg.exoid.json"
-    data = json.loads(export.sidecar.read_text(encoding="utf-8"))
-    assert data["schema"] == "exoid-sidecar-2"
-    assert data["only_here"] == ["Ia_knee", "Ia_ankle", "b1_knee", "b0_knee", "offset_hip"]
-    assert data["values"] == dict(zip(estimate.names, estimate.values.tolist(), strict=True))
-    assert data["merged"] == {"Ia_hip": {"J1": pytest.approx(1.0)}}
-    assert data["terms"][0]["smoothing"] == SMOOTHING
-    assert data["urdf"] == "my.leg.urdf"
-    for name in data["only_here"]:
-        assert name in str(export)
+    assert export.left_out == ("Ia_knee", "Ia_ankle", "b1_knee", "b0_knee", "offset_hip")
+    assert f"no place for {', '.join(export.left_out)}: left out" in str(export)
     assert "J1" in str(export)
+    assert [path.name for path in tmp_path.iterdir()] == ["my.leg.urdf"]
 
 
-def test_friction_that_feeds_energy_in_is_zero_in_the_urdf_and_as_it_is_beside_it(tmp_path):
+def test_friction_that_feeds_energy_in_is_zero_in_the_urdf(tmp_path):
     leg = exoid.load_leg("cuhk")
     export = estimate_of(leg, c0_hip=-0.5, d_knee=-0.1).to_urdf(tmp_path / "leg.urdf")
     assert export.not_dissipative == ("c0_hip", "d_knee")
     root = etree.parse(str(export.urdf)).getroot()
     assert root.find("joint[@name='left_hip']/dynamics").get("friction") == "0.0"
     assert root.find("joint[@name='left_knee']/dynamics").get("damping") == "0.0"
-    assert json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]["c0_hip"] == -0.5
     assert "c0_hip, d_knee below zero" in str(export)
     mujoco.MjModel.from_xml_path(str(export.urdf))
 
@@ -325,9 +316,6 @@ def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_ho
     np.testing.assert_allclose(again.parameters, export.lift.values, rtol=1e-9)
     text = str(export)
     assert f"are {export.lift.distance:.3g} std away" in text
-    data = json.loads(export.sidecar.read_text(encoding="utf-8"))["lift"]
-    assert data["feasible"] is False
-    assert data["distance"] == export.lift.distance
     change = export.values - estimate.values
     pull = np.linalg.solve(estimate.covariance, change)
     np.testing.assert_allclose(pull[9:], 0.0, atol=1e-6 * np.abs(pull).max())
@@ -341,24 +329,10 @@ def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_ho
 # --------------------------------------------------------------------------------------------- files
 
 
-def test_both_files_are_written_or_neither(tmp_path, monkeypatch):
-    leg = exoid.load_leg("cuhk")
-    estimate = estimate_of(leg)
-    (tmp_path / "leg.exoid.json").mkdir()
-    with pytest.raises(ExoidError, match=r"leg\.exoid\.json: cannot be written"):
-        estimate.to_urdf(tmp_path / "leg.urdf")
-    assert [path.name for path in tmp_path.iterdir()] == ["leg.exoid.json"]
-    (tmp_path / "leg.exoid.json").rmdir()
+def test_the_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    estimate = estimate_of(exoid.load_leg("cuhk"))
     export = estimate.to_urdf(tmp_path / "leg.urdf")
-    before = export.urdf.read_bytes(), export.sidecar.read_bytes()
-    export.sidecar.unlink()
-    export.sidecar.mkdir()
-    other = dataclasses.replace(estimate, values=1.01 * estimate.values)
-    with pytest.raises(ExoidError, match="cannot be written"):
-        other.to_urdf(tmp_path / "leg.urdf")
-    assert export.urdf.read_bytes() == before[0]
-    export.sidecar.rmdir()
-    export.sidecar.write_bytes(before[1])
+    before, other = export.urdf.read_bytes(), dataclasses.replace(estimate, values=1.01 * estimate.values)
 
     def full(_):
         raise OSError(28, "No space left on device")
@@ -366,8 +340,8 @@ def test_both_files_are_written_or_neither(tmp_path, monkeypatch):
     monkeypatch.setattr("os.fsync", full)
     with pytest.raises(ExoidError, match="No space left"):
         other.to_urdf(tmp_path / "leg.urdf")
-    assert (export.urdf.read_bytes(), export.sidecar.read_bytes()) == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["leg.exoid.json", "leg.urdf"]
+    assert export.urdf.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["leg.urdf"]
 
 
 @pytest.mark.parametrize("path", ["no folder/leg.urdf", "."])

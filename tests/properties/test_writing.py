@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import resource
 import signal
@@ -68,8 +67,6 @@ def assert_whole(folder, estimate):
         assert len(Recording.from_csv(folder / "new.csv")) == 20000
     if (folder / "new.urdf").exists():
         assert Leg.from_urdf(folder / "new.urdf").joint_names
-    if (folder / "new.exoid.json").exists():
-        assert json.loads((folder / "new.exoid.json").read_text(encoding="utf-8"))["schema"]
 
 
 @pytest.mark.parametrize("what", ["save", *(pytest.param(each, marks=pytest.mark.slow) for each in ("export", "csv"))])

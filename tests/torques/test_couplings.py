@@ -178,10 +178,9 @@ def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_
     assert (exoid.validate(again, swing_with_couplings(3)).nrmse < 0.05).all()
 
 
-def test_a_urdf_has_couplings_in_its_sidecar(estimate, tmp_path):
+def test_a_urdf_has_no_place_for_couplings(estimate, tmp_path):
     export = estimate.to_urdf(tmp_path / "leg.urdf")
-    assert set(VALUES) <= set(export.only_in_sidecar)
-    assert export.to_json()["term_of"]["k_hip_knee"] == "coupling-spring"
+    assert set(VALUES) <= set(export.left_out)
 
 
 def test_an_inertia_across_joints_has_no_form_in_c():
