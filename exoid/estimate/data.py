@@ -240,40 +240,6 @@ class EstimateData(ParameterTable):
         torque = self.model.columns(motion).transpose(2, 1, 0) @ self.values
         return torque if motion.payload is None else torque + motion.payload
 
-    def torque_std(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        torso: MovingBase | None = None,
-        *,
-        measured: bool = False,
-    ) -> FloatArray:
-        """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
-
-        A measured torque includes the model error: friction may have another form than the terms, as far as the
-        residuals allow. Inside the motion of the training that is part of the residuals. Beyond it, it grows.
-
-        Args:
-            q: Joint angles [rad], (N, n), in time order if ``measured``.
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-            measured: Whether to add the model error, and the noise of a new measurement, which has passed the same
-                filter as those that the estimate was made from.
-
-        Returns:
-            Standard deviations [N·m], (N, n).
-        """
-        model = self.band_model if measured else self.model.loaded_by(self.values)
-        variance = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        motion = model.motion(q, v, a, torso)
-        std = np.empty((len(motion.q), len(model.row_names)))
-        for start in range(0, len(std), BLOCK):
-            rows = slice(start, start + BLOCK)
-            std[rows] = np.sqrt(variance(model.columns(motion.rows(rows)).transpose(2, 1, 0)))
-        return std
-
     @property
     def band_model(self) -> TorqueModel | WithColumns:
         """Torque model with the columns that the band of a measured torque needs."""
@@ -317,10 +283,13 @@ class EstimateData(ParameterTable):
     ) -> TorqueBand:
         """Band that contains a new torque of each sample with so much probability, by Student's t.
 
-        A measured torque takes the degrees of freedom of the noise, the model's own the fewest of any parameter.
+        A measured torque includes the model error: friction may have another form than the terms, as far as the
+        residuals allow. Inside the motion of the training that is part of the residuals. Beyond it, it grows. A
+        measured torque takes the degrees of freedom of the noise, the model's own the fewest of any parameter. Loads of
+        friction count as exact.
 
         Args:
-            q: Joint angles [rad], (N, n).
+            q: Joint angles [rad], (N, n), in time order if ``measured``.
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso, if it moves.
@@ -331,7 +300,13 @@ class EstimateData(ParameterTable):
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
-        dof = self.dof if measured else float(self.dof_each.min())
-        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
+        model = self.band_model if measured else self.model.loaded_by(self.values)
+        spread = self.measured_variance if measured else partial(parameter_variance, self.covariance)
+        motion = model.motion(q, v, a, torso)
+        variance = np.empty((len(motion.q), len(model.row_names)))
+        for start in range(0, len(variance), BLOCK):
+            rows = slice(start, start + BLOCK)
+            variance[rows] = spread(model.columns(motion.rows(rows)).transpose(2, 1, 0))
+        half = half_width(level, self.dof if measured else float(self.dof_each.min())) * np.sqrt(variance)
         torque = self.torque(q, v, a, torso)
         return TorqueBand(torque, torque - half, torque + half)

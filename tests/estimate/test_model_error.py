@@ -143,8 +143,8 @@ def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_nois
     recording = log(leg, "stribeck", SLOW, 1)
     estimate = exoid.identify(leg, recording, check=False)
     assert estimate.model_error is None
-    std = estimate.torque_std(*Swing(leg, seconds=5.0).motion, measured=True)
-    assert (std >= estimate.residual_rms).all()
+    band = estimate.torque_band(*Swing(leg, seconds=5.0).motion)
+    assert (band.upper - band.torque >= 1.96 * estimate.residual_rms).all()
 
 
 def test_known_parameters_absorb_nothing(leg):
@@ -158,8 +158,8 @@ def test_known_parameters_absorb_nothing(leg):
 
 def test_one_state_alone_has_a_band(leg, estimates):
     """The direction of motion is that of the velocity where there is no motion before."""
-    std = estimates["presliding"].torque_std([[0.1, 0.2]], [[0.5, 0.5]], [[0.0, 0.0]], measured=True)
-    assert (std < 5.0 * estimates["presliding"].residual_rms).all()
+    band = estimates["presliding"].torque_band([[0.1, 0.2]], [[0.5, 0.5]], [[0.0, 0.0]])
+    assert (band.upper - band.torque < 10.0 * estimates["presliding"].residual_rms).all()
 
 
 def test_a_model_error_of_another_leg_is_refused(estimates):

@@ -8,6 +8,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
+from exoid.regression.intervals import half_width
 from exoid.signals import FiniteDifference, ZeroPhase
 
 PLAIN = FiniteDifference()
@@ -43,8 +44,8 @@ def test_behind_the_filter_it_contains_filtered_torques(swing, other):
         estimate = identify(swing.leg, swing.with_noise(rng, NOISE), TERMS)
         new = other.recording(tau=other.torque + rng.normal(scale=NOISE, size=other.torque.shape))
         found = exoid.validate(estimate, new)
-        std = estimate.torque_std(*other.motion, measured=True)[: len(found.time)]
-        inside.append((np.abs(found.residual) < 1.96 * np.median(std, axis=0)).mean(axis=0))
+        band = estimate.torque_band(*other.motion)
+        inside.append((np.abs(found.residual) < np.median(band.upper - band.torque, axis=0)).mean(axis=0))
     coverage = np.mean(inside, axis=0)
     print(f"filtered torque inside: {coverage.round(3)}")
     np.testing.assert_allclose(coverage, 0.95, atol=0.035)
@@ -64,8 +65,11 @@ def test_the_band_of_the_model_contains_the_torque_without_noise(swing, other):
     np.testing.assert_array_equal(band.torque, estimate.torque(*other.motion))
 
 
-def test_the_std_is_that_of_the_covariance(swing, other):
+def test_its_width_is_that_of_the_covariance(swing, other):
     estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), NOISE), TERMS, preparation=ZeroPhase(5.0))
     W = estimate.model.regressor(*other.motion)
     expected = np.sqrt(np.einsum("njp,pq,njq->nj", W, estimate.covariance, W))
-    np.testing.assert_allclose(estimate.torque_std(*other.motion), expected, rtol=1e-9)
+    band = estimate.torque_band(*other.motion, measured=False)
+    half = half_width(0.95, estimate.dof_each.min()) * expected
+    np.testing.assert_allclose(band.upper - band.torque, half, rtol=1e-9)
+    np.testing.assert_allclose(band.torque - band.lower, half, rtol=1e-9)

@@ -247,9 +247,9 @@ def test_bands_of_the_torque_are_refused_by_name(exo, estimate, stance):
     q, v, a = (part[:5] for part in stance[0].exact)
     base = stance[0].base.rows(slice(5))
     assert estimate.torque(q, v, a, base).shape == (5, 9)
-    assert estimate.torque_std(q, v, a, base).shape == (5, 9)
+    assert estimate.torque_band(q, v, a, base, measured=False).upper.shape == (5, 9)
     with pytest.raises(ExoidError, match="ground_forces"):
-        estimate.torque_std(q, v, a, base, measured=True)
+        estimate.torque_band(q, v, a, base)
 
 
 def test_swing_alone_cannot_tell_the_mass(exo):
