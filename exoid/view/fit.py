@@ -1,4 +1,4 @@
-"""Figures of a fit: predictions, residuals, and the part of the joint space that a motion covers."""
+"""Figures of a fit: predictions, residuals and friction."""
 
 from __future__ import annotations
 
@@ -73,9 +73,3 @@ def plot_friction_fit(ax: Axes, velocity: FloatArray, measured: FloatArray, fitt
     draw_samples(ax, velocity, measured, MEASURED, size=1.4, alpha=0.3, label="measured less other terms")
     draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
     return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)
-
-
-def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: str) -> Axes:
-    """Plot velocity over angle of one joint: a motion that excites friction and inertia fills the plane."""
-    draw_samples(ax, np.rad2deg(q), v, joint_colour(joint), size=1.0)
-    return decorate(ax, f"{label} angle [deg]", f"{label} velocity [rad/s]", zero=True)

@@ -20,7 +20,6 @@ OF_A_FIT = {
     "friction": TWO,
     "residuals_velocity": TWO,
     "residuals_angle": TWO,
-    "excitation": TWO,
 }
 
 VERBS = {

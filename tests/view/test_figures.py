@@ -31,7 +31,7 @@ from exoid.view.experiments import (
     plot_stiffness,
     plot_torques,
 )
-from exoid.view.fit import plot_excitation, plot_friction_fit
+from exoid.view.fit import plot_friction_fit
 from exoid.view.parameters import STRONG, strongest_pairs
 from exoid.view.report.page import Picture, paper_figure
 from exoid.view.style import COLUMN, PAGE
@@ -226,11 +226,6 @@ def test_the_mean_residual_shows_what_the_dots_hide():
 def test_few_samples_have_dots_but_no_mean():
     _, ax = drawn(lambda ax: plot_residual_trend(ax, TIME[:5], TIME[:5], 0, "velocity [rad/s]", "hip"))
     assert not ax.containers
-
-
-def test_excitation_is_drawn_in_degrees():
-    _, ax = drawn(lambda ax: plot_excitation(ax, TIME, 2.0 * TIME, 0, "hip"))
-    np.testing.assert_allclose(ax.lines[0].get_xdata(), np.rad2deg(TIME))
 
 
 def law_run(law, size):

@@ -1,4 +1,4 @@
-"""How an estimate predicts recordings: torque, friction, residuals, and the motions that they cover."""
+"""How an estimate predicts recordings: torque, friction and residuals."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
 from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import (
-    plot_excitation,
     plot_friction_fit,
     plot_prediction,
     plot_residual_trend,
@@ -137,14 +136,3 @@ def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPredict
                 f"Residual {label} torque against {label} {against} [{unit}]",
                 figure=f"residuals_{against}",
             )
-
-
-def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
-    """Draw the angles and velocities that the recordings cover."""
-    q, v = (np.concatenate(parts) for parts in zip(*((p.q, p.v) for p in predictions), strict=True))
-    for joint, label in enumerate(estimate.model.leg.joint_labels):
-        yield Picture(
-            on_axes(plot_excitation, q[:, joint], v[:, joint], joint, label),
-            f"{label} velocity over {label} angle of all recordings",
-            figure="excitation",
-        )

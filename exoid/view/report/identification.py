@@ -1,4 +1,4 @@
-"""Report of an identification: parameters, predicted torque, residuals, excitation, and advice."""
+"""Report of an identification: parameters, predicted torque, residuals, and advice."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from exoid.tools.tables import DataTable
 from .blocks import SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
 from .fit import (
     RecordingPrediction,
-    excitation_pictures,
     friction_blocks,
     predict_recording,
     residual_pictures,
@@ -62,11 +61,8 @@ def identification_report(
         "Measured and predicted torque": torque_blocks(estimate, tested or fitted, bool(tested)),
         "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
         "Friction": friction_blocks(estimate, fitted or tested),
-        "Residuals": residual_pictures(estimate, fitted)
-        if fitted
-        else [Text([SHORT]), *residual_pictures(estimate, tested)],
+        "Residuals": [Text([SHORT]), *residual_pictures(estimate, fitted or tested)],
         "Replay": _replay(estimate, (tested or fitted)[0].recording),
-        "Excitation": excitation_pictures(estimate, fitted or tested),
         "What to record next": advice(estimate, [each.recording for each in fitted]) if fitted else (),
         "Inputs and settings": _inputs_and_settings(estimate),
     }
@@ -84,19 +80,14 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
     counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)
     lines = [f"{len(grades)} parameters: {counts}."]
     for prediction in tested:
-        nrmse = prediction.validation.nrmse
-        known = np.isfinite(nrmse)
         joints = ", ".join(
-            f"{joint} {e:.3f}" if there else f"{joint} not measured"
-            for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
+            f"{joint} {error:.3f}" if np.isfinite(error) else f"{joint} not measured"
+            for joint, error in zip(estimate.joint_names, prediction.validation.nrmse, strict=True)
         )
-        quality = "predicts well" if (nrmse[known] <= 0.1).all() else "does not predict every joint well"
         lines.append(
-            f"On the held-out recording {prediction.validation.source} the estimate {quality} (NRMSE, the RMS error "
-            f"over the standard deviation of the torque: {joints})."
+            f"Held-out recording {prediction.validation.source}, {verdict_line(prediction.validation.findings)}. "
+            f"NRMSE, the RMS error over the standard deviation of the torque: {joints}."
         )
-        if prediction.validation.findings:
-            lines.append(sentence(verdict_line(prediction.validation.findings)))
     if not tested:
         lines.append("There is no held-out recording: the errors below are those of the fit.")
     lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,8 +12,8 @@ from exoid.estimate import Estimate
 from exoid.estimate.comparison import Comparison
 from exoid.estimate.text import below_parameters, parameter_table
 from exoid.experiments.excitation import assess
+from exoid.experiments.excitation.assess import Advice
 from exoid.signals import Recording
-from exoid.tools.tables import with_error
 from exoid.view.parameters import STRONG, plot_comparison, plot_correlation, plot_parameters, strongest_pairs
 
 from .blocks import sentence
@@ -28,6 +27,13 @@ IDENTIFIABILITY = {
     "known": "fixed at a known value",
 }
 """Text of each class of identifiability."""
+
+EXPERIMENTS = (
+    "Experiments that would help. Percentages are the expected standard deviation over the scale of the parameter: its "
+    "value, or a tenth of the value that alone would explain all torque of a joint. They assume noise such as the "
+    "residuals, and no prior knowledge."
+)
+"""Heading of the experiments."""
 
 
 def parameter_blocks(estimate: Estimate) -> Iterator[Block]:
@@ -81,44 +87,29 @@ def comparison_figures(first: Estimate, second: Estimate, comparison: Comparison
 
 
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
-    """Name poorly identified parameters, the parameters that they correlate with, and what to record."""
-    correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
-    grades = dict(zip(estimate.names, estimate.identifiability, strict=True))
-    poor = {name: grade for name, grade in grades.items() if grade in ("weakly", "not")}
-    lines = []
-    for name, grade in poor.items():
-        k = estimate.names.index(name)
-        partner = int(correlation[k].argmax())
-        value, std = with_error(estimate.values[k], estimate.std[k])
-        lines.append(
-            f"{name} is {IDENTIFIABILITY[grade]} ({value} ± {std} {estimate.units[k]}); its error correlates most with "
-            f"that of {estimate.names[partner]} (correlation {estimate.correlation[k, partner]:+.2f})."
-        )
-    if not lines:
+    """Name poorly identified parameters, and simple experiments that would help."""
+    grades = zip(estimate.names, estimate.identifiability, strict=True)
+    poor = {name: grade for name, grade in grades if grade in ("weakly", "not")}
+    if not poor:
         yield Text(["Every parameter is well identified. Test the model on a held-out recording."])
         return
-    yield Text(lines)
-    if experiments := list(_experiments(estimate, recordings, poor)):
+    for grade in dict.fromkeys(poor.values()):
         yield Text(
-            [
-                "Experiments that would help. Percentages are the expected standard deviation over the scale of the "
-                "parameter: its value, or a tenth of the value that alone would explain all torque of a joint. They "
-                "assume noise such as the residuals, and no prior knowledge."
-            ]
+            [f"{IDENTIFIABILITY[grade].capitalize()}: {', '.join(n for n, its in poor.items() if its == grade)}."]
         )
-        yield Text(experiments)
-    else:
-        yield Text(["Record motions that separate the correlated parameters; exoid plan finds such motions."])
+    helping = [each for each in _experiments(estimate, recordings) if {*each.parameters} & {*poor}]
+    yield Text([EXPERIMENTS if helping else "exoid plan finds motions that separate correlated parameters."])
+    yield Text([sentence(str(each)) for each in helping])
 
 
-def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Container[str]) -> Iterator[str]:
+def _experiments(estimate: Estimate, recordings: Sequence[Recording]) -> Sequence[Advice]:
     """Assess simple experiments, with noise as large and as correlated as the residuals; none if that fails."""
     seconds = sum(recording.duration for recording in recordings)
     heard = [noise.effective_samples for noise in estimate.noise if noise.samples]
     counts = [count for count in heard if np.isfinite(count)]
     deaf = 1e6 * float(estimate.residual_rms.max())  # a joint whose torque was not measured tells nothing
     try:
-        assessment = assess(
+        return assess(
             estimate.model.leg,
             recordings,
             estimate.model.terms,
@@ -126,12 +117,6 @@ def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Cont
             noise_bandwidth=min(counts) / seconds / 2.0 if counts else np.inf,
             values=dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
             preparation=estimate.preparation,
-        )
+        ).advice
     except ExoidError:  # for example no range of motion within the limits: the rest of the report is still valid
-        return
-    for each in assessment.advice:
-        helped = [k for k, name in enumerate(each.parameters) if name in poor]
-        if helped:
-            fields = ("parameters", "before", "after")
-            part: dict[str, Any] = {name: tuple(getattr(each, name)[k] for k in helped) for name in fields}
-            yield sentence(str(each._replace(**part)))
+        return ()
