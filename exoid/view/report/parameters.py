@@ -99,7 +99,8 @@ def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text
         )
     helping = [each for each in _experiments(estimate, recordings) if {*each.parameters} & {*poor}]
     yield Text([EXPERIMENTS if helping else "exoid plan finds motions that separate correlated parameters."])
-    yield Text([sentence(str(each)) for each in helping])
+    if helping:
+        yield Text([sentence(str(each)) for each in helping])
 
 
 def _experiments(estimate: Estimate, recordings: Sequence[Recording]) -> Sequence[Advice]:
