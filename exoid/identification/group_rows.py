@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,8 +16,8 @@ from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
-from exoid.regression.row_data import NoiseKind, RowBlock, Rows, RowsFile
-from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare, rate_class
+from exoid.regression.row_data import Rows, RowsFile
+from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 
@@ -54,8 +55,8 @@ class Group:
     """Recordings of one leg, or of one session, and their rows τ = W β."""
 
     # A first pass over the rows leaves R factors, which suffice for least squares; whoever needs more goes over
-    # `blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
-    # the kinematics of one recording, and of rows that are kept where there are few.
+    # `rows_of` or `decimated`. A regressor is never formed for more than some ten thousand samples at once: memory is
+    # that of the kinematics and decimated rows of one recording, and of rows that are kept where there are few.
 
     name: str  # name of the group; "" where there is only one
     model: TorqueModel  # torque model of its leg
@@ -68,8 +69,8 @@ class Group:
     delays: FloatArray | None = None  # delays that were taken out of the torques [s], (n,); None for none
     actuators: Actuators | None = None  # drives; None where torques were measured
     memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
-    _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
-    _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
+    _whole: dict[int, list[Rows]] = field(default_factory=dict, init=False, repr=False)
+    _few: dict[int, Rows | RowsFile] = field(default_factory=dict, init=False, repr=False)  # after decimation
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -84,47 +85,36 @@ class Group:
         return TorqueModel(model.leg, model.terms, model.rigid, model.regrouped, model.separate)
 
     @cached_property
-    def each(self) -> list[list[RFactor]]:
-        """One R factor a joint for each recording."""
-        return [_r_factors(self.blocks_of(index)) for index in range(len(self.data))]
-
-    @cached_property
-    def by_kind(self) -> list[list[RFactor]]:
-        """One R factor a joint over all recordings, and one over all poses, which have noise of their own."""
-        groups = ([t for k, t in enumerate(self.each) if self.at_rest(k) is still] for still in (False, True))
-        return [[stack(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
+    def r_factors(self) -> list[RFactor]:
+        """One R factor a joint over all recordings, then one over all poses, which have noise of their own."""
+        found: dict[bool, list[list[RFactor]]] = {False: [], True: []}
+        for index in range(len(self.data)):
+            parts = [factorize_rows(rows) for rows in self.rows_of(index)]
+            joined = [stack(of_joint) for of_joint in zip(*parts, strict=True)] if len(parts) > 1 else parts[0]
+            found[self.at_rest(index)].append(joined)
+        return [stack(of_joint) for of_kind in found.values() for of_joint in zip(*of_kind, strict=True)]
 
     @property
-    def r_factors(self) -> list[RFactor]:
-        """All R factors, joint by joint, those of recordings before those of poses."""
-        return [r_factor for of_kind in self.by_kind for r_factor in of_kind]
-
-    def place(self, at_rest: bool, joint: int) -> int:
-        """Place among :attr:`r_factors` of a joint in poses, or in motion."""
-        return joint + (len(self.by_kind[0]) if at_rest and len(self.by_kind) > 1 else 0)
+    def by_row(self) -> list[list[RFactor]]:
+        """R factors of each row of the equation: in motion and at rest."""
+        count = len(self.model.row_names)
+        return [self.r_factors[row::count] for row in range(count)]
 
     def at_rest(self, index: int) -> bool:
         """Say whether one of the recordings is poses, without reading it."""
         return isinstance((self.data.items if isinstance(self.data, Recordings) else self.data)[index], Poses)
 
-    def blocks(self, *, decimated: bool = False, first: int = 0) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time; joints are counted from the first on."""
-        for index in range(len(self.data)):
-            yield from self.blocks_of(index, decimated=decimated, first=first)
+    def rows_of(self, index: int) -> Iterator[Rows]:
+        """Go over all rows of one recording in order of time."""
+        return iter(self._whole[index]) if index in self._whole else (rows for rows, _ in self._make(index))
 
-    def blocks_of(self, index: int, *, decimated: bool = False, first: int = 0) -> Iterator[RowBlock]:
-        """Go over the rows of one recording."""
-        filed = self._filed.get(index) if decimated else None
-        stretches = iter(filed or self._kept.get((index, decimated)) or self._make(index, decimated))
-        rows, kind, begins = next(stretches, None), None, True
-        while rows is not None:
-            following = next(stretches, None)
-            kind = kind or NoiseKind(self.at_rest(index), rate_class(rows.time))
-            yield RowBlock(kind, rows, begins, following is None, first)
-            rows, begins = following, False
+    def decimated(self, index: int) -> Rows:
+        """Rows of one recording that carry independent noise."""
+        few = self._few.get(index) or chain([fewer for _, fewer in self._make(index) if len(fewer.time)])
+        return few.read() if isinstance(few, RowsFile) else few
 
-    def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
-        """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
+    def _make(self, index: int) -> Iterator[tuple[Rows, Rows]]:
+        """Make rows stretch by stretch, and what is left of them after decimation; keep both where there is room."""
         if index not in self._prepared:
             self._prepared.clear()
             assert self.preparation is not None
@@ -132,42 +122,22 @@ class Group:
         prepared = self._prepared[index]
         count, step = len(prepared.rows), decimation(prepared.independent_fraction)
         size = 8 * count * prepared.tau.shape[1] * len(self.model.names)
-        room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
-        keep_few = size / step <= room
+        kept = [*itertools.chain(*self._whole.values()), *(few for few in self._few.values() if isinstance(few, Rows))]
+        room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for rows in kept)
         keep_whole = size * (1.0 + 1.0 / step) <= room
-        # unless decimation leaves no more than one of so many: these go to a temporary file
-        file = RowsFile() if not keep_few and step >= 4 else None
-        whole, few = [], []
-        before = 0
+        whole, few, before = list[Rows](), list[Rows](), 0
         for stretch in prepared.stretches():
             rows = form_rows(self.model, prepared, stretch)
             fewer = decimate(rows, before, count)
             before += len(stretch)
-            if len(fewer.time):
-                if keep_few:
-                    few.append(fewer)
-                elif file is not None:
-                    file.add(fewer)
-            if keep_whole:
-                whole.append(rows)
-            if not decimated:
-                yield rows
-            elif len(fewer.time):
-                yield fewer
-        if keep_few:
-            self._kept[index, True] = [chain(few)]
+            whole += [rows] if keep_whole else []
+            few += [fewer] if len(fewer.time) else []
+            yield rows, fewer
         if keep_whole:
-            self._kept[index, False] = whole
-        if file is not None:
-            self._filed[index] = file
+            self._whole[index] = whole
+        if size / step <= room:
+            self._few[index] = chain(few)
+        elif step >= 4:  # where decimation leaves so few, reading them from a file is faster than making them again
+            self._few[index] = RowsFile(chain(few))
         if self.memory_share < 1.0:  # other groups need the memory of the kinematics
             self._prepared.clear()
-
-
-def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:
-    """Triangles of the rows of one recording, joint by joint."""
-    found: list[RFactor] = []
-    for block in blocks:
-        new = factorize_rows(block.rows)
-        found = [stack(pair) for pair in zip(found, new, strict=True)] if found else new
-    return found

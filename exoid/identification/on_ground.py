@@ -29,7 +29,7 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Footing, by_recording, contact_offsets, find_footing, residual, rms_residuals, tilted
+from .row_changes import Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
@@ -323,7 +323,9 @@ def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
 def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
     """Samples of each recording of a group near residuals that no noise explains."""
     problem, values, found = fitted.problem, fitted.values(index), []
-    residuals = [(rows.time, residual(rows, values)) for rows in by_recording(problem.groups[index])]
+    group = problem.groups[index]
+    every_rows = [group.decimated(place) for place in range(len(group.data))]
+    residuals = [(rows.time, residual(rows, values)) for rows in every_rows]
     every = np.vstack([left for _, left in residuals])
     # by the median of the sizes, which outliers do not move, but at least a small part of the torque of the row
     middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in every.T]

@@ -17,6 +17,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.row_data import NoiseKind, RowBlock
+from exoid.regression.rows import rate_class
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
@@ -117,18 +118,26 @@ class Problem:
         """Place among :attr:`r_factors` of the one that holds the rows of a kind and joint."""
         first_joints, first_factors = self.starts
         k = int(np.searchsorted(first_joints, joint, side="right")) - 1
-        return int(first_factors[k]) + self.groups[k].place(kind.at_rest, joint - int(first_joints[k]))
+        count, factors = np.diff(self.starts)[:, k].tolist()
+        behind = count if kind.at_rest and factors > count else 0  # those of poses, if there are others
+        return int(first_factors[k]) + joint - int(first_joints[k]) + behind
 
-    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, group by group; columns are those of the group's own model."""
-        for first, group in zip(self.starts[0], self.groups, strict=False):
-            yield from group.blocks(decimated=decimated, first=int(first))
+    def blocks(self) -> Iterator[RowBlock]:
+        """Go over all rows, group by group; columns are those of the group's own model."""
+        for group, index, first in self._every_recording():
+            for rows in group.rows_of(index):
+                yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
 
-    def recordings(self) -> Iterator[Iterator[RowBlock]]:
-        """Go over the decimated rows of each recording, group by group."""
-        for first, group in zip(self.starts[0], self.groups, strict=False):
-            for index in range(len(group.data)):
-                yield group.blocks_of(index, decimated=True, first=int(first))
+    def recordings(self) -> Iterator[RowBlock]:
+        """Go over the recordings, group by group: the decimated rows of each."""
+        for group, index, first in self._every_recording():
+            rows = group.decimated(index)
+            yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
+
+    def _every_recording(self) -> Iterator[tuple[Group, int, int]]:
+        """Group and index of each recording, and the first joint of the group."""
+        for first, group in zip(self.starts[0].tolist(), self.groups, strict=False):
+            yield from ((group, index, first) for index in range(len(group.data)))
 
     def widened(self, r_factor: RFactor, group: int) -> RFactor:
         """Put the columns of an R factor of one group where its parameters stand."""
@@ -140,8 +149,8 @@ class Problem:
     def refuse_empty_joints(self) -> None:
         """Refuse a fit in which the terms' dead bands left no sample of a joint."""
         for group in self.groups:
-            of_joints = zip(group.model.row_names, *group.by_kind, strict=True)
-            empty = [name for name, *found in of_joints if not any(each.rows for each in found)]
+            of_joints = zip(group.model.row_names, group.by_row, strict=True)
+            empty = [name for name, found in of_joints if not any(each.rows for each in found)]
             empty = [name for name in empty if name not in group.unmeasured]
             if empty:
                 with within(group.name or group.links or ""):

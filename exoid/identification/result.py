@@ -128,7 +128,7 @@ class Result:
         residual_rms = (
             np.array([_of_joint(supports, joint) for joint in model.joint_names])
             if standing
-            else np.array([rms_residual(each, solution.values[every]) for each in zip(*rows.by_kind, strict=True)])
+            else np.array([rms_residual(each, solution.values[every]) for each in rows.by_row])
         )
         checkup, error = Checkup(), None
         if check and not standing:
@@ -222,7 +222,7 @@ def _reference_scale(fitted: Fitted) -> FloatArray:
 
 def _support(group: Group, values: FloatArray) -> Support:
     """Describe the rows of one set of links that rest."""
-    rms = [rms_residual(of_row, values) for of_row in zip(*group.by_kind, strict=True)]
+    rms = [rms_residual(of_row, values) for of_row in group.by_row]
     seconds = sum(
         float(np.count_nonzero(one.mask)) / one.sample_rate
         for one in group.data

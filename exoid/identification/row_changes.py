@@ -18,7 +18,7 @@ from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import chain, for_leg
+from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import ImuErrors
@@ -178,8 +178,8 @@ def row_changes(
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values, where = fitted.values(k), np.append(problem.places[k], count + np.arange(more))
-        every = (by_recording(group), *(by_recording(other.groups[k]) for other in others))
-        for rows, *changed in zip(*every, strict=True):
+        for index in range(len(group.data)):
+            rows, *changed = (one.decimated(index) for one in (group, *(other.groups[k] for other in others)))
             first = residual(rows, values)
             changes = [first - residual(each, values) for each in changed]
             columns = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
@@ -222,16 +222,6 @@ def _changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueMod
         data = [change(group.model, one) if isinstance(one, Recording) else one for one in group.data]
         groups[k] = replace(group, data=tuple(data))
     return replace(problem, groups=tuple(groups))
-
-
-def by_recording(group: Group) -> Iterator[Rows]:
-    """Rows of each recording after decimation; blocks of long ones differ between rows that are kept and new ones."""
-    parts: list[Rows] = []
-    for block in group.blocks(decimated=True):
-        parts.append(block.rows)
-        if block.ends:
-            yield chain(parts)
-            parts = []
 
 
 def residual(rows: Rows, values: FloatArray) -> FloatArray:
@@ -301,5 +291,5 @@ def _with_torques(problem: Problem, parts: Sequence[int], reading: Reading | Non
 
 def rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:
     """RMS residual of each row of some groups."""
-    each = [(problem.groups[k].by_kind, values[problem.places[k]]) for k in parts]
-    return np.array([rms_residual(row, own) for by_kind, own in each for row in zip(*by_kind, strict=True)])
+    each = [(problem.groups[k].by_row, values[problem.places[k]]) for k in parts]
+    return np.array([rms_residual(row, own) for by_row, own in each for row in by_row])

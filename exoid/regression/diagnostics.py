@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,11 +15,10 @@ from exoid._typing import FloatArray
 
 from .least_squares import RFactor, Solution
 from .model import RegressorModel
-from .noise import LagSums
+from .noise import autocovariance_sums
 from .parameters import PriorKnowledge
 from .problem import RowProblem
-from .residuals import Noises, Point, Series, series
-from .row_data import NoiseKind
+from .residuals import Noises, Point, series
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -131,15 +130,16 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
-    for parts in series(problem, point):
-        for (kind, joint), (sums, pairs) in _autocorrelate(parts).items():
-            samples[joint] += pairs[0]
-            effective[joint] += pairs[0] * noises[kind, joint].effective_share
-            if not kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
-                correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
-                statistic[joint] += (pairs[1:] * correlations**2).sum()
-                lags[joint] += LAGS
-                products[joint] += sums[:2]
+    for part in (part for parts in series(problem, point) for part in parts):
+        joint, pairs = part.joint, np.rint(autocovariance_sums(part.usable, LAGS))
+        samples[joint] += pairs[0]
+        effective[joint] += pairs[0] * noises[part.kind, joint].effective_share
+        sums = autocovariance_sums(part.residual, LAGS)
+        if not part.kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
+            statistic[joint] += (pairs[1:] * correlations**2).sum()
+            lags[joint] += LAGS
+            products[joint] += sums[:2]
     return tuple(
         JointNoise(
             samples=int(samples[joint]),
@@ -170,16 +170,6 @@ def short_runs(noises: Noises, joint_names: Sequence[str]) -> tuple[str, ...]:
         f"recordings or segments of at most {max(short.values())} independent samples are too short to tell how long "
         f"the torque noise of {named} is correlated: intervals may be too short; use longer ones",
     )
-
-
-def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], tuple[FloatArray, FloatArray]]:
-    """Sums over residuals, and pairs of usable samples, by lag, of each joint of one recording."""
-    running: dict[tuple[NoiseKind, int], tuple[LagSums, LagSums]] = {}
-    for part in parts:
-        residuals, pairs = running.setdefault((part.kind, part.joint), (LagSums(LAGS), LagSums(LAGS)))
-        residuals.add(part.residual)
-        pairs.add(part.usable)
-    return {key: (residuals.sums, np.rint(pairs.sums)) for key, (residuals, pairs) in running.items()}
 
 
 def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
 from .least_squares import ROUNDING, TINY, RFactor, Solution, stack
 from .noise import AutoregressiveNoise
 from .problem import LeastSquaresProblem, RowProblem, RowSource
-from .residuals import Noises, Point, Series, matrix_root, sandwich, series
+from .residuals import Noises, Point, Series, Uncertainty, matrix_root, sandwich, series
 
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
@@ -28,14 +25,6 @@ ACCURACY = 5e-4
 Residuals of a simulation without noise are smaller, but they are the errors of filters and differences. These are not
 random, and what they do to a parameter is not seen in the residuals.
 """
-
-
-class Uncertainty(NamedTuple):
-    """Covariance of parameters, and the noise that it is for."""
-
-    covariance: FloatArray  # (P, P)
-    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
-    noises: Noises  # noise of the rows of each kind and joint
 
 
 class Fit(NamedTuple):
@@ -112,13 +101,13 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
 def correlated_uncertainty(rows: RowSource, point: Point, solution: Solution) -> Uncertainty:
     """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
     # S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless blocks are too few, correlations by the noise
-    covariance, noises = sandwich(rows, point, solution)
-    found = jackknife(rows, point, noises, solution)
-    if not found.blocks:
-        return Uncertainty(covariance, None, noises)
-    variances = np.diag(covariance)
-    scale = np.sqrt(np.divide(found.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
-    return Uncertainty(covariance * np.multiply.outer(scale, scale), found.dofs, noises)
+    found = sandwich(rows, point, solution)
+    left_out = jackknife(rows, point, found.noises, solution)
+    if not left_out.blocks:
+        return found
+    variances = np.diag(found.covariance)
+    scale = np.sqrt(np.divide(left_out.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
+    return Uncertainty(found.covariance * np.multiply.outer(scale, scale), left_out.dofs, found.noises)
 
 
 def _no_surer_than_rows(found: Uncertainty, problem: RowProblem, fit: Fit) -> Uncertainty:
@@ -195,42 +184,22 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution)
     return Jackknife(variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0)
 
 
-def _changes(noises: Noises, root: FloatArray, clip: float, parts: Iterator[Series]) -> FloatArray:
+def _changes(noises: Noises, root: FloatArray, clip: float, parts: Sequence[Series]) -> FloatArray:
     """Change of the estimate without each block of one recording, (blocks, P)."""
-    delay = max(noise.order for noise in noises.values())
-    length = 0
-    running: dict[int, _WhitenedJoint] = {}
-    scores: dict[int, FloatArray] = defaultdict(lambda: np.zeros(len(root)))
-    informations: dict[int, FloatArray] = defaultdict(lambda: np.zeros((len(root), len(root))))
-    for joints in _together(parts):
-        length = length or _block_length([noises[part.kind, part.joint] for part in joints])
-        for part in joints:
-            if part.begins:
-                running[part.joint] = _WhitenedJoint(noises[part.kind, part.joint], len(part.columns), delay)
-            X, Y, residual, places = running[part.joint].add(part, clip)
-            left, right = root[part.columns].T @ (Y * part.stands_for), X.T @ root[part.columns]
-            cells = places // length
-            for start, stop in itertools.pairwise(np.flatnonzero(np.diff(cells, prepend=-1, append=-1))):
-                scores[cells[start]] += left[:, start:stop] @ residual[start:stop]
-                informations[cells[start]] += left[:, start:stop] @ right[start:stop]
-    if not scores:
-        return np.zeros((0, len(root)))
-    U, sizes, Vt = np.linalg.svd(np.eye(len(root)) - np.array(list(informations.values())))
-    # Without a block, at least this part of the information on any direction counts as left
-    turned = np.einsum("bij,bi->bj", U, np.array(list(scores.values()))) / np.maximum(sizes, 0.1)
-    return np.asarray(-np.einsum("bij,bi->bj", Vt, turned) @ root.T)
-
-
-def _together(parts: Iterator[Series]) -> Iterator[list[Series]]:
-    """Collect what all joints have at the same samples."""
-    joints: list[Series] = []
+    length = _block_length([noises[part.kind, part.joint] for part in parts])
+    cuts = range(0, len(parts[0].residual), length)
+    scores, informations = np.zeros((len(cuts), len(root))), np.zeros((len(cuts), len(root), len(root)))
     for part in parts:
-        if joints and part.joint <= joints[-1].joint:
-            yield joints
-            joints = []
-        joints.append(part)
-    if joints:
-        yield joints
+        X, Y, residual = _whitened(noises[part.kind, part.joint], part, clip)
+        left, right = root[part.columns].T @ (Y * part.stands_for), X.T @ root[part.columns]
+        for block, start in enumerate(cuts):
+            rows = slice(start, start + length)
+            scores[block] += left[:, rows] @ residual[rows]
+            informations[block] += left[:, rows] @ right[rows]
+    U, sizes, Vt = np.linalg.svd(np.eye(len(root)) - informations)
+    # Without a block, at least this part of the information on any direction counts as left
+    turned = np.einsum("bij,bi->bj", U, scores) / np.maximum(sizes, 0.1)
+    return np.asarray(-np.einsum("bij,bi->bj", Vt, turned) @ root.T)
 
 
 def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
@@ -241,33 +210,14 @@ def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
     return max(1, int(np.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0)))))
 
 
-class _WhitenedJoint:
-    """Whitens the rows of a joint that come block by block."""
-
-    # Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards. Rows
-    # come out when those that follow are known; all joints have the same delay, so that they stay together. Beyond the
-    # end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact.
-
-    def __init__(self, noise: AutoregressiveNoise, rows: int, delay: int) -> None:
-        """Begin with nothing, for so many rows of X."""
-        self.noise, self.delay, self._done = noise, delay, 0
-        self._state = np.zeros((rows, noise.order))
-        self._Y, self._ahead = np.zeros((rows, 0)), np.zeros((rows + 1, 0))
-
-    def add(self, part: Series, clip: float) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.intp]]:
-        """Go on with the next rows, and return Φ X, Φ⁻ᵀ X, Φ e and places of those that are finished."""
-        Y, polynomial = part.X, self.noise.polynomial
-        if self.noise.order:
-            Y, self._state = scipy.signal.lfilter([1.0], polynomial, Y, zi=self._state)
-        # clipped residuals carry no information
-        Y, information = np.hstack([self._Y, Y]), part.X * (np.abs(part.residual) < clip)
-        ahead = np.hstack([self._ahead, np.vstack([information, part.residual])])
-        if part.ends:
-            ahead = np.pad(ahead, ((0, 0), (0, self.delay)))
-        count = max(0, ahead.shape[1] - self.delay)
-        white = np.zeros((len(ahead), count))
-        for k, coefficient in enumerate(polynomial):
-            white += coefficient * ahead[:, k : k + count]
-        places = np.arange(self._done, self._done + count)
-        self._Y, self._ahead, self._done = Y[:, count:].copy(), ahead[:, count:].copy(), self._done + count
-        return white[:-1], Y[:, :count], white[-1], places
+def _whitened(noise: AutoregressiveNoise, part: Series, clip: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Whiten the rows of a joint: Φ X, Φ⁻ᵀ X and Φ e."""
+    # Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards.
+    # Beyond the end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact.
+    Y = scipy.signal.lfilter([1.0], noise.polynomial, part.X) if noise.order else part.X
+    # clipped residuals carry no information
+    rows = np.vstack([part.X * (np.abs(part.residual) < clip), part.residual])
+    white = np.zeros_like(rows)
+    for k, coefficient in enumerate(noise.polynomial[: rows.shape[1]]):
+        white[:, : rows.shape[1] - k] += coefficient * rows[:, k:]
+    return white[:-1], Y, white[-1]

@@ -79,62 +79,18 @@ class AutoregressiveNoise:
         return correlations[lag]
 
     def quadratic_form(self, X: FloatArray) -> FloatArray:
-        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`."""
-        form = QuadraticForm(self, len(X))
-        form.add(X)
-        return form.total()
-
-
-class QuadraticForm:
-    """X Γ Xᵀ of rows that come stretch by stretch, with Γ the covariance matrix of consecutive samples of a noise."""
-
-    # With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on
-    # beyond their beginning until the response is over. Γ is the same with time reversed, so they may be
-    # filtered forwards, and on beyond their end.
-
-    def __init__(self, noise: AutoregressiveNoise, rows: int) -> None:
-        """Begin with nothing, for so many rows of X."""
-        self.noise = noise
-        self._state = np.zeros((rows, noise.order))
-        self._sum = np.zeros((rows, rows))
-        self._samples = 0
-
-    def add(self, X: FloatArray) -> None:
-        """Go on with the next samples of the rows, zero at those left out, (P, N)."""
-        if self.noise.order:
-            X, self._state = scipy.signal.lfilter([1.0], self.noise.polynomial, X, zi=self._state)
-        self._sum += X @ X.T
-        self._samples += X.shape[1]
-
-    def total(self) -> FloatArray:
-        """X Γ Xᵀ of all that was added, (P, P)."""
-        noise, after = self.noise, np.zeros((len(self._sum), 1))
-        if noise.order:
-            # The response of 1 / φ counts as over when it has fallen to 1e-5
-            radius = min(max(float(np.abs(np.roots(noise.polynomial)).max()), 1e-3), 1.0 - 1e-12)
-            ring = min(self._samples, math.ceil(math.log(1e-5) / math.log(radius)))
-            silence = np.zeros((len(self._sum), ring))
-            after, _ = scipy.signal.lfilter([1.0], noise.polynomial, silence, zi=self._state)
-        return np.asarray(noise.variances[-1] * (self._sum + after @ after.T))
-
-
-class LagSums:
-    """Σ_t x_t · x_{t+k} for k = 0 … ``largest`` of rows that come stretch by stretch, summed over the rows."""
-
-    def __init__(self, largest: int) -> None:
-        """Begin with nothing."""
-        self.sums = np.zeros(largest + 1)
-        self._tail: FloatArray | None = None
-
-    def add(self, x: FloatArray) -> None:
-        """Go on with the next samples, (P, N) or (N,)."""
-        largest = len(self.sums) - 1
-        x = np.atleast_2d(x)
-        if self._tail is not None:
-            self.sums -= autocovariance_sums(self._tail, largest)
-            x = np.concatenate([self._tail, x], axis=1)
-        self.sums += autocovariance_sums(x, largest)
-        self._tail = x[:, max(0, x.shape[1] - largest) :].copy()
+        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise, (P, P)."""
+        # With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on
+        # beyond their beginning until the response is over. Γ is the same with time reversed, so they may be
+        # filtered forwards, and on beyond their end.
+        if not self.order:
+            return np.asarray(self.variances[-1] * (X @ X.T))
+        # The response of 1 / φ counts as over when it has fallen to 1e-5
+        radius = min(max(float(np.abs(np.roots(self.polynomial)).max()), 1e-3), 1.0 - 1e-12)
+        ring = min(X.shape[1], math.ceil(math.log(1e-5) / math.log(radius)))
+        passed, state = scipy.signal.lfilter([1.0], self.polynomial, X, zi=np.zeros((len(X), self.order)))
+        after, _ = scipy.signal.lfilter([1.0], self.polynomial, np.zeros((len(X), ring)), zi=state)
+        return np.asarray(self.variances[-1] * (passed @ passed.T + after @ after.T))
 
 
 def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:

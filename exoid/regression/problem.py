@@ -44,8 +44,8 @@ class RowSource(Protocol):
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """Index among the R factors of the one that holds the rows of a kind and joint."""
 
-    def recordings(self) -> Iterator[Iterator[RowBlock]]:
-        """Go over the decimated rows of one recording after the other."""
+    def recordings(self) -> Iterator[RowBlock]:
+        """Go over the recordings: all decimated rows of each."""
 
 
 class RowProblem(LeastSquaresProblem, RowSource, Protocol):
@@ -55,5 +55,5 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
     def joint_names(self) -> Sequence[str]:
         """Joint of each row block; groups follow each other."""
 
-    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows in order of time, all or as many as carry independent noise, recording by recording."""
+    def blocks(self) -> Iterator[RowBlock]:
+        """Go over all rows in order of time, recording by recording."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 
 from .least_squares import Solution
-from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
+from .noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 from .problem import RowSource
 from .row_data import NoiseKind, RowBlock
 
 
 class Series(NamedTuple):
-    """Weighted rows of one recording and joint in time order, or a stretch of them."""
+    """Weighted rows of one recording and joint in time order."""
 
     kind: NoiseKind  # kind of the noise
     joint: int  # index
@@ -27,8 +27,6 @@ class Series(NamedTuple):
     residual: FloatArray  # τ − W β, zero there too, (N,)
     usable: FloatArray  # samples not left out, (N,)
     stands_for: float  # number of rows that each of these stands for
-    begins: bool = True  # whether these are the first of the recording
-    ends: bool = True  # whether these are the last of it
 
 
 class Point(NamedTuple):
@@ -44,31 +42,31 @@ Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
-def series(rows: RowSource, point: Point) -> Iterator[Iterator[Series]]:
-    """Go over the rows of each recording, joint by joint, decimated to the pace of independent noise."""
-    weights = [
-        [point.weights[rows.weight_index(NoiseKind(at_rest, 0), joint)] for at_rest in (False, True)]
-        for joint in range(len(rows.columns))
-    ]
-    for blocks in rows.recordings():
-        yield _weigh(rows.columns, weights, point, blocks)
+class Uncertainty(NamedTuple):
+    """Covariance of parameters, and the noise that it is for."""
+
+    covariance: FloatArray  # (P, P)
+    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
+    noises: Noises  # noise of the rows of each kind and joint
 
 
-def _weigh(
-    columns_of: Sequence[NDArray[np.intp]], weights: Sequence[Sequence[float]], point: Point, blocks: Iterable[RowBlock]
-) -> Iterator[Series]:
-    """Weigh rows joint by joint, with the weight of each joint in motion and at rest."""
-    for kind, rows, begins, ends, first in blocks:
-        for own, acting in enumerate(rows.acting):
-            joint = first + own
-            usable, columns = rows.usable[:, own].astype(np.float64), columns_of[joint]
-            counted = weights[joint][kind.at_rest] * usable
-            X = rows.W[:, own].T[acting]
-            X *= counted
-            residual = rows.tau[:, own] * counted - point.values[columns] @ X
-            if np.isfinite(point.clip):
-                residual = np.clip(residual, -point.clip, point.clip)
-            yield Series(kind, joint, columns, X, residual, usable, rows.stands_for, begins, ends)
+def series(rows: RowSource, point: Point) -> Iterator[list[Series]]:
+    """Go over the recordings: rows of each joint, decimated to the pace of independent noise."""
+    for block in rows.recordings():
+        yield [_weighted(rows, point, block, own) for own in range(block.rows.tau.shape[1])]
+
+
+def _weighted(source: RowSource, point: Point, block: RowBlock, own: int) -> Series:
+    """Weigh the rows of one joint of a recording."""
+    kind, rows, joint = block.kind, block.rows, block.first + own
+    usable, columns = rows.usable[:, own].astype(np.float64), source.columns[joint]
+    counted = point.weights[source.weight_index(kind, joint)] * usable
+    X = rows.W[:, own].T[rows.acting[own]]
+    X *= counted
+    residual = rows.tau[:, own] * counted - point.values[columns] @ X
+    if np.isfinite(point.clip):
+        residual = np.clip(residual, -point.clip, point.clip)
+    return Series(kind, joint, columns, X, residual, usable, rows.stands_for)
 
 
 def fit_noise(
@@ -80,70 +78,31 @@ def fit_noise(
     # restricted maximum likelihood does). Samples left out do not count.
     roots = [matrix_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
-    for parts in series(problem, point):
-        for key, of_joint in _lag_sums(roots, parts).items():
-            sums[key] = sums.get(key, 0.0) + of_joint
+    for part in (part for parts in series(problem, point) for part in parts):
+        products = autocovariance_sums(np.vstack([part.residual, roots[part.joint] @ part.X]), LARGEST_ORDER)
+        found = np.array([products, np.rint(autocovariance_sums(part.usable, LARGEST_ORDER))])
+        if part.kind.at_rest:
+            found[:, 1:] = 0.0
+        sums[part.kind, part.joint] = sums.get((part.kind, part.joint), 0.0) + found
     return {key: _model(*found) for key, found in sums.items()}
 
 
-def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], FloatArray]:
-    """Sums of products of residuals and what the fit has taken, and of pairs of usable samples, by lag, (2, K + 1)."""
-    sums: dict[tuple[NoiseKind, int], FloatArray] = {}
-    running: dict[int, tuple[LagSums, LagSums]] = {}
-    for part in parts:
-        if part.begins:
-            running[part.joint] = (LagSums(LARGEST_ORDER), LagSums(LARGEST_ORDER))
-        products, pairs = running[part.joint]
-        products.add(np.vstack([part.residual, roots[part.joint] @ part.X]))
-        pairs.add(part.usable)
-        if part.ends:
-            found = np.array([products.sums, np.rint(pairs.sums)])
-            if part.kind.at_rest:
-                found[:, 1:] = 0.0
-            sums[part.kind, part.joint] = found
-    return sums
-
-
-class Sandwich(NamedTuple):
-    """Covariance of a weighted least-squares estimate under correlated noise."""
-
-    covariance: FloatArray  # (P, P)
-    noises: Noises  # the noise it is for
-
-
-def sandwich(problem: RowSource, point: Point, solution: Solution) -> Sandwich:
+def sandwich(problem: RowSource, point: Point, solution: Solution) -> Uncertainty:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals."""
     # Rows of priors are among those of W, with the noise that the priors say.
     inverse, covariance = solution.inverse, solution.covariance
     for _ in range(5):  # noise and covariance depend on each other, and are computed in turn
         noises = fit_noise(problem, point, covariance)
         meat = solution.prior_noise.copy()
-        for parts in series(problem, point):
-            meat += _meat(noises, len(meat), parts)
+        for part in (part for parts in series(problem, point) for part in parts):
+            of_rows = noises[part.kind, part.joint].quadratic_form(part.X)
+            meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * of_rows
         half = inverse @ matrix_root(meat)  # so that no variance is negative, however ill-conditioned the rows
         before, covariance = covariance, half @ half.T
-        if settled(before, covariance):
+        old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(covariance))
+        if (np.abs(old - new) <= 1e-3 * new).all():
             break
-    return Sandwich(covariance, noises)
-
-
-def _meat(noises: Noises, count: int, parts: Iterator[Series]) -> FloatArray:
-    """Wᵀ Γ W of one recording."""
-    meat = np.zeros((count, count))
-    running: dict[int, QuadraticForm] = {}
-    for part in parts:
-        if part.begins:
-            running[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(part.columns))
-        running[part.joint].add(part.X)
-        if part.ends:
-            meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
-    return meat
-
-
-def settled(before: FloatArray, covariance: FloatArray) -> bool:
-    """Say whether no standard deviation changes by more than a thousandth."""
-    old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(covariance))
-    return bool((np.abs(old - new) <= 1e-3 * new).all())
+    return Uncertainty(covariance, None, noises)
 
 
 def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:

@@ -63,42 +63,28 @@ class NoiseKind(NamedTuple):
 
 
 class RowBlock(NamedTuple):
-    """Consecutive rows of one recording and the kind of their noise."""
+    """Consecutive rows of one recording, or all that are left after decimation, and the kind of their noise."""
 
     kind: NoiseKind
     rows: Rows
-    begins: bool  # whether these are the first of the recording
-    ends: bool  # whether these are the last of it
     first: int = 0  # index of the first joint of the rows among those of the problem
 
 
 class RowsFile:
-    """Stretches of one recording's rows, written once and read in order as often as wanted; gone with the object."""
+    """Rows of one recording, written once and read as often as wanted; gone with the object."""
 
-    def __init__(self) -> None:
-        """Open a file that has no name."""
+    def __init__(self, rows: Rows) -> None:
+        """Write them to a file that has no name."""
         with _writing():
             self._file = tempfile.TemporaryFile(prefix="exoid-")  # noqa: SIM115 - closed with the last reference
-        self._count = 0
-
-    def add(self, rows: Rows) -> None:
-        """Write one stretch more."""
-        with _writing():
             pickle.dump(rows, self._file, protocol=pickle.HIGHEST_PROTOCOL)
             self._file.flush()
-        self._count += 1
 
-    def __len__(self) -> int:
-        return self._count
-
-    def __iter__(self) -> Iterator[Rows]:
-        """Read one stretch after the other."""
-        place = 0
-        for _ in range(self._count):
-            self._file.seek(place)  # somebody else may be reading, too
-            rows: Rows = pickle.load(self._file)
-            place = self._file.tell()
-            yield rows
+    def read(self) -> Rows:
+        """Read them."""
+        self._file.seek(0)
+        rows: Rows = pickle.load(self._file)
+        return rows
 
 
 @contextmanager

@@ -41,11 +41,10 @@ def test_a_full_folder_of_temporary_files_is_named(tmp_path, monkeypatch):
     resource = pytest.importorskip("resource")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     old, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    rows = RowsFile()
     try:
         resource.setrlimit(resource.RLIMIT_FSIZE, (1024, old[1]))
         with pytest.raises(exoid.ExoidError) as caught:
-            rows.add(np.zeros(100_000))
+            RowsFile(np.zeros(100_000))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, old)
         signal.signal(signal.SIGXFSZ, handler)

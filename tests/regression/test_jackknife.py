@@ -85,26 +85,11 @@ def test_scores_of_whitened_rows_sum_up_to_those_of_the_rows(swing):
     fit = wls(problem)
     noises = sandwich(problem, fit.point, fit.solution).noises
     assert max(noise.order for noise in noises.values()) > 0
-    delay = max(noise.order for noise in noises.values())
     for parts in module.series(problem, fit.point):
         for series in parts:
-            joint = module._WhitenedJoint(noises[series.kind, series.joint], len(series.columns), delay)
-            X, Y, residual, places = joint.add(series, np.inf)
-            assert len(places) == len(series.residual)
+            X, Y, residual = module._whitened(noises[series.kind, series.joint], series, np.inf)
             np.testing.assert_allclose(Y @ residual, series.X @ series.residual, rtol=1e-9, atol=1e-9)
             np.testing.assert_allclose(Y @ X.T, series.X @ series.X.T, rtol=1e-9, atol=1e-9)
-
-
-def test_rows_that_come_in_many_blocks_give_the_same(swing, monkeypatch):
-    """Streaming: 100 samples at once, and all."""
-    problem = problem_of(swing)
-    fit = wls(problem)
-    noises = sandwich(problem, fit.point, fit.solution).noises
-    whole = jackknife(problem, fit.point, noises, fit.solution)
-    monkeypatch.setattr("exoid.regression.rows.BLOCK", 100)
-    monkeypatch.setattr("exoid.regression.rows.BLOCKS", 1)
-    pieces = jackknife(problem_of(swing), fit.point, noises, fit.solution)
-    np.testing.assert_allclose(pieces.variances, whole.variances, rtol=1e-9)
 
 
 def test_poses_join_in_and_few_rows_are_survived(swing):

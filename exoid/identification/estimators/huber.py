@@ -65,7 +65,7 @@ def _weighted(
 
 def _tables(problem: RowProblem) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:
     """Go over usable rows [W τ] joint by joint: place among the R factors, parameters, rows, independent fraction."""
-    for kind, rows, _, _, first in problem.blocks():
+    for kind, rows, first in problem.blocks():
         for joint in range(rows.tau.shape[1]):
             _, table = joint_table(rows, joint)
             yield (

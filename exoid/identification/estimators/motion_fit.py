@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Uncertainty, correlated_uncertainty
+from exoid.regression.fit import correlated_uncertainty
 from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
-from exoid.regression.residuals import Point
+from exoid.regression.residuals import Point, Uncertainty
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate

@@ -40,9 +40,9 @@ class LinearisedRows(NamedTuple):
         """All rows have one weight."""
         return 0
 
-    def recordings(self) -> Iterator[Iterator[RowBlock]]:
+    def recordings(self) -> Iterator[RowBlock]:
         """Go over the rows of each recording."""
-        return (iter([block]) for block in self.blocks)
+        return iter(self.blocks)
 
 
 def linearised_block(
@@ -51,7 +51,7 @@ def linearised_block(
     """Make a block of the rows of one recording."""
     acting, still = np.ones(W.shape[1:], dtype=np.bool_), np.zeros_like(residual)
     rows = Rows(time, W, residual + W @ values, still, still, usable > 0.0, acting, 1.0)
-    return RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(time)), rows, begins=True, ends=True)
+    return RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(time)), rows)
 
 
 class Moving(NamedTuple):

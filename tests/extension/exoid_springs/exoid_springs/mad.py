@@ -12,7 +12,7 @@ def mad(problem):
     """Weigh each joint by the median absolute residual of an ordinary fit."""
     values = ols(problem).solution.values
     sizes = [[] for _ in problem.r_factors]
-    for kind, rows, _, _, first in problem.blocks():
+    for kind, rows, first in problem.blocks():
         for joint in range(rows.tau.shape[1]):
             _, table = joint_table(rows, joint)  # columns of the parameters that act on the joint, then its torque
             residual = table[-1] - values[problem.columns[first + joint]] @ table[:-1]
