@@ -50,6 +50,7 @@ class FitOptions(NamedTuple):
     nonnegative: Annotated[bool, Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")] = False
     delay: Annotated[Text, Option(metavar="auto", help="auto: find by how much torques are late, and shift.")] = None
     check: Annotated[bool, Option("--check/--no-check", help="Look for faults of the logs.")] = True
+    alike: Annotated[Text, Option(metavar="A,B", help="Limbs of one design, by how their joints' names begin.")] = None
 
     def settings(self) -> dict[str, Any]:
         """Parse the options."""
@@ -60,6 +61,7 @@ class FitOptions(NamedTuple):
             "terms": given_terms(self.terms),
             "known": parse_known(self.known),
             "prior": parse_prior(self.prior),
+            "alike": split_names(self.alike) or (),
         }
 
 

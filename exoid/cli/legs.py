@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import exoid
 from exoid.errors import BadArgumentError, nearest
 
 from .messages import note
-from .numbers import split_names, values_by_name
+from .numbers import parse_contacts, split_names
 from .options import LegOptions
 from .refusals import is_readable, names_beside, refuse, refuse_form
 
@@ -45,14 +45,16 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
     base: Literal["fixed", "moving", "floating"] = "moving" if moving else "floating" if floating else "fixed"
     if name in BUILT_IN or name in DATASETS:
         refuse({"--moving-base": moving or None}, f"{name} is planar; name a URDF file for a base in space")
-        refuse({"--joints": joints, "--contact": contact, "--loops": loops}, f"joints and feet of {name} are known")
+        refuse({"--joints": joints, "--loops": loops}, f"joints of {name} are known")
+    kinds = parse_contacts(contact)
     if name in BUILT_IN:
         if side == "both" or (floating and side is None):
-            return exoid.load_exo(name, inertias, base=base)
+            return exoid.load_exo(name, inertias, base=base, contacts=kinds)
+        refuse({"--contact": contact}, "--contact is for --floating-base, of both sides")
         return exoid.load_leg(name, side or _side(logged or ()), inertias, base=base)
     refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
-        refuse({"--floating-base": floating or None}, f"the base of {name} was held")
+        refuse({"--floating-base": floating or None, "--contact": contact}, f"the base of {name} was held")
         return dataset(name).leg
     refuse_unknown_leg(name)
     if moving:
@@ -62,7 +64,6 @@ def find_leg(name: str, options: LegOptions, logged: Sequence[str] | None) -> Le
         from exoid.leg.loops import Loops  # noqa: PLC0415 - help needs no legs
 
         chosen = _moving_joints(Path(name), logged, () if loops is None else Loops.read(loops).dependent)
-    kinds: dict[str, Any] = values_by_name(contact, "--contact", str, "LINK=KIND, e.g. --contact LF_FOOT=point")
     return exoid.Leg.from_urdf(name, chosen, base=base, contacts=kinds, loops=loops)
 
 

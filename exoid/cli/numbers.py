@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from exoid.errors import BadArgumentError
 
@@ -82,6 +82,17 @@ def parse_prior(pairs: Sequence[str] | None) -> dict[str, tuple[float, float]]:
         return float(value), float(std)
 
     return values_by_name(pairs, "--prior", two, "numbers, such as --prior J3=0.05:0.01")
+
+
+def parse_contacts(pairs: Sequence[str] | None) -> dict[str, Any]:
+    """Turn "LF_FOOT=point" into a kind by link, and "left_foot_heel=-0.08,0,-0.1" into the place of an edge."""
+
+    def kind(text: str) -> str | tuple[float, ...]:
+        """Kind of a contact, or its place."""
+        return tuple(map(float, text.split(","))) if "," in text else text
+
+    form = "LINK=KIND or FOOT_heel=X,Y,Z, e.g. --contact LF_FOOT=point or --contact left_foot_toe=0.13,0,-0.1"
+    return values_by_name(pairs, "--contact", kind, form)
 
 
 def parse_roles(pairs: Sequence[str] | None) -> dict[str, str]:

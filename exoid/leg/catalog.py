@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from exoid.errors import BadArgumentError, UnreadableInputError
 
 from .leg import Leg
-from .leg_data import Base
+from .leg_data import Base, Contact
 
 SEGMENTS = {"bleex": ("hip", "knee", "ankle"), "cuhk": ("hip", "knee")}
 """Joint labels of each leg."""
@@ -56,7 +57,13 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None, *, base
     return Leg.from_urdf(urdf, joints, cumulative=name == "bleex", base=base)
 
 
-def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") -> Leg:
+def load_exo(
+    name: str,
+    inertias: str | None = None,
+    *,
+    base: Base = "fixed",
+    contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+) -> Leg:
     """Load a built-in exoskeleton: torso and both legs in one tree.
 
     Parameters have the documented names of each leg: ``X1_left``, ``Y1_left``, … A floating torso adds M, X0, Y0, J0.
@@ -68,12 +75,13 @@ def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") ->
         base: "fixed" for a torso that stands, or moves within the plane as a recording says; "moving" for the numerical
             parameters of a torso that moves in space; "floating" for rows of force and moment on the torso, before
             those of the joints.
+        contacts: Kinds of contacts, see :meth:`exoid.Leg.from_urdf`.
 
     Returns:
         The leg of both sides, left joints first.
 
     Raises:
-        ExoidError: There is no exoskeleton, inertia set or base of that name.
+        ExoidError: There is no exoskeleton, inertia set, base or contact of that name.
 
     Example:
         >>> exo = load_exo("cuhk", base="floating")
@@ -83,7 +91,7 @@ def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") ->
         ('base_forward', 'base_up', 'base_pitch', 'left_hip')
     """
     joints = tuple(f"{side}_{segment}" for side in ("left", "right") for segment in SEGMENTS.get(name, ()))
-    return Leg.from_urdf(_urdf(name, inertias), joints, cumulative=name == "bleex", base=base)
+    return Leg.from_urdf(_urdf(name, inertias), joints, cumulative=name == "bleex", base=base, contacts=contacts)
 
 
 def _urdf(name: str, inertias: str | None) -> Path:

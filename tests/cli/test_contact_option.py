@@ -1,5 +1,7 @@
 """A leg that stands on points, by the command line."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,16 +50,22 @@ def standing_on_points(seed, seconds=30.0):
 
 
 @pytest.mark.slow
-def test_feet_rest_on_points_if_one_says_so(exoid_, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("leg", "ending", "place", "kind"),
+    [((URDF, "--joints", ",".join(JOINTS)), "", "point", "point"), (("bleex",), "_heel", "0,0,0", "edge")],
+)
+def test_feet_rest_on_points_or_heels_if_one_says_so(exoid_, tmp_path, monkeypatch, leg, ending, place, kind):
     monkeypatch.chdir(tmp_path)
-    standing_on_points(1000).to_csv("log.csv")
-    options = ("--joints", ",".join(JOINTS), "--floating-base", "--terms", "none", "--no-check")
-    points = [text for foot in FEET for text in ("--contact", f"{foot}=point")]
-    found = exoid_("identify", URDF, "log.csv", *options, *points, "-o", "est.json")
+    log, feet = standing_on_points(1000), [foot + ending for foot in FEET]
+    replace(log, contacts=dict(zip(feet, log.contacts.values(), strict=True))).to_csv("log.csv")
+    options = ("--floating-base", "--terms", "none", "--no-check", "--alike", "left,right")
+    contacts = [text for foot in feet for text in ("--contact", f"{foot}={place}")]
+    found = exoid_("identify", leg[0], "log.csv", *leg[1:], *options, *contacts, "-o", "est.json")
     assert found.code == 0, found.err
     truth = exoid.load_exo("bleex", base="floating")
     estimate = Estimate.load("est.json")
-    assert dict(estimate.model.leg.contacts) == dict.fromkeys(FEET, "point")
+    assert [each.kind for each in estimate.findings if "like-limbs" in each.kind] == ["alike-limbs"]
+    assert dict(estimate.model.leg.contacts) == dict.fromkeys(feet, kind)
     inside = np.abs(estimate.values - truth.parameters) < 3.0 * estimate.std + 1e-3
     assert inside.all(), dict(zip(estimate.names, estimate.values - truth.parameters, strict=True))
     assert estimate["M"].value == pytest.approx(truth.parameters[0], rel=0.01)
@@ -65,7 +73,13 @@ def test_feet_rest_on_points_if_one_says_so(exoid_, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("option", "told"),
-    [("toe=point", "no link 'toe'"), ("left_foot=ball", "flat, edge, point"), ("left_foot", "LINK=KIND")],
+    [
+        ("toe=point", "no link 'toe'"),
+        ("left_foot=ball", "flat, edge, point"),
+        ("left_foot", "LINK=KIND"),
+        ("left_foot_heel=0,0", "(x, y, z)"),
+        ("left_foot_heel=0,x,0", "LINK=KIND"),
+    ],
 )
 def test_contacts_that_cannot_be_are_refused(exoid_, tmp_path, monkeypatch, option, told):
     monkeypatch.chdir(tmp_path)
