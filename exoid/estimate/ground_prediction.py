@@ -94,7 +94,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     for stretch in split(leg, recording, estimate.preparation).stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
         if feet and leg.description.root_link not in stretch.links:
-            for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):
+            for link, force in zip(feet, stretch_forces(estimate, stretch, feet), strict=True):
                 found.setdefault(link, []).append(force)
     if not found:
         raise NotIdentifiableError(
@@ -107,12 +107,12 @@ def level_wrench(
     leg: Leg, q: FloatArray, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)
 ) -> GroundForce:
     """Turn a wrench in the axes of a link into those of ground forces, to compare it with a predicted one."""
-    level, at_origin = _level_axes(leg, q[rows], link), wrench.about(np.zeros(3))
+    level, at_origin = level_axes(leg, q[rows], link), wrench.about(np.zeros(3))
     force, moment = (np.einsum("nij,nj->ni", level, x[rows]) for x in (at_origin.force, at_origin.moment))
     return GroundForce(np.arange(len(q), dtype=np.float64)[rows], force, moment, 0.0 * force, 0.0 * force)
 
 
-def _level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+def level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Axes of ground forces from those of a link, (N, 3, 3): the laboratory's where the base does not turn."""
     return link_placements(leg, q * (leg.base_rows == 0), link).rotation
 
@@ -136,7 +136,7 @@ class _Solution(NamedTuple):
     std: FloatArray
 
 
-def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
+def stretch_forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
     """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
@@ -226,7 +226,7 @@ def _solve(
 def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
     jacobian = leg.frame_jacobian(q, link)
-    turned = _level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
+    turned = level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 
 

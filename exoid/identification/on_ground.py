@@ -58,7 +58,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     footing = find_footing(fit_linear(problem, estimator), found) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
     slopes = footing.found.slopes
-    doubt = slopes @ footing.found.covariance @ slopes.T
+    doubt = slopes @ footing.found.spread @ slopes.T
     findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
     return _with_findings(fitted, findings)._replace(doubt=doubt)
 
@@ -282,7 +282,7 @@ def without_outliers(fitted: Fitted) -> Problem:
 
 def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
     """Say how soft soles are, how the ground leans, what a lean would move, and how far a sensor was off."""
-    halves = 2.0 * np.sqrt(np.diag(footing.found.covariance))
+    halves = 2.0 * np.sqrt(np.diag(footing.found.spread))
     findings, remedy = list[Finding](), "record an IMU on the torso, which needs no such assumption"
     for (link, c), half in zip(footing.compliance.items(), halves.tolist(), strict=False):
         text = (

@@ -14,6 +14,7 @@ from exoid.estimate.data import Input
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.evidence import Evidence, Support
 from exoid.estimate.finding import ordered
+from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.regression.diagnostics import (
@@ -29,6 +30,7 @@ from exoid.regression.fit import samples_left, uncertainty_of
 from exoid.regression.least_squares import rms_residual
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
+from exoid.torques.contacts.stretches import Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .checkup import check_group
@@ -135,7 +137,7 @@ class Result:
             checkup, error = check_group(self.fitted, first, covariance, residual_rms, noise or ())
         on_ground = torque_findings(self.fitted, parts) if check and standing else ()
         assert rows.preparation is not None
-        return Estimate(
+        estimate = Estimate(
             model=model,
             values=values,
             covariance=covariance,
@@ -167,6 +169,15 @@ class Result:
                 bounded=tuple(names[problem.names[k]] for k in solution.bounded if problem.names[k] in names),
             ),
         )
+        if not check or not standing:
+            return estimate
+        stretches = [
+            Stretch(model.links, (), one)
+            for k in ordinary
+            for one in problem.groups[k].data
+            if isinstance(one, Recording) and isinstance(model := problem.groups[k].model, SupportModel)
+        ]
+        return replace(estimate, findings=ordered((*estimate.findings, *cone_findings(estimate, stretches))))
 
     def grouped(self, *, check: bool) -> GroupedEstimate:
         """Make the estimates of all groups."""

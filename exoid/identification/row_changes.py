@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,7 +19,7 @@ from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import ImuErrors
@@ -36,6 +37,9 @@ SOFT, DELAY, BESIDE = 5e-5, 2e-3, 2e-3
 GYRO, FORCE = 0.02, 0.2
 """Standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]."""
 
+BLOCK = 1.5
+"""Time beyond which the noise of rows is not correlated [s]: a stride, whose touch-downs are alike."""
+
 
 class RowChanges(NamedTuple):
     """Numbers c that change rows, r(c) = r − D c, found beside the parameters."""
@@ -43,6 +47,7 @@ class RowChanges(NamedTuple):
     values: FloatArray  # c, (K,)
     covariance: FloatArray  # its covariance for white noise, (K, K)
     slopes: FloatArray  # change of the parameters by c, ∂β/∂c, (P, K)
+    spread: FloatArray  # covariance of c for noise that is correlated within BLOCK, at least that for white noise
 
 
 class Footing(NamedTuple):
@@ -68,7 +73,7 @@ class Footing(NamedTuple):
     def imu(self) -> ImuErrors:
         """Bias of the inertial measurement unit, with zeros for what the motion does not show."""
         first = len(self.links) + len(self.axes)
-        bias, spread = self.found.values[first:] @ self.sensor, self.found.covariance[first:, first:]
+        bias, spread = self.found.values[first:] @ self.sensor, self.found.spread[first:, first:]
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
         return ImuErrors(bias[:3], bias[3:], std)
 
@@ -94,7 +99,7 @@ def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
     steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
     none = np.zeros(len(steps))
-    about = about or Footing(links, axes, sensor[: counts[2]], RowChanges(none, np.diag(none), none))
+    about = about or Footing(links, axes, sensor[: counts[2]], RowChanges(none, np.diag(none), none, np.diag(none)))
     start = about.found.values
     others = [tilted(problem, about.plus(k, step), about) for k, step in enumerate(steps.tolist())]
     found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start)
@@ -102,7 +107,8 @@ def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None
     values = np.append(np.maximum(free[: len(links)], 0.0), free[len(links) :])
     # Part of itself by which a compliance varies: soles are stiffer under more load
     doubt = np.append((0.2 * values[: len(links)]) ** 2, none[len(links) :]) + (free - values) ** 2
-    return about._replace(found=RowChanges(values, found.covariance + np.diag(doubt), found.slopes))
+    more = np.diag(doubt)
+    return about._replace(found=RowChanges(values, found.covariance + more, found.slopes, found.spread + more))
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:
@@ -174,25 +180,38 @@ def row_changes(
     problem, count, more = fitted.problem, len(fitted.problem.names), len(others)
     prior = np.append(np.zeros(count), prior_std**-2.0)
     information, right = np.diag(prior), prior * np.append(np.zeros(count), prior_mean)
+    scores = defaultdict[tuple[str, int, float], FloatArray](lambda: np.zeros(count + more))
     for k, group in enumerate(problem.groups):
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values, where = fitted.values(k), np.append(problem.places[k], count + np.arange(more))
-        for index in range(len(group.data)):
-            rows, *changed = (one.decimated(index) for one in (group, *(other.groups[k] for other in others)))
+        for index, one in enumerate(group.data):
+            rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in others)))
             first = residual(rows, values)
             changes = [first - residual(each, values) for each in changed]
-            columns = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
-            weighted = (np.concatenate(columns, axis=-1) * weights[:, None]).reshape(-1, len(where))
+            both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
+            columns = np.concatenate(both, axis=-1) * weights[:, None]
+            weighted = columns.reshape(-1, len(where))
             information[np.ix_(where, where)] += weighted.T @ weighted
-            right[where] += weighted.T @ (first * weights).ravel()
+            score = np.einsum("nrp,nr->np", columns, first * weights)
+            right[where] += score.sum(axis=0)
+            # rows of all supports of a recording share its blocks of time
+            blocks = np.floor(rows.time / BLOCK)
+            starts = np.flatnonzero(np.diff(blocks, prepend=np.nan))
+            for block, total in zip(blocks[starts].tolist(), np.add.reduceat(score, starts), strict=True):
+                scores[source_of(one), len(one), block][where] += total
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
     known = information[np.ix_(free, free)]
     inverse = scaled_inverse(known)
     own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, more))
     slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ information[own, count:]
-    return RowChanges((inverse @ right[free])[-more:], inverse[-more:, -more:], slopes_of)
+    # sandwich of the scores of blocks
+    moved = np.array([score[free] for score in scores.values()]) @ inverse[:, -more:]
+    spread = moved.T @ moved + inverse[-more:] @ np.diag(prior[free]) @ inverse[:, -more:]
+    covariance = inverse[-more:, -more:]
+    larger = np.sqrt(np.maximum(1.0, np.diag(covariance) / np.diag(spread)))
+    return RowChanges((inverse @ right[free])[-more:], covariance, slopes_of, spread * np.outer(larger, larger))
 
 
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:

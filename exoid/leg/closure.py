@@ -356,8 +356,15 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Solver of A x = b for samples last; not a number where A is singular."""
     by_sample = np.ascontiguousarray(A.transpose(2, 0, 1))
-    by_sample[np.linalg.det(by_sample) == 0.0] = np.nan
-    return lambda b: np.asarray(np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0))
+
+    def solve(b: FloatArray) -> FloatArray:
+        try:
+            return np.asarray(np.linalg.solve(by_sample, b.transpose(2, 0, 1)).transpose(1, 2, 0))
+        except np.linalg.LinAlgError:  # the determinant costs as much as the solution, and is hardly ever zero
+            by_sample[np.linalg.det(by_sample) == 0.0] = np.nan
+            return solve(b)
+
+    return solve
 
 
 def _blocks(count: int) -> Iterator[slice]:

@@ -9,6 +9,7 @@ from unchecked import identify
 
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
+from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.signals import ZeroPhase
 from exoid.torques.contacts import split
@@ -338,11 +339,42 @@ def test_force_plates_that_are_late_are_blamed_not_friction(exo, estimate):
     assert "torque-delay" in {finding.kind for finding in found.findings}
 
 
+def strapped(exo, log, force=900.0):
+    """Let the ground pull the left foot down by a force [N] more, and push the right one up."""
+    q, count = log.recording.q, exo.base_rows
+    left, right = (np.swapaxes(exo.contact_jacobian(q, foot), 1, 2) for foot in ("left_foot", "right_foot"))
+    pull = left @ (0.0, -force, 0.0)
+    other = np.linalg.solve(right[:, :count], -pull[:, :count, None])
+    return replace(log.recording, tau=log.recording.tau - pull[:, count:] - (right[:, count:] @ other)[..., 0])
+
+
+def turned(log):
+    """Force plates whose axes are exchanged."""
+    plates = {foot: Wrench(wrench.force[:, [2, 1, 0]], wrench.moment) for foot, wrench in log.wrenches.items()}
+    return replace(log.recording, wrenches=plates)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda _, log: log.recording, []),
+        (lambda _, log: replace(log.recording, wrenches=log.wrenches), []),
+        (strapped, ["left_foot"]),
+        (lambda _, log: turned(log), ["left_foot", "right_foot"]),
+    ],
+)
+def test_feet_whose_force_no_ground_bears_are_named(exo, estimate, change, named):
+    """Forces are eliminated, or known, so that the residual shows nothing."""
+    log = change(exo, standing(exo, "both", seconds=8.0, seed=97, noise=NOISE, encoder=ENCODER, friction=friction))
+    found = [*cone_findings(estimate, split(exo, log, estimate.preparation).stretches)]
+    assert sorted(foot for each in found for foot in ("left_foot", "right_foot") if foot in each.message) == named
+
+
 @pytest.mark.slow
 def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     both, left, right = stance
-    logs = [both.recording, wrongly(left, "right_foot", True, 1), right.recording]
-    assert "slipping-contact" in {finding.kind for finding in exoid.check(exo, logs, terms=TERMS)}
+    logs = [strapped(exo, both), wrongly(left, "right_foot", True, 1), right.recording]
+    assert {"slipping-contact", "friction-cone"} <= {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
 
 
 @pytest.mark.slow
