@@ -68,7 +68,6 @@ REFUSED = {
         ("leg.urdf --inertias cad --html leg.html", "--inertias has no effect"),
         ("bleex --pose left_knee --html leg.html", "--pose left_knee", "JOINT=DEGREES"),
         ("bleex --pose elbow=3 --html leg.html", "no joint elbow"),
-        ("bleex --reference bleex_swing:test --html leg.html", "--reference has no effect", "--log"),
         ("bleex --port 7000 --html leg.html", "--port has no effect"),
         ("bleex --log absent.csv --html leg.html", "absent.csv"),
         ("cuhk --log bleex_swing:test --side right --html leg.html", "none of the logged joints"),
