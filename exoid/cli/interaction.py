@@ -46,5 +46,5 @@ def interaction(
     if output is not None:
         result.to_csv(output)
         note(f"wrote {output}")
-    save_page(lambda: exoid.view.report.interaction_report(loaded, result, recording), figures, report)
+    save_page(lambda: exoid.view.report.interaction_report(loaded, result), figures, report)
     print_result(result, as_json=as_json)

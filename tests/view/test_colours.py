@@ -64,12 +64,6 @@ def test_joints_have_none_of_the_colours_with_a_meaning(meaning):
         assert distance(colour, MEANINGS[meaning]) > 20.0, colour
 
 
-@pytest.mark.parametrize("seen", [None, DEUTERANOPIA, PROTANOPIA], ids=["full colour", "deuteranopia", "protanopia"])
-def test_the_wearer_differs_from_all_arrows_and_curves_that_it_overlaps(seen):
-    for colour in (MEASURED, PREDICTED, IDENTIFIED, CAD, *JOINT_COLOURS[:3]):
-        assert distance(WEARER, colour, seen) > 25.0, colour
-
-
 def luminance(colour):
     """Relative luminance of "#rrggbb" (WCAG)."""
     return float((XYZ @ linear(colour))[1])
@@ -97,7 +91,7 @@ def test_a_residual_is_seen_on_the_band():
     assert (luminance(shown) + 0.05) / (luminance(RESIDUAL) + 0.05) > 2.5
 
 
-@pytest.mark.parametrize("seen", [None, DEUTERANOPIA], ids=["full colour", "deuteranopia"])
+@pytest.mark.parametrize("seen", [None, DEUTERANOPIA, PROTANOPIA], ids=["full colour", "deuteranopia", "protanopia"])
 def test_colours_with_a_meaning_are_distinct(seen):
     for first, second in combinations(MEANINGS.values(), 2):
         assert distance(first, second, seen) > 15.0, (first, second)

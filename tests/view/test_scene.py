@@ -19,7 +19,7 @@ from exoid.errors import NotSupportedError
 from exoid.leg.description import describe
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED
-from exoid.view.report.blocks import replay_blocks
+from exoid.view.report.identification import _replay
 from exoid.view.scenes.leg_geometry import STEEL
 from exoid.view.scenes.page import _viewer_file as viewer_file
 from exoid.view.scenes.skeleton import Skeleton
@@ -364,5 +364,5 @@ def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(mo
         scene(data.leg).html()
     with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
         scene(data.leg).serve(0)
-    (left_out,) = replay_blocks(exoid.identify(data.leg, data.train), data.test, "")
+    (left_out,) = _replay(exoid.identify(data.leg, data.train), data.test)
     assert "the viewer (meshcat) is not installed" in left_out.lines[0]

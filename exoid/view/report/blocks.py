@@ -5,14 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from exoid._typing import FloatArray
-from exoid.control.wearer import Interaction
-from exoid.errors import ExoidError
-from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, findings_table
-from exoid.signals import Recording
-from exoid.view.scenes import scene
 
-from .page import Block, EmbeddedPage, Text
+from .page import Block, Text
 
 SHOWN_SECONDS = 20.0
 """Length of the part of a recording that is drawn over time and replayed [s]."""
@@ -32,19 +27,6 @@ def finding_blocks(findings: Sequence[Finding]) -> Iterator[Block]:
     if findings:
         yield findings_table(findings)
         yield Text([sentence(line) for line in map(str, findings)])
-
-
-def replay_blocks(
-    estimate: Estimate, shown: Recording, sentences: str, interaction: Interaction | None = None
-) -> Iterator[Block]:
-    """Replay a recording in three dimensions, with the torque of a wearer if it is given."""
-    try:
-        replay = scene(estimate, recording=shown, interaction=interaction)
-        page = EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
-    except ExoidError as error:
-        yield Text([f"The leg cannot be drawn: {error.what}."])
-        return
-    yield from (Text([sentences]), page)
 
 
 def sentence(clause: str) -> str:

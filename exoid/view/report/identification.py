@@ -7,15 +7,16 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from exoid.actuators.drive_data import describe_actuators
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions
 from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
+from exoid.view.scenes import scene
 
-from .blocks import SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
+from .blocks import SHOWN_SECONDS, finding_blocks, sentence, shown_part
 from .fit import (
     RecordingPrediction,
     friction_blocks,
@@ -24,7 +25,7 @@ from .fit import (
     torque_blocks,
 )
 from .ground import ground_blocks
-from .page import Block, Page, Text
+from .page import Block, EmbeddedPage, Page, Text
 from .parameters import IDENTIFIABILITY, advice, parameter_blocks
 
 SHORT = "The error bars assume independent samples, and are too short."
@@ -95,10 +96,16 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
 
 
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
-    """Replay the beginning of a recording."""
+    """Replay the beginning of a recording in three dimensions."""
     shown = recording.between(recording.time[0], recording.time[0] + SHOWN_SECONDS)
     part = shown_part(recording.time, source_of(recording) or "array")
-    return replay_blocks(estimate, shown, f"Shown: {part}. Drag to turn the view, scroll to zoom.")
+    try:
+        replay = scene(estimate, recording=shown)
+        page = EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
+    except ExoidError as error:
+        yield Text([f"The leg cannot be drawn: {error.what}."])
+        return
+    yield from (Text([f"Shown: {part}. Drag to turn the view, scroll to zoom."]), page)
 
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:

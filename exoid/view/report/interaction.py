@@ -10,23 +10,20 @@ import numpy as np
 from exoid.control.wearer import Interaction
 from exoid.control.wearer.interaction import HEADERS
 from exoid.estimate import Estimate
-from exoid.regression.rows import for_leg
-from exoid.signals import Recording
 from exoid.tools.tables import DataTable
 from exoid.view.forces import draw_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
-from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, replay_blocks, sentence, shown_part
+from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, sentence, shown_part
 from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
 
-def interaction_report(estimate: Estimate, found: Interaction, recording: Recording) -> Page:
-    """Report an interaction: figures of each joint, torque over time and phase, and a replay with arrows.
+def interaction_report(estimate: Estimate, found: Interaction) -> Page:
+    """Report an interaction: figures of each joint, and torque over time and phase.
 
     Args:
         estimate: The estimate.
         found: The interaction.
-        recording: Recording that it was computed from.
 
     Returns:
         A page: ``interaction_report(...).save("report.html")``.
@@ -36,7 +33,6 @@ def interaction_report(estimate: Estimate, found: Interaction, recording: Record
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, found),
         "Over the gait": _over_gait(estimate.model.leg.joint_labels, found),
-        "Replay": _replay(estimate, found, recording),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
     return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
@@ -76,11 +72,3 @@ def _over_gait(labels: tuple[str, ...], found: Interaction) -> Iterator[Block]:
             "wearer_gait",
             height=PAGE_COLUMN,
         )
-
-
-def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iterator[Block]:
-    """Replay the beginning of a recording with arrows."""
-    shown = for_leg(estimate.model, recording)
-    shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
-    said = f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer, the limb is theirs."
-    return replay_blocks(estimate, shown, said, interaction=part)

@@ -1,16 +1,15 @@
-"""Arrows: straight ones for weights, circular ones around joint axes for torques of actuators and of the wearer."""
+"""Arrows: straight ones for weights, circular ones around joint axes for torques of actuators."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.wearer import Interaction
-from exoid.view.colours import WEARER, WEIGHT
+from exoid.view.colours import WEIGHT
 
 from .commands import Drawing, Layer, child_path, moving, set_object, set_transform
 from .leg_geometry import LegGeometry
-from .replay import LegTrajectory, Replay, at_frames
+from .replay import LegTrajectory
 from .transforms import align_z, homogeneous
 from .visual import Material, Visual, cylinder, torus
 
@@ -71,44 +70,20 @@ def draw_weights(geometry: LegGeometry, trajectory: LegTrajectory, down: FloatAr
 
 
 def draw_torques(geometry: LegGeometry, trajectory: LegTrajectory) -> Drawing:
-    """Draw the torque of each joint, measured or against gravity."""
-    largest = float(np.abs(trajectory.tau).max())
-    drawing, paths = _around_axes(geometry, "torque", trajectory.tau, largest, None)
-    unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
-    scale = f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}" if largest else ""
-    label = "measured torque" if trajectory.measured else "torque against gravity"
-    colours = tuple(dict.fromkeys(geometry.joint_colours))
-    return drawing + Drawing(layers=[Layer(label, colours, paths, scale=scale)])
-
-
-def draw_wearer(geometry: LegGeometry, replay: Replay, found: Interaction) -> Drawing:
-    """Draw the torque of the wearer beside those of the actuators, on its own scale."""
-    names = geometry.leg.joint_names
-    if not {*names} <= {*found.joint_names}:
-        return Drawing()
-    known = np.nan_to_num(found.torque[:, [found.joint_names.index(name) for name in names]])
-    torque = np.nan_to_num(at_frames(replay.time, found.time, known, gap=0.03))  # zero where none is known
-    largest = float(np.abs(torque).max())
-    drawing, paths = _around_axes(geometry, "wearer", torque, largest, WEARER, beside=0.05)
-    scale = f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} N·m" if largest else ""
-    return drawing + Drawing(layers=[Layer("torque of the wearer", (WEARER,), paths, scale=scale)])
-
-
-def _around_axes(
-    geometry: LegGeometry, name: str, torque: FloatArray, largest: float, colour: str | None, beside: float = 0.0
-) -> tuple[Drawing, tuple[str, ...]]:
-    """Circular arrows around the axes of driven joints, ``beside`` them by that share of the reach, and their paths."""
+    """Draw the torque of each driven joint around its axis, measured or against gravity."""
     leg, reach, drawing, paths = geometry.leg, geometry.skeleton.reach, Drawing(), []
+    largest = float(np.abs(trajectory.tau).max())
     every = zip(geometry.joint_paths, geometry.skeleton.axes, geometry.joint_colours, strict=True)
     driven = [each for each, name in zip(every, leg.tree_joint_names, strict=True) if name in leg.joint_names]
-    for (joint, axis, own), of_joint in zip(driven, torque.T, strict=True):
-        place, path = f"{joint}/{name}", f"{joint}/{name}/arrow"
-        arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour or own)
-        scale = torque_scale(of_joint, largest)
-        commands = [
-            set_object(path, arrow, shadows=False),
-            set_transform(place, homogeneous(beside * reach * axis, align_z(axis))),
-        ]
-        drawing += Drawing(commands) + moving(path, np.zeros((1, 3)), scale=scale)
+    for (joint, axis, colour), torque in zip(driven, trajectory.tau.T, strict=True):
+        place, path = f"{joint}/torque", f"{joint}/torque/arrow"
+        arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour)
+        turn = homogeneous(np.zeros(3), align_z(axis))
+        drawing += Drawing([set_object(path, arrow, shadows=False), set_transform(place, turn)])
+        drawing += moving(path, np.zeros((1, 3)), scale=torque_scale(torque, largest))
         paths.append(place)
-    return drawing, tuple(paths)
+    unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
+    scale = f"radius of {TORQUE_RADIUS * reach:.2g} m = {largest:.3g} {unit}" if largest else ""
+    label = "measured torque" if trajectory.measured else "torque against gravity"
+    colours = tuple(dict.fromkeys(geometry.joint_colours))
+    return drawing + Drawing(layers=[Layer(label, colours, tuple(paths), scale=scale)])

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.wearer import Interaction
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
@@ -30,7 +29,6 @@ def scene(
     pose: Mapping[str, float] | None = None,
     recording: Recording | None = None,
     identified: Sequence[Leg] = (),
-    interaction: Interaction | None = None,
     meshes: str | Path | None = None,
     title: str | None = None,
 ) -> Scene:
@@ -48,8 +46,6 @@ def scene(
         pose: Angles by joint name [rad]; zero for joints that are not named.
         recording: Motion to replay in real time, and torques if it has any. Legs without recorded joints stand still.
         identified: The same legs with identified inertias, to draw beside their own.
-        interaction: Torque of the wearer during the recording (:func:`exoid.interaction`), drawn as circular arrows
-            beside those of the actuators.
         meshes: Folder in which the URDF's meshes are searched.
         title: Title of the page; None for the names of the legs.
 
@@ -65,17 +61,12 @@ def scene(
     """
     if not legs:
         raise BadArgumentError("no leg to draw", remedy="pass a Leg or an Estimate")
-    if interaction is not None and recording is None:
-        raise BadArgumentError("an interaction without a recording", remedy="pass the motion as recording=")
     replay = None if recording is None else Replay.of(recording)
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     if recording is not None:
         _check_joints(geometries, recording)
-    views = [
-        view_leg(leg, geometry, q, replay, interaction)
-        for leg, geometry, q in zip(legs, geometries, poses, strict=True)
-    ]
+    views = [view_leg(leg, geometry, q, replay) for leg, geometry, q in zip(legs, geometries, poses, strict=True)]
     floors = [view.floor for view in views if view.floor is not None]
     points = np.vstack([view.points for view in views])
     _check_size(points, geometries)
@@ -100,7 +91,6 @@ def scene(
             for reading in joint_readings(leg, geometry, q, replay)
         )
         + tuple(reading for view in views for reading in view.feet),
-        "predicted" if interaction is None else "predicted without wearer",
     )
 
 

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.wearer import Interaction
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 
-from .arrows import draw_torques, draw_wearer, draw_weights
+from .arrows import draw_torques, draw_weights
 from .commands import Drawing, Layer, moving, set_transform
 from .ground_arrows import draw_ground_forces, foot_readings, ground_loads
 from .leg_geometry import LegGeometry
@@ -39,7 +38,6 @@ def view_leg(
     geometry: LegGeometry,
     q: FloatArray,
     replay: Replay | None,
-    interaction: Interaction | None,
 ) -> LegView:
     """Draw a leg in a pose, or replaying a recording; its base moves where a recording tells how."""
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
@@ -63,8 +61,6 @@ def view_leg(
         loads, notes = ground_loads(source, geometry.leg, replay, base)
         drawing += draw_ground_forces(geometry, replay, base, loads) + Drawing(notes=notes)
         feet = tuple(foot_readings(geometry, loads))
-    if replay is not None and interaction is not None:
-        drawing += draw_wearer(geometry, replay, interaction)
     # The camera stays on the leg: arrows of forces, which may be long, do not count.
     seen = np.vstack([points, geometry.bounding_points(trajectory.q, ellipsoids=True)])
     points, seen = (_placed(each, torso, base) for each in (points, seen))

@@ -1,8 +1,8 @@
 const FRAME = 1 / 30;  // time between keyframes [s]
 const NIGHT = { top_color: [0.09, 0.1, 0.11], bottom_color: [0.16, 0.175, 0.19] };
-const COLOURS = {  // ground, its lines, measured data, weights, wearer: the same objects by day and by night
-  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@", "@WEARER@"],
-  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80", "#e07ad0"],
+const COLOURS = {  // ground, its lines, measured data, weights: the same objects by day and by night
+  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@"],
+  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80"],
 };
 const PAPER = [1600, 800];  // size of the printed picture: a window has no definite size while it is printed
 const DARKEST = 104;  // of 255: darker parts of the leg vanish before the background of the night

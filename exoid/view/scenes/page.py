@@ -16,7 +16,7 @@ from typing import Any
 
 from exoid.errors import NotSupportedError
 from exoid.tools.extras import install_extra
-from exoid.view.colours import MEASURED, PREDICTED, WEARER, WEIGHT
+from exoid.view.colours import MEASURED, PREDICTED, WEIGHT
 
 
 def write_page(scene: Mapping[str, Any]) -> str:
@@ -43,7 +43,7 @@ def _packed(text: str) -> str:
 def _own_file(name: str) -> str:
     """Read a file of this package, with the colours of the figures in it."""
     text = files(__package__).joinpath(name).read_text(encoding="utf-8")
-    for word, colour in (("MEASURED", MEASURED), ("PREDICTED", PREDICTED), ("WEARER", WEARER), ("WEIGHT", WEIGHT)):
+    for word, colour in (("MEASURED", MEASURED), ("PREDICTED", PREDICTED), ("WEIGHT", WEIGHT)):
         text = text.replace(f"@{word}@", colour.lower())
     return text
 

@@ -61,7 +61,7 @@ function showPlot(scene, seek, frame) {
   const plot = element("plot"), joints = scene.joints.filter(joint => joint.measured);
   const key = make("p", plot);
   make("b", key, "measured").style.borderColor = "var(--measured)";
-  if (joints.some(joint => joint.predicted)) make("b", key, scene.predicted).style.borderColor = "var(--predicted)";
+  if (joints.some(joint => joint.predicted)) make("b", key, "predicted").style.borderColor = "var(--predicted)";
   const feet = joints.filter(joint => joint.foot).sort((a, b) => a.path < b.path ? -1 : 1), many = joints.length > 4;
   plot.classList.toggle("many", many);  // two columns: left and right
   const charts = [feet, joints.filter(joint => !joint.foot)].flatMap(group => {

@@ -39,7 +39,6 @@ class Scene:
         duration: Duration of the replay [s]; 0 for legs that stand still.
         notes: One sentence for each visual that could not be drawn.
         readings: Angle and torque of each joint at each frame, centre of pressure and force of each foot.
-        predicted_label: Name of predicted torques and forces.
     """
 
     title: str
@@ -49,7 +48,6 @@ class Scene:
     duration: float = 0.0
     notes: tuple[str, ...] = ()
     readings: tuple[Readings, ...] = ()
-    predicted_label: str = "predicted"
 
     def html(self) -> str:
         """Render the scene as a self-contained HTML page.
@@ -115,7 +113,6 @@ class Scene:
             "duration": self.duration,
             "notes": self.notes,
             "joints": [each.to_json() for each in self.readings],
-            "predicted": self.predicted_label,
         }
 
     def _repr_html_(self) -> str:
