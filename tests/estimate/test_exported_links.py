@@ -184,7 +184,7 @@ def test_masses_are_printed_beside_those_of_the_urdf(sure_of_heavy_thigh, tmp_pa
     assert ["mass", "[kg]", "in", "the", "URDF", "exported", "factor"] in lines
     for mass in export.masses:
         assert [mass.link, f"{mass.before:.4g}", f"{mass.after:.4g}", f"{mass.factor:.3g}"] in lines
-    assert export.to_json()["lift"]["masses"]["left_thigh"] == [4.75, export.masses[0].after]
+    assert export.to_json()["masses"]["left_thigh"] == [4.75, export.masses[0].after]
 
 
 def test_masses_of_a_feasible_export_are_printed_too(tmp_path):

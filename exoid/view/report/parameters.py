@@ -91,7 +91,7 @@ def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text
     grades = zip(estimate.names, estimate.identifiability, strict=True)
     poor = {name: grade for name, grade in grades if grade in ("weakly", "not")}
     if not poor:
-        yield Text(["Every parameter is well identified. Test the model on a held-out recording."])
+        yield Text(["Every parameter is well identified; a held-out recording tests the model."])
         return
     for grade in dict.fromkeys(poor.values()):
         yield Text(
