@@ -26,7 +26,7 @@ from exoid.control import (
 )
 from exoid.experiments import gait_for_leg, healthy_gait
 
-CALLS, ROUNDS = 20_000, 5
+CALLS, ROUNDS = 20_000, 3
 RATIO = 1.5
 
 BARE = "pin.rnea from Python"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROUNDS = 8
+ROUNDS = 5
 RATIO = 1.5
 """Above this something heavy has come into ``import exoid``."""
 

@@ -24,7 +24,7 @@ from exoid.regression.least_squares import Solution
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
-SAMPLES, RATE, ROUNDS = 200_000, 500.0, 4
+SAMPLES, RATE, ROUNDS = 200_000, 500.0, 3
 RATIO, WHOLE = 9.0, 0.7
 """Below these something has become slower."""
 BYTES = 40.0

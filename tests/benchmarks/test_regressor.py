@@ -20,7 +20,7 @@ from exoid import Coulomb, Viscous
 from exoid.torques import TorqueModel
 
 SAMPLES = 100_000
-ROUNDS = 8
+ROUNDS = 4
 STORED, BARE, FIGAROH = 7.0, 5.0, 36.0
 """Ratios below which something has become slower; 11, 7.9 and 46 are the least that were measured, on busy machines."""
 EXTRA_MEMORY = 100e6

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from html_pages import check
 
 from exoid import reproduce
 from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
@@ -49,3 +50,18 @@ def tracking(request):
         "json": report.data,
         "text": str(report),
     }
+
+
+@pytest.fixture(scope="session")
+def check_page():
+    """A page is valid, has every figure, and says what the printed tables say."""
+
+    def checked(replay, title, pictures):
+        tree = check(replay["page"])
+        assert len(list(tree.iter("img"))) == pictures
+        assert title in tree.findtext(".//h1")
+        words = " ".join(replay["text"].split())
+        for cell in (*tree.iter("td"), *tree.iter("th"), *tree.iter("li")):
+            assert (cell.text or "") in words
+
+    return checked

@@ -138,6 +138,10 @@ def test_every_figure_is_as_wide_as_a_column(bleex):
             assert np.asarray(image.convert("L")).std() > 5.0
 
 
+def test_the_page_has_every_figure_and_number(bleex, check_page):
+    check_page(bleex, "document 1 replayed", 5)
+
+
 @pytest.mark.nightly
 def test_the_joint_estimate_alone_is_that_of_the_replay(bleex):
     """``exoid wear`` identifies the left leg without the rest of the replay."""

@@ -70,3 +70,7 @@ def test_both_figures_are_written(cuhk):
             assert image.width == 700
             assert np.asarray(image.convert("L")).std() > 5.0
     assert cuhk["range"][0] > 10.0
+
+
+def test_the_page_has_every_figure_and_number(cuhk, check_page):
+    check_page(cuhk, "document 2 replayed", 2)
