@@ -66,6 +66,12 @@ def follow(amplitude_deg=10.0, frequency=0.1, duration=10.0, joints=2, control=5
     return run_motion(Plant.build(CUHK), motion, bench(control=control), duration, np.random.default_rng(0))
 
 
+def follow_exactly():
+    """A log without torques."""
+    time = np.arange(200) / 100.0
+    return exoid.Recording(time, np.sin(np.outer(time, [1.0, 2.0])), joint_names=CUHK.joint_names)
+
+
 def beyond_the_end_stops():
     hold = Hold(np.array([[0.5], [0.5]]))
     wearer = Wearer.build(CUHK, intention=healthy_gait(3.0, 1.2))
@@ -89,7 +95,7 @@ REFUSED = {
         ("starts", lambda: plan(starts=0)),
         ("3 joints", lambda: plan(noise=(0.1, 0.2, 0.3))),
         ("noise", lambda: plan(noise=0.0)),
-        ("c0_elbow", lambda: plan(values={"c0_elbow": 1.0})),
+        ("c0_elbow", lambda: assess(CUHK, follow_exactly(), values={"c0_elbow": 1.0})),
         ("torque", lambda: plan({"torque": 5.0, "angles_deg": {"hip": (40, 50)}})),
         ("elbow", lambda: plan({"angles_deg": {"elbow": (0, 1)}})),
         ("range", lambda: plan({"angles_deg": {"knee": (90, 20)}})),

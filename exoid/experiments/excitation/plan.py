@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, get_args
 
@@ -14,7 +14,7 @@ from exoid.experiments.limits import MotionLimits
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.torso import TorsoMotion
-from exoid.signals import Preparation, Recording
+from exoid.signals import Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .fourier import FourierMotion, series
@@ -115,13 +115,11 @@ def plan_excitation(
     limits: MotionLimits | None = None,
     noise: ArrayLike | None = None,
     noise_bandwidth: float = np.inf,
-    values: Mapping[str, float] | None = None,
     tilts_deg: Sequence[float] = (0.0,),
     highest: float = 1.0,
     criterion: Criterion = "worst",
     starts: int = 16,
     seed: int = 0,
-    preparation: Preparation | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Plan:
     """Find the motion that minimises the standard deviations of the parameters of a leg.
@@ -134,14 +132,12 @@ def plan_excitation(
         limits: Motion limits; None for those of the URDF.
         noise: Standard deviation of the torque noise [N·m], a number or (n,); None for 2 % of typical torques.
         noise_bandwidth: Frequency up to which the noise spectrum is flat [Hz]; inf for white noise.
-        values: Expected parameters by name; None for those of the URDF, and zero for terms.
         tilts_deg: Torso tilts, one for each motion [deg].
         highest: Highest frequency of the motion [Hz].
         criterion: Criterion to minimise: "worst" (largest relative standard deviation), "a" (sum of their squares) or
             "d" (volume of the confidence ellipsoid).
         starts: Number of starts of the search.
         seed: Seed of the search.
-        preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -162,7 +158,7 @@ def plan_excitation(
             f"{starts} starts, {len(tilts_deg)} tilts", remedy="request at least one start and one tilt"
         )
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
-    scales = Scales.of(model, limits, values)
+    scales = Scales.of(model, limits)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)
     objective = Objective(
@@ -180,7 +176,7 @@ def plan_excitation(
     return Plan(
         model=model,
         motions=found.motions,
-        precision=predict(model, recordings, torque_noise, scales, preparation),
+        precision=predict(model, recordings, torque_noise, scales),
         noise=torque_noise,
         rate=rate,
         criterion=criterion,

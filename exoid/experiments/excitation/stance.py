@@ -19,7 +19,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import GroundPlant, GroundRun, Sole
 from exoid.rig.ground.plant import BLEEX_SOLES
-from exoid.signals import Preparation, Recording
+from exoid.signals import Recording
 from exoid.tools.numbers import checked
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
@@ -88,7 +88,6 @@ def plan_stance(
     limits: MotionLimits | None = None,
     noise: ArrayLike | None = None,
     noise_bandwidth: float = np.inf,
-    preparation: Preparation | None = None,
 ) -> StancePlan:
     """Make squats, shifts, bows and leg swings as large as a machine allows, and predict what they determine.
 
@@ -106,7 +105,6 @@ def plan_stance(
         limits: Limits of the joints; None for those of the URDF.
         noise: Standard deviation of the torque noise [N·m], a number or (n,); None for 2 % of typical torques.
         noise_bandwidth: Frequency up to which the noise spectrum is flat [Hz]; inf for white noise.
-        preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
 
     Returns:
         Plan with the predicted precision of every parameter.
@@ -142,7 +140,6 @@ def plan_stance(
         noise=noise,
         noise_bandwidth=noise_bandwidth,
         limits=allowed,
-        preparation=preparation,
     )
     others = [name for name in (BOTH, *(limb.label for limb in leg.limbs)) if name and name not in feet]
     more = {
