@@ -79,22 +79,20 @@ class MomentArm:
 
 
 class SquaredLength(NamedTuple):
-    """Squared length between two points around a joint: c0 + c1 cos q + c2 sin q, or c0 + c1 q + c2 q²."""
+    """Squared length between two points around a joint, c0 + c1 cos q + c2 sin q [m²]."""
 
-    c0: float  # [m²]
-    c1: float  # [m²], or [m] for a sliding joint
-    c2: float  # [m²], or 1 for a sliding joint
-    turns: bool  # whether the joint turns
+    c0: float
+    c1: float
+    c2: float
 
 
 @dataclass(frozen=True)
 class Attachments(MomentArm):
-    """Two attachment points, on links that one joint separates: length l(q) and moment arm r(q) = dl/dq.
+    """Two attachment points, on links that one turning joint separates: length l(q) and moment arm r(q) = dl/dq.
 
     Either may be above the joint. With a the point above the joint and b the one below, both in the joint's frame, and
-    u the axis of a turning joint, l² = |R(u, q) b − a|² = c₀ + c₁ cos q + c₂ sin q, where
-    c₀ = |a|² + |b|² − 2 (a·u)(b·u), c₁ = −2 (a·b − (a·u)(b·u)), c₂ = −2 a·(u × b), and r = (c₂ cos q − c₁ sin q) / 2l.
-    For a sliding joint, l² = c₀ + c₁ q + c₂ q² with c₂ = 1, and r = (c₁ + 2 c₂ q) / 2l.
+    u its axis, l² = |R(u, q) b − a|² = c₀ + c₁ cos q + c₂ sin q, where c₀ = |a|² + |b|² − 2 (a·u)(b·u),
+    c₁ = −2 (a·b − (a·u)(b·u)), c₂ = −2 a·(u × b), and r = (c₂ cos q − c₁ sin q) / 2l.
 
     Attributes:
         first: One attachment point: name of the link and coordinates [m].
@@ -155,15 +153,13 @@ class Attachments(MomentArm):
 
     def length(self, q: FloatArray) -> FloatArray:
         """L = √(c₀ + c₁ cos q + c₂ sin q)."""
-        c0, c1, c2, turns = self._mounted
-        cos, sin = (np.cos(q), np.sin(q)) if turns else (q, q * q)
-        return np.asarray(np.sqrt(np.maximum(c0 + c1 * cos + c2 * sin, 0.0)))
+        c0, c1, c2 = self._mounted
+        return np.asarray(np.sqrt(np.maximum(c0 + c1 * np.cos(q) + c2 * np.sin(q), 0.0)))
 
     def arm(self, q: FloatArray) -> FloatArray:
         """R = (c₂ cos q − c₁ sin q) / 2l."""
-        _, c1, c2, turns = self._mounted
-        slope = c2 * np.cos(q) - c1 * np.sin(q) if turns else c1 + 2.0 * c2 * q
-        return np.asarray(0.5 * slope / np.maximum(self.length(q), SHORTEST))
+        _, c1, c2 = self._mounted
+        return np.asarray(0.5 * (c2 * np.cos(q) - c1 * np.sin(q)) / np.maximum(self.length(q), SHORTEST))
 
     @property
     def _mounted(self) -> SquaredLength:
@@ -201,12 +197,12 @@ def _place(leg: Leg, attachment: Attachment) -> LinkFrame:
 
 
 def _squared_length(model: pin.Model, joint: int, above: FloatArray, below: FloatArray) -> SquaredLength:
-    """Coefficients of l², and whether the joint turns."""
-    slide, turn = np.split(joint_axis(model.joints[joint]), 2)
-    if turn.any():
-        along = float(above @ turn) * float(below @ turn)
-        c0 = float(above @ above + below @ below) - 2.0 * along
-        c1, c2 = -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below))
-        return SquaredLength(c0, c1, c2, True)
-    apart = below - above
-    return SquaredLength(float(apart @ apart), 2.0 * float(apart @ slide), 1.0, False)
+    """Coefficients of l²."""
+    turn = joint_axis(model.joints[joint])[3:]
+    if not turn.any():
+        raise BadArgumentError(
+            f"attachment points at {model.names[joint]}, which slides", remedy="give a table of moment arms"
+        )
+    along = float(above @ turn) * float(below @ turn)
+    c0 = float(above @ above + below @ below) - 2.0 * along
+    return SquaredLength(c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below)))

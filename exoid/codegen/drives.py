@@ -73,13 +73,9 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
 
 def _arm(squared: SquaredLength, q: str, dialect: Dialect) -> str:
     """Moment arm, at least a millimetre."""
-    c0, c1, c2 = (dialect.number(value) for value in squared[:3])
+    c0, c1, c2 = (dialect.number(value) for value in squared)
     root, cos, sin = (dialect.function(name) for name in ("sqrt", "cos", "sin"))
-    if squared.turns:
-        slope = f"{c2} * {cos}({q}) - {c1} * {sin}({q})"
-        square = f"{c0} + {c1} * {cos}({q}) + {c2} * {sin}({q})"
-    else:
-        slope, square = f"{c1} + {dialect.number(2.0)} * {c2} * {q}", f"{c0} + ({c1} + {c2} * {q}) * {q}"
+    slope, square = f"{c2} * {cos}({q}) - {c1} * {sin}({q})", f"{c0} + {c1} * {cos}({q}) + {c2} * {sin}({q})"
     exact = f"{dialect.number(0.5)} * ({slope}) / {root}({square})"
     largest, fabs = dialect.function("fmax"), dialect.function("fabs")
     return f"{dialect.function('copysign')}({largest}({fabs}({exact}), {dialect.number(SHORTEST)}), {exact})"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -142,13 +141,6 @@ def test_the_rig_logs_what_drives_measure() -> None:
     log = run.recording(actuators=CYLINDERS)
     assert log.tau is None
     np.testing.assert_allclose(CYLINDERS.torque(log).tau, run.recording().tau, rtol=1e-9, atol=1e-9)
-
-
-def test_actuators_reach_the_workers_of_a_cluster_by_pickle() -> None:
-    import pickle  # noqa: PLC0415 - as Dask does
-
-    again = pickle.loads(pickle.dumps(partial(CYLINDERS.torque)))
-    np.testing.assert_allclose(again(log_of(CYLINDERS)).tau, DATA.train.tau, rtol=1e-9)
 
 
 @pytest.mark.nightly

@@ -60,22 +60,6 @@ def test_arms_of_both_sides_are_alike_and_keep_their_sign_within_the_limits() ->
         assert (arm > 0.0).all() or (arm < 0.0).all()
 
 
-def test_a_sliding_joint_has_the_same_equations() -> None:
-    leg = exoid.Leg.from_description(
-        exoid.leg.description.describe(
-            """<robot name="slider"><link name="base"/><link name="cart"><inertial><mass value="2"/>
-            <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
-            <joint name="rail" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 0 1"/>
-            <limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>""",
-            "slider",
-        )
-    )
-    rod = Attachments(("base", (0.3, 0.0, 0.0)), ("cart", (0.0, 0.0, 0.1))).on(leg, "rail")
-    q = np.array([-0.4, 0.0, 0.5])
-    np.testing.assert_allclose(rod.length(q), np.hypot(0.3, q + 0.1), rtol=1e-12)
-    np.testing.assert_allclose(rod.arm(q), (q + 0.1) / np.hypot(0.3, q + 0.1), rtol=1e-12)
-
-
 def test_a_table_of_the_arm_gives_the_same_torque() -> None:
     q, force = np.linspace(-0.3, 1.2, 40), np.full(40, 700.0)
     exact = CYLINDERS.drives["left_hip"]

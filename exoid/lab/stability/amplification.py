@@ -82,22 +82,6 @@ class Amplification:
         shares = self.variance_shares
         return max(shares, key=lambda name: shares[name]) if any(shares.values()) else None
 
-    def probability(self, amplification: float) -> float:
-        """Compute the share of the draws that are stable at an amplification and all smaller ones.
-
-        Args:
-            amplification: Amplification α, at most ``most``.
-
-        Returns:
-            Share of the draws, 0 to 1.
-
-        Raises:
-            ExoidError: The amplification is below 1 or above ``most``.
-        """
-        if not 1.0 <= amplification <= self.most:
-            raise BadArgumentError(f"an amplification of {amplification:g}", remedy=f"give one from 1 to {self.most:g}")
-        return float(np.mean(self.values >= amplification))
-
     def to_json(self) -> dict[str, Any]:
         """Convert the result to JSON types.
 
