@@ -16,7 +16,6 @@ from hypothesis import settings
 
 import exoid
 from exoid.cli import main
-from exoid.identification.estimators.by_name import ESTIMATORS
 from exoid.torques.catalog import TERMS
 
 settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
@@ -28,7 +27,6 @@ BUILT_IN = [
     for inertias in sets
     for side in ("left", "right")
 ]
-REGISTRIES = {"term": TERMS, "estimator": ESTIMATORS}
 
 
 @functools.cache
@@ -93,9 +91,7 @@ def side(request):
 @pytest.fixture
 def forgetful(monkeypatch):
     """Registries that have afterwards what they had before."""
-    for registry in REGISTRIES.values():
-        monkeypatch.setattr(registry, "_registered", dict(registry._registered))
-    return REGISTRIES
+    monkeypatch.setattr(TERMS, "_registered", dict(TERMS._registered))
 
 
 @pytest.fixture(scope="session")

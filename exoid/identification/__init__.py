@@ -1,7 +1,6 @@
 """From recordings to parameters: how they are found."""
 
 from .check import check
-from .estimators import register_estimator
 from .identify import identify
 from .selection import Selection, select_terms
 
@@ -9,6 +8,5 @@ __all__ = [
     "Selection",
     "check",
     "identify",
-    "register_estimator",
     "select_terms",
 ]

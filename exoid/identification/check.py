@@ -12,7 +12,7 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term
 
 from .drives import Drives
-from .estimators.by_name import find_estimator
+from .estimators import wls
 from .findings.checkup import signal_findings
 from .gather import begin
 from .group_rows import check_recordings
@@ -60,7 +60,7 @@ def check(
     except ExoidError as error:
         # what is wrong with the drives is no finding of the log, and raises here
         knowledge = PriorKnowledge(known or {})
-        (group,) = begin(leg, data, terms, find_estimator("wls"), knowledge, actuators=actuators).groups
+        (group,) = begin(leg, data, terms, wls, knowledge, actuators=actuators).groups
         names = group.model.names
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=names)
         return ordered((*signal_findings(group.model, group.data), refused))

@@ -3,7 +3,7 @@
 from exoid.regression.fit import Fit, ols, wls
 from exoid.regression.problem import LeastSquaresProblem
 
-from .by_name import Estimator, register_estimator
+from .by_name import Estimator
 from .huber import huber
 from .joint_ml import JointML
 
@@ -14,6 +14,5 @@ __all__ = [
     "LeastSquaresProblem",
     "huber",
     "ols",
-    "register_estimator",
     "wls",
 ]
