@@ -14,6 +14,7 @@ from exoid.actuators.constants import DriveConstant, recompute, unknown_constant
 from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
+from exoid.regression.diagnostics import WEAKLY
 from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
@@ -29,7 +30,6 @@ ROUNDS = 30  # linearisations at most
 STRIDE = 5.0  # in one of them a constant changes by this factor at most
 STILL = 0.02  # the search has converged when no constant moves by more than this part of its standard deviation,
 ROUNDING = 1e-7  # and this part of itself, where there is no noise
-UNDETERMINED = 0.3  # a constant whose standard deviation is larger than this part of it is refused
 ADVICE, COMMAND = (
     f"record the motion once more with a weighed payload on the last segment, {payload}, record the torque of a joint "
     f"or the force on a link by a sensor ({wrench}), or say what is known in N·m ({known}, torque_constant of a motor)"
@@ -205,7 +205,7 @@ def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
 def _refuse_undetermined(step: _Step) -> None:
     """Refuse constants that the recordings hardly determine."""
     for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
-        if std > UNDETERMINED * value:
+        if std > WEAKLY * value:
             raise NotIdentifiableError(
                 f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
                 remedy=f"use a heavier payload or longer recordings: {ADVICE}",

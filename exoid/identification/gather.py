@@ -104,7 +104,7 @@ def gather(
     problem = _summarize(problem, for_cutoff=preparation is None and cutoff is None)
     every = [one for group in problem.groups for one in group.summaries]
     if any(one.torques is not None and not one.torques.measured.all() for one in every):
-        missing = unmeasured_joints(problem.groups[0].model.leg.joint_labels, [every])
+        missing = unmeasured_joints(problem.groups[0].model.leg.joint_labels, every)
         terms = terms_where_measured(problem, estimator, missing)
         groups = [replace(group, findings=unmeasured_finding(group)) for group in problem.groups]
         problem = _remodelled(replace(problem, groups=tuple(groups), terms=terms), own)
@@ -126,7 +126,7 @@ def gather(
             powers = [one.acceleration_power for one in group.summaries if one.acceleration_power]
             chosen = preparation or ZeroPhase(cutoff_from(powers) if cutoff is None else cutoff)
             refuse_dead_torques(group.model, group.summaries)
-        without = unmeasured_joints(group.model.leg.joint_names, [group.summaries])
+        without = unmeasured_joints(group.model.leg.joint_names, group.summaries)
         share = 1.0 / len(problem.groups)
         groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=share))
         if group.actuators is not None and unknown_constants(group.actuators):

@@ -157,8 +157,14 @@ def identify(
         raise BadArgumentError("alike= is for limbs of one machine, and own= for groups", remedy="pass one of them")
     problem = begin(leg, recordings, terms, chosen, knowledge, own=own, actuators=actuators, delay=delay)
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
-    standing = any(group.stands for group in problem.groups)
-    fit = partial(fit_on_ground, by_noise=by_noise, check=check) if standing else way_to_fit(problem)
+    drives = problem.groups[0].actuators
+    fit: Callable[[Problem, Estimator], Fitted] = fit_linear
+    if any(group.stands for group in problem.groups):
+        fit = partial(fit_on_ground, by_noise=by_noise, check=check)
+    elif drives is not None and unknown_constants(drives):
+        fit = search_constants
+    elif any(term.loaded for term in problem.terms):
+        fit = fit_under_load
     fitted = fit(problem, chosen)
     if delay is not None:
         shifted = without_delays(problem, fitted)
@@ -173,11 +179,3 @@ def identify(
         estimate = result.estimate(0, result.warnings, check=check)
         return share_alike(estimate, alike) if alike else estimate
     return result.grouped(check=check)
-
-
-def way_to_fit(problem: Problem) -> Callable[[Problem, Estimator], Fitted]:
-    """Choose how a model is fitted in the air: at once where it is linear in all parameters, else step by step."""
-    actuators = problem.groups[0].actuators
-    if actuators is not None and unknown_constants(actuators):
-        return search_constants
-    return fit_under_load if any(term.loaded for term in problem.terms) else fit_linear

@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.regression.fit import Fit
-from exoid.regression.least_squares import RFactor, factorize, scaled_lstsq, stack
+from exoid.regression.least_squares import ROUNDING, RFactor, factorize, scaled_lstsq, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import Linearised
 
@@ -18,23 +18,21 @@ from .estimators import Estimator
 from .estimators.by_name import fit_by
 from .problem import Fitted, Problem
 
-PASSES = 6  # passes over the rows at most to settle the parameters
-SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual
-TINY = 1e-9  # residuals below this part of the torque are rounding
-STEPS = 8  # steps at most with the estimator asked for, from the solution of weighted least squares
-STILL = 0.1  # these have converged when nothing moves by more than this part of its standard deviation,
-ROUNDING = 1e-6  # and this part of itself, where there is no noise; or when predictions have settled
+STEPS = 8  # steps at most, of least squares and then of the estimator asked for
+SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual,
+STILL = 0.1  # or when nothing moves by more than this part of its standard deviation,
+ALIKE = 1e-6  # and this part of itself, where there is no noise
 
 
 def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
     """Solve for a linearised model again and again: by weighted least squares, then by the estimator asked for."""
     values, change = _start(given), np.inf
     for _ in range(STEPS):
-        problem = _linearised(given, values)
+        problem = given.changed(model=Linearised.of(given.model, values))
         fit = fit_by(estimator, problem)
         before, values = values, fit.solution.values
         moved = values - before
-        if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
+        if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ALIKE * np.abs(before)).all():
             change = 0.0
             break
         change = _change(problem, fit, moved)
@@ -47,16 +45,12 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
     return Fitted(problem, fit, (settled,), NO_NONLINEAR_PARAMETERS, (*fit.warnings, *unsettled))
 
 
-def _linearised(given: Problem, values: FloatArray) -> Problem:
-    return given.changed(model=Linearised.of(given.model, values))
-
-
 def _start(given: Problem) -> FloatArray:
     """Solve from no load on, with equal weights first and then with those by the residuals of each joint."""
     values, weights = given.prior_knowledge.fixed_values(given.names), None
     for weighted in (False, True):
-        for _ in range(PASSES):
-            problem = _linearised(given, values)
+        for _ in range(STEPS):
+            problem = given.changed(model=Linearised.of(given.model, values))
             problem.refuse_empty_joints()
             values, moved = _solve(given, problem.r_factors, weights, values)
             if moved <= SETTLED:
@@ -64,7 +58,7 @@ def _start(given: Problem) -> FloatArray:
         if not weighted:
             sizes = [t.residual(values) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
             torques = [float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
-            weights = [1.0 / max(size, TINY * max(torques)) for size in sizes]
+            weights = [1.0 / max(size, ROUNDING * max(torques)) for size in sizes]
             values, _ = _solve(given, problem.r_factors, weights, values)
     _refuse_unloaded(given, problem.r_factors)
     return values
@@ -81,7 +75,7 @@ def _solve(
     found = values.copy()
     # shortest where a column says nothing: friction under a load that is not yet known
     found[free] = scaled_lstsq(R[:count, :count], R[:count, -1])
-    left = max(float(np.linalg.norm(R[count:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
+    left = max(float(np.linalg.norm(R[count:, -1])), ROUNDING * float(np.linalg.norm(R[:, -1])))
     moved = R[:count, :count] @ (found - values)[free]
     return found, float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
 
@@ -105,5 +99,5 @@ def _change(problem: Problem, fit: Fit, moved: FloatArray) -> float:
     """How far predictions move with the parameters, as a part of the residual."""
     table = stack(problem.r_factors, fit.weights).R
     left = float(np.linalg.norm(table @ np.append(fit.solution.values, -1.0)))
-    left = max(left, TINY * float(np.linalg.norm(table[:, -1])))
+    left = max(left, ROUNDING * float(np.linalg.norm(table[:, -1])))
     return float(np.linalg.norm(table[:, :-1] @ moved)) / left if left > 0.0 else 0.0

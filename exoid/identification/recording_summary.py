@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -156,9 +156,9 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
                 )
 
 
-def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[RecordingSummary]]) -> tuple[str, ...]:
+def unmeasured_joints(joint_names: Sequence[str], summaries: Sequence[RecordingSummary]) -> tuple[str, ...]:
     """List the joints whose torque is not known in any recording, although that of others is."""
-    measured = [one.torques.measured for summaries in groups for one in summaries if one.torques is not None]
+    measured = [one.torques.measured for one in summaries if one.torques is not None]
     if not measured:
         return ()
     return tuple(name for name, there in zip(joint_names, np.any(measured, axis=0), strict=True) if not there)

@@ -69,7 +69,7 @@ def _coupled_where_measured(term: CoordinateTerm, leg: Leg, unmeasured: Sequence
 def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
     """Say which joints of a group have no torque."""
     summaries, names = group.summaries, group.model.leg.joint_names
-    nowhere, found = unmeasured_joints(names, [summaries]), list(group.findings)
+    nowhere, found = unmeasured_joints(names, summaries), list(group.findings)
     for place, joint in enumerate(names):
         torques = [one.torques for one in summaries if one.torques is not None]
         without = sum(not of_one.measured[place] for of_one in torques)

@@ -9,8 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 
 from .model import TorqueModel
-from .motion import LoadedMotion
-from .term import TermBlock
+from .motion import BLOCK, LoadedMotion, Motion
+from .term import TermBlock, load_motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,19 +29,21 @@ class Linearised(TorqueModel):
         rigid = point[: len(model.leg.parameter_names)]
         return cls(model.leg, model.terms, rigid, model.regrouped, point=point)
 
-    @property
-    def _known_columns(self) -> int:
-        return 1
-
-    def _fill_terms(self, motion: LoadedMotion, out: FloatArray) -> None:
-        """Write the columns ∂τ/∂β, and the rest of the torque."""
-        super()._fill_terms(motion, out)
-        by_load = np.zeros_like(motion.load)
-        for block in self.blocks:
-            if block.term.loaded:
-                by_load[block.joints[0]] += self._slope_by_load(block, motion)
-        out[-1] -= by_load * (motion.load - motion.payload)
-        out[: len(self.leg.parameter_names)] *= 1.0 + by_load
+    def columns(self, motion: Motion) -> FloatArray:
+        """Form the columns ∂τ/∂β for a motion, or for some rows of one, and the rest of the torque."""
+        plain, rigid = super().columns(motion), len(self.leg.parameter_names)
+        out = np.concatenate([plain, np.zeros_like(plain[:1])])
+        for start in range(0, len(motion.q), BLOCK):
+            rows = slice(start, start + BLOCK)
+            part, of_rows = out[:, self.leg.base_rows :, rows], motion.rows(rows)
+            loaded = load_motion(self.blocks, of_rows, part, self.point[:rigid])
+            by_load = np.zeros_like(loaded.load)
+            for block in self.blocks:
+                if block.term.loaded:
+                    by_load[block.joints[0]] += self._slope_by_load(block, loaded)
+            part[-1] -= by_load * (loaded.load - loaded.payload)
+            part[:rigid] *= 1.0 + by_load
+        return out
 
     def _slope_by_load(self, block: TermBlock, motion: LoadedMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""

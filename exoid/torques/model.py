@@ -273,13 +273,13 @@ class TorqueModel:
         """
         q, v, a, torso, *_ = motion
         count, base_rows = len(self.leg.parameter_names), self.leg.base_rows
-        out = np.zeros((len(self.names) + self._known_columns, base_rows + q.shape[1], len(q)))
+        out = np.zeros((len(self.names), base_rows + q.shape[1], len(q)))
         self.leg.fill_regressor(q, v, a, out[:count], torso)
         rigid = self.leg.parameters if self.rigid is None else self.rigid
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
             part = out[:, base_rows:, rows]
-            self._fill_terms(load_motion(self.blocks, motion.rows(rows), part, rigid), part)
+            fill_terms(self.blocks, load_motion(self.blocks, motion.rows(rows), part, rigid), part[count:], self.names)
         return out
 
     def friction_torque(self, motion: Motion, values: FloatArray) -> FloatArray:
@@ -419,15 +419,6 @@ class TorqueModel:
         for regrouped in self.regrouped:
             del units[regrouped.name]
         return units
-
-    @property
-    def _known_columns(self) -> int:
-        """Number of columns beyond those of the parameters."""
-        return 0
-
-    def _fill_terms(self, motion: LoadedMotion, out: FloatArray) -> None:
-        """Write the terms' columns below those of the rigid bodies, (P or more, n, N)."""
-        fill_terms(self.blocks, motion, out[len(self.leg.parameter_names) :], self.names)
 
 
 def _of_joints(v: FloatArray, joints: tuple[int, ...]) -> FloatArray:

@@ -19,7 +19,7 @@ from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
-from exoid.torques import Term, TorqueModel
+from exoid.torques import TorqueModel
 from exoid.torques.terms import DryFriction
 
 from .motion_fit import MotionFit, fit_motion
@@ -130,13 +130,11 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
 
 def smooth(model: TorqueModel) -> TorqueModel:
     """The same model with friction that can be differentiated."""
-    return TorqueModel(model.leg, tuple(_smooth(term) for term in model.terms), separate=model.separate)
-
-
-def _smooth(term: Term) -> Term:
-    if isinstance(term, DryFriction):
-        return replace(term, smoothing=term.smoothing or SHARP, dead_band=0.0)
-    return term
+    terms = (
+        replace(term, smoothing=term.smoothing or SHARP, dead_band=0.0) if isinstance(term, DryFriction) else term
+        for term in model.terms
+    )
+    return TorqueModel(model.leg, tuple(terms), separate=model.separate)
 
 
 def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) -> Moving:

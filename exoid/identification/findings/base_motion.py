@@ -18,8 +18,6 @@ from exoid.signals.moving_base import base_during
 
 from .sample import FittedLeg
 
-GRAVITY = 9.81  # [m/s²]
-
 
 def out_of_plane_torque(
     leg: Leg, q: FloatArray, v: FloatArray, a: FloatArray, base: BaseKinematics
@@ -68,17 +66,18 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
     """Compare the mean vertical specific force of each base with gravity."""
     # A base that does not fly away has no mean acceleration: the mean of f · u over a recording is g, with u
     # the vertical in its axes. A bias along it scales all gravity torques, which no residual shows.
+    gravity = float(np.linalg.norm(fitted.model.leg.model.gravity.linear))
     for one in fitted.data:
         if not isinstance(one, Recording) or one.base is None or one.base.pose is not None or one.contacts:
             continue
         size = _mean_vertical_force(one.base, one.sample_rate)
-        error = size - GRAVITY
+        error = size - gravity
         # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
         if abs(error) <= 0.05 + 1.0 / one.duration:
             continue
         message = (
-            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {GRAVITY}: "
-            f"it is off, which changes mass moments by {100.0 * error / GRAVITY:.2g} %"
+            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {gravity:g}: "
+            f"it is off, which changes mass moments by {100.0 * error / gravity:.2g} %"
         )
         remedy = (
             "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "

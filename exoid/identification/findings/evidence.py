@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.evidence import MotionRanges
-from exoid.regression.least_squares import scaled_pinv
+from exoid.regression.least_squares import TINY, scaled_pinv
 from exoid.regression.row_data import Rows
-
-TINY = 1e-300  # smallest variance to divide by
 
 
 class Evidence(NamedTuple):

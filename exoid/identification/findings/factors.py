@@ -65,17 +65,11 @@ def fit_torques(
     for _ in range(3):  # weights of the joints and residuals in turn
         A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
         b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
-        x = _bounded(A, b, lower)
+        x = scaled_lstsq(A, b)
+        if (x < lower).any():
+            scale = column_scale(A)
+            R = r_factor(np.column_stack([A / scale, b]))
+            x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x / scale
         left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
         weights = 1.0 / np.maximum(left, 1e-6 * level)
     return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level))), x
-
-
-def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
-    """Least squares with some values not below zero, columns scaled to unit length."""
-    x = scaled_lstsq(A, b)
-    if (x < lower).any():
-        scale = column_scale(A)
-        R = r_factor(np.column_stack([A / scale, b]))
-        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x / scale
-    return np.asarray(x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
@@ -62,13 +62,12 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
             yield turned._replace(message=f"the angle of {joint} has the wrong sign, or its axis in the URDF has")
             text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
             yield turned._replace(message=text, torques=only(j, -1.0))
-    near = {*_pairs_of(n)}
     for i, k in combinations(range(n), 2):
         swapped = tuple(k if j == i else i if j == k else j for j in range(n))
         both, remedy = f"{names[i]} and {names[k]}", "map the columns by name (columns=, --column NAME=HEADER)"
         swap = plain._replace(kind="joint-order", joint=f"{names[i]}, {names[k]}", remedy=remedy)
         yield swap._replace(message=f"the torques of {both} are swapped", torque_order=swapped)
-        if (i, k) not in near:  # other angles need all rows anew
+        if n > 4 and k > i + 1:  # other angles need all rows anew: of many joints, only neighbours
             continue
         yield swap._replace(message=f"the angles of {both} are swapped", angle_order=swapped)
         yield swap._replace(message=f"{both} are swapped", angle_order=swapped, torque_order=swapped)
@@ -77,11 +76,6 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
     yield degrees._replace(message="all angles are degrees", angles=(unit,) * n)
     for j, joint in enumerate(names if n > 1 else ()):
         yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only(j, unit))
-
-
-def _pairs_of(joints: int) -> Iterable[tuple[int, int]]:
-    """Pairs of joints that may be confused: beyond four joints only neighbours."""
-    return combinations(range(joints), 2) if joints <= 4 else ((j, j + 1) for j in range(joints - 1))
 
 
 def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:

@@ -18,10 +18,10 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.least_squares import RANK, scaled_inverse, scaled_pinv
+from exoid.regression.least_squares import RANK, TINY, scaled_inverse, scaled_pinv
 from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 
-from .evidence import TINY, Evidence, r_factor
+from .evidence import Evidence, r_factor
 from .kinds import Nuisance
 
 WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05

@@ -11,11 +11,11 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
-from exoid.regression.least_squares import scaled_inverse
+from exoid.regression.least_squares import TINY, scaled_inverse
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 
-from .evidence import TINY, Evidence
+from .evidence import Evidence
 from .kinds import KINDS, Nuisance, library
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, WORTH_A_LOOK, Score, State, in_half_widths, p_value_of

@@ -11,11 +11,11 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import TINY
 
 from .design import Design
 
 RIDGE = 1e-10  # added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent
-TINY = 1e-300
 
 Active = Sequence[NDArray[np.intp]]
 """Indices of the friction columns of each joint that are fitted."""

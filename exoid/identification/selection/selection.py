@@ -180,7 +180,7 @@ def select_terms(
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)
     refuse_dead_torques(model, summaries)
-    if missing := unmeasured_joints(leg.joint_labels, [summaries]):
+    if missing := unmeasured_joints(leg.joint_labels, summaries):
         raise NotIdentifiableError(
             f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured",
             remedy="lock these joints in the leg",
