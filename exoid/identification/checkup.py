@@ -67,9 +67,7 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     remedy = "leave cutoff and preparation out, so that the noise chooses, or use the estimator ml"
     severity: Severity = "error" if most > 2.0 else "warning"
     finding = Finding("noisy-angles", "", most, "1", severity, message, remedy, parameters=names)
-    first, *others = problem.groups
-    first = replace(first, findings=(*first.findings, finding))
-    return fitted._replace(problem=replace(problem, groups=(first, *others)))
+    return fitted._replace(findings=(*fitted.findings, finding))
 
 
 def _noisier(problem: Problem, sign: float) -> Problem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -52,7 +51,8 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted)
     if found is None:
-        return _suspended(_with_findings(fitted, contact_offsets(fitted) if check else ()), estimator)
+        fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
+        return _suspended(fitted, estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), found) or found
@@ -60,14 +60,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     slopes = footing.found.slopes
     doubt = slopes @ footing.found.spread @ slopes.T
     findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
-    return _with_findings(fitted, findings)._replace(doubt=doubt)
-
-
-def _with_findings(fitted: Fitted, findings: Iterable[Finding]) -> Fitted:
-    """Add findings to those of the first group."""
-    first, *others = fitted.problem.groups
-    first = replace(first, findings=(*first.findings, *findings))
-    return fitted._replace(problem=replace(fitted.problem, groups=(first, *others)))
+    return fitted._replace(findings=findings, doubt=doubt)
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -102,7 +95,7 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     )
     remedy, names = "weigh the machine (known=), or let a foot push on the ground", (problem.names[most],)
     finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
-    return _with_findings(fitted, [finding])._replace(doubt=np.outer(moved, moved))
+    return fitted._replace(findings=(*fitted.findings, finding), doubt=np.outer(moved, moved))
 
 
 def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, NotSupportedError, within
+from exoid.estimate.finding import Finding
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, solve, stack
@@ -180,9 +181,9 @@ class Fitted(NamedTuple):
     models: tuple[TorqueModel, ...]  # torque model of each group, loaded by the fitted rigid bodies
     nonlinear: NonlinearParameters  # constants of drives that were found, without covariance
     warnings: tuple[str, ...]  # warnings for the reader
-    doubt: FloatArray | None = (
-        None  # covariance that errors of numbers beside the parameters add, (P, P); None for none
-    )
+    # covariance that errors of numbers beside the parameters add, (P, P); None for none
+    doubt: FloatArray | None = None
+    findings: tuple[Finding, ...] = ()  # what the fit shows, beside the findings of each group
 
     def values(self, group: int) -> FloatArray:
         """Parameters of one group's model, (P,)."""

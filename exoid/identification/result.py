@@ -136,6 +136,7 @@ class Result:
         if check and not standing:
             checkup, error = check_group(self.fitted, first, covariance, residual_rms, noise or ())
         on_ground = torque_findings(self.fitted, parts) if check and standing else ()
+        of_fit = self.fitted.findings if first == 0 else ()  # said once
         assert rows.preparation is not None
         estimate = Estimate(
             model=model,
@@ -152,7 +153,7 @@ class Result:
             warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance)))),
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            findings=ordered((*rows.findings, *on_ground, *checkup.findings)),
+            findings=ordered((*rows.findings, *of_fit, *on_ground, *checkup.findings)),
             model_error=error,
             torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
