@@ -42,11 +42,11 @@ def bleex_report(replay: BleexReplay) -> ReplayReport:
     """
     sides = {"Left": replay.left, "Right": replay.right}
     figures = {
-        "doc1_fig3_static_friction": ("Fig. 3: torque that holds the ankle, reached from below and from above", 0.7),
-        "doc1_fig4_stiffness": ("Fig. 4: ankle torque over ankle angle where gravity is the same", 0.7),
-        "doc1_fig5_inertia": ("Fig. 5: ankle torque in proportion to the knee's acceleration", 0.7),
-        "doc1_fig6_kinetic_friction": ("Fig. 6: ankle friction over velocity", 0.7),
-        "doc1_fig7_validation": ("Fig. 7: measured and predicted torque of the validation motion", 1.4),
+        "doc1_fig3_static_friction": ("Fig. 3, left leg: torque that holds the ankle, reached from below and from above", 0.7),
+        "doc1_fig4_stiffness": ("Fig. 4, left leg: ankle torque over ankle angle where gravity is the same", 0.7),
+        "doc1_fig5_inertia": ("Fig. 5, left leg: ankle torque in proportion to the knee's acceleration", 0.7),
+        "doc1_fig6_kinetic_friction": ("Fig. 6, left leg: ankle friction over velocity", 0.7),
+        "doc1_fig7_validation": ("Fig. 7, left leg: measured and predicted torque of the validation motion", 1.4),
     }
     draw = (_draw_static_friction, _draw_stiffness, _draw_inertia, _draw_kinetic_friction, _draw_validation)
     return ReplayReport(
@@ -145,7 +145,7 @@ def _draw_inertia(figure: Figure, side: SideReplay) -> None:
     time = recording.time[valid] - recording.time[valid][0]
     shown = time < 0.5 * SHOWN
     measured = np.asarray(recording.tau)[valid, ANKLE] - still
-    fitted = [("fitted", inertial[shown, np.newaxis], PREDICTED)]
+    fitted = [("document's estimate", inertial[shown, np.newaxis], PREDICTED)]
     plot_torques([figure.add_subplot()], time[shown], measured[shown, np.newaxis], fitted, ["inertial ankle"])
 
 
@@ -165,7 +165,7 @@ def _draw_validation(figure: Figure, side: SideReplay) -> None:
     shown = rows.time - rows.time[0] < SHOWN
     predictions = [
         (name, predicted_torque(model, values, rows)[shown], colour)
-        for name, values, colour in (("CAD", side.cad, CAD), ("identified", by_name(side.joint), IDENTIFIED))
+        for name, values, colour in (("CAD", side.cad, CAD), ("joint estimate", by_name(side.joint), IDENTIFIED))
     ]
     axes = figure.subplots(3, 1, sharex=True)
     plot_torques(axes, rows.time[shown] - rows.time[0], rows.tau[shown], predictions, JOINTS)
