@@ -42,7 +42,10 @@ def bleex_report(replay: BleexReplay) -> ReplayReport:
     """
     sides = {"Left": replay.left, "Right": replay.right}
     figures = {
-        "doc1_fig3_static_friction": ("Fig. 3, left leg: torque that holds the ankle, reached from below and from above", 0.7),
+        "doc1_fig3_static_friction": (
+            "Fig. 3, left leg: torque that holds the ankle, reached from below and from above",
+            0.7,
+        ),
         "doc1_fig4_stiffness": ("Fig. 4, left leg: ankle torque over ankle angle where gravity is the same", 0.7),
         "doc1_fig5_inertia": ("Fig. 5, left leg: ankle torque in proportion to the knee's acceleration", 0.7),
         "doc1_fig6_kinetic_friction": ("Fig. 6, left leg: ankle friction over velocity", 0.7),
