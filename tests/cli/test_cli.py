@@ -9,11 +9,9 @@ import sys
 import numpy as np
 import pytest
 from html_pages import undrawn
-from typer.testing import CliRunner
 
 import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
-from exoid.cli import app
 from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
@@ -39,12 +37,8 @@ def assert_refused(run, *words):
 # ------------------------------------------------------------------------------------------- identify
 
 
-def test_identify_prints_the_estimate(exoid_, estimate):
-    assert exoid_("identify", "bleex", TRAIN) == (0, f"{estimate}\n", "")
-
-
-def test_identify_writes_the_estimate(exoid_, estimate, tmp_path):
-    assert exoid_("identify", "bleex", TRAIN, "-o", "leg.json").code == 0
+def test_identify_prints_and_writes_the_estimate(exoid_, estimate, tmp_path):
+    assert exoid_("identify", "bleex", TRAIN, "-o", "leg.json") == (0, f"{estimate}\n", "")
     loaded = Estimate.load(tmp_path / "leg.json")
     assert (loaded.values == estimate.values).all()
     assert (loaded.covariance == estimate.covariance).all()
@@ -58,49 +52,39 @@ def test_json_is_all_there_is_on_standard_output_and_equals_the_api(exoid_, esti
     assert json.loads(run.out) == expected
 
 
-def test_several_logs_are_one_estimate(exoid_, data):
-    run = exoid_("identify", "bleex", TRAIN, TEST, "--json")
-    expected = exoid.identify(data.leg, [data.train, data.test])
-    assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("text", "terms"),
+    ("words", "settings"),
     [
-        ("none", ()),
-        ("coulomb", (Coulomb(),)),
-        ("stiffness,coulomb", (Stiffness(), Coulomb())),
-        (" stiffness , coulomb", (Stiffness(), Coulomb())),
+        ("--terms none", {"terms": ()}),
+        ("--terms coulomb", {"terms": (Coulomb(),)}),
+        ("--terms stiffness,coulomb", {"terms": (Stiffness(), Coulomb())}),
+        ("--estimator ols --cutoff 5", {"estimator": "ols", "cutoff": 5.0}),
+        (TEST, {}),
     ],
 )
-def test_terms_are_named_by_commas(exoid_, data, text, terms):
-    run = exoid_("identify", "bleex", TRAIN, "--terms", text, "--json")
-    assert list(json.loads(run.out)["values"]) == list(exoid.identify(data.leg, data.train, terms).names)
+def test_options_and_several_logs_are_passed_on(exoid_, data, words, settings):
+    run = exoid_("identify", "bleex", TRAIN, *words.split(), "--no-check", "--json")
+    logs = [data.train, data.test] if words == TEST else data.train
+    expected = exoid.identify(data.leg, logs, check=False, **settings)
+    assert json.loads(run.out)["values"] == dict(zip(expected.names, expected.values.tolist(), strict=True))
 
 
-def test_estimator_and_cutoff_are_passed_on(exoid_, data):
-    run = exoid_("identify", "bleex", TRAIN, "--estimator", "ols", "--cutoff", "5", "--json")
-    expected = exoid.identify(data.leg, data.train, estimator="ols", cutoff=5.0)
-    found = json.loads(run.out)
-    assert list(found["values"].values()) == expected.values.tolist()
-    assert (found["estimator"], found["preparation"]["cutoff"]) == ("ols", 5.0)
+RIGHT_LEG, PLAIN = ("right_hip", "right_knee", "right_ankle"), ("hip", "knee", "ankle")
 
 
-def test_the_side_is_that_of_the_log(exoid_, data, tmp_path):
-    right = exoid.load_leg("bleex", "right").joint_names
-    for names, side in ((right, "right"), (data.leg.joint_names, "left"), (("hip", "knee", "ankle"), "left")):
-        q, tau = data.train.q, data.train.tau
-        write(tmp_path / "log.csv", Recording(data.train.time, q, tau=tau, joint_names=names))
-        joints = json.loads(exoid_("identify", "bleex", "log.csv", "--json").out)["leg"]["joints"]
-        assert joints == [f"{side}_hip", f"{side}_knee", f"{side}_ankle"]
-
-
-def test_labels_without_a_side_take_the_side_that_is_asked_for(exoid_, data, tmp_path):
-    plain = Recording(data.train.time, data.train.q, tau=data.train.tau, joint_names=("hip", "knee", "ankle"))
-    write(tmp_path / "log.csv", plain)
-    run = exoid_("identify", "bleex", "log.csv", "--side", "right", "--inertias", "identified", "--json")
-    assert json.loads(run.out)["leg"]["joints"] == ["right_hip", "right_knee", "right_ankle"]
+@pytest.mark.parametrize(
+    ("names", "options", "side"),
+    [
+        (RIGHT_LEG, (), "right"),
+        (("left_hip", "left_knee", "left_ankle"), (), "left"),
+        (PLAIN, (), "left"),
+        (PLAIN, ("--side", "right", "--inertias", "identified"), "right"),
+    ],
+)
+def test_the_side_is_that_of_the_log_or_the_one_that_is_asked_for(exoid_, data, tmp_path, names, options, side):
+    write(tmp_path / "log.csv", Recording(data.train.time, data.train.q, tau=data.train.tau, joint_names=names))
+    run = exoid_("identify", "bleex", "log.csv", *options, "--no-check", "--json")
+    assert json.loads(run.out)["leg"]["joints"] == [f"{side}_{joint}" for joint in PLAIN]
 
 
 def test_a_log_of_both_sides_must_say_which(exoid_, data, tmp_path):
@@ -108,20 +92,20 @@ def test_a_log_of_both_sides_must_say_which(exoid_, data, tmp_path):
     q, tau = np.hstack([data.train.q] * 2), np.hstack([data.train.tau] * 2)
     write(tmp_path / "log.csv", Recording(data.train.time, q, tau=tau, joint_names=both))
     assert_refused(exoid_("identify", "bleex", "log.csv"), "both sides", "--side left")
-    assert exoid_("identify", "bleex", "log.csv", "--side", "right").code == 0
+    assert exoid_("identify", "bleex", "log.csv", "--side", "right", "--no-check").code == 0
 
 
 def test_degrees_are_converted(exoid_, data, estimate, tmp_path):
     time, q, tau, names = data.train.time, np.rad2deg(data.train.q), data.train.tau, data.train.joint_names
     write(tmp_path / "log.csv", Recording(time, q, tau=tau, joint_names=names, largest_angle=np.inf))
     assert_refused(exoid_("identify", "bleex", "log.csv"), "log.csv", "looks like degrees")
-    run = exoid_("identify", "bleex", "log.csv", "--degrees", "--json")
+    run = exoid_("identify", "bleex", "log.csv", "--degrees", "--no-check", "--json")
     np.testing.assert_allclose(list(json.loads(run.out)["values"].values()), estimate.values, rtol=1e-9)
 
 
 def test_start_and_stop_cut_the_log(exoid_, data):
-    run = exoid_("identify", "bleex", TRAIN, "--start", "5", "--stop", "25", "--json")
-    expected = exoid.identify(data.leg, data.train.between(5.0, 25.0))
+    run = exoid_("identify", "bleex", TRAIN, "--start", "5", "--stop", "25", "--no-check", "--json")
+    expected = exoid.identify(data.leg, data.train.between(5.0, 25.0), check=False)
     assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
     assert json.loads(run.out)["inputs"][0]["samples"] == 2000
 
@@ -130,10 +114,10 @@ def test_a_urdf_and_a_log_of_some_of_its_joints(exoid_, data, tmp_path):
     """The joints that move are those in the log, from the base outwards, whatever their order in the file."""
     (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "bleex.urdf").read_bytes())
     write(tmp_path / "log.csv", data.train.select(("left_knee", "left_hip")))
-    logged = json.loads(exoid_("identify", "my.urdf", "log.csv", "--json").out)["leg"]
+    logged = json.loads(exoid_("identify", "my.urdf", "log.csv", "--no-check", "--json").out)["leg"]
     assert logged["joints"] == ["left_hip", "left_knee"]
-    chosen = json.loads(exoid_("identify", "my.urdf", TRAIN, "--joints", "left_hip, left_ankle", "--json").out)["leg"]
-    assert chosen["joints"] == ["left_hip", "left_ankle"]
+    run = exoid_("identify", "my.urdf", TRAIN, "--joints", "left_hip, left_ankle", "--no-check", "--json")
+    assert json.loads(run.out)["leg"]["joints"] == ["left_hip", "left_ankle"]
 
 
 def test_links_that_do_not_move_need_no_inertia(exoid_, data, tmp_path):
@@ -142,7 +126,7 @@ def test_links_that_do_not_move_need_no_inertia(exoid_, data, tmp_path):
     tail = '<link name="tail"/><joint name="wag" type="continuous"><parent link="torso"/><child link="tail"/>'
     axis = '<axis xyz="0 0 1"/></joint></robot>'
     (tmp_path / "my.urdf").write_text(text.replace("</robot>", tail + axis), encoding="utf-8")
-    assert exoid_("identify", "my.urdf", TRAIN).code == 0
+    assert exoid_("identify", "my.urdf", TRAIN, "--no-check").code == 0
 
 
 def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
@@ -153,10 +137,11 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
 
 
-def test_identify_reads_held_out_logs_as_the_others(exoid_, estimate, data):
-    run = exoid_("identify", "bleex", TRAIN, "--test", TRAIN, "--start", "5", "--stop", "25", "--json")
+def test_identify_reads_held_out_logs_as_the_others(exoid_, data):
+    run = exoid_("identify", "bleex", TRAIN, "--test", TRAIN, "--start", "5", "--stop", "25", "--no-check", "--json")
     part = data.train.between(5.0, 25.0)
-    assert json.loads(run.out)["tests"] == [exoid.validate(exoid.identify(data.leg, part), part).to_json()]
+    expected = exoid.validate(exoid.identify(data.leg, part, check=False), part)
+    assert json.loads(run.out)["tests"] == [expected.to_json()]
 
 
 @pytest.mark.slow
@@ -169,15 +154,17 @@ def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
     assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page
 
 
-@pytest.mark.parametrize("report", ["missing/report.html", "."])
-def test_identify_refuses_a_report_that_cannot_be_written_before_it_works(exoid_, report, monkeypatch):
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (("--report", "missing/report.html"), "cannot be written"),
+        (("--report", "."), "cannot be written"),
+        (("--test", "absent.csv"), "absent.csv"),
+    ],
+)
+def test_identify_refuses_files_before_it_works(exoid_, monkeypatch, option, said):
     monkeypatch.setattr("exoid.identification.identify", lambda *_, **__: pytest.fail("it worked in vain"))
-    assert_refused(exoid_("identify", "bleex", TRAIN, "--report", report), "cannot be written")
-
-
-def test_identify_refuses_a_held_out_log_before_it_works(exoid_, monkeypatch):
-    monkeypatch.setattr("exoid.identification.identify", lambda *_, **__: pytest.fail("it worked in vain"))
-    assert_refused(exoid_("identify", "bleex", TRAIN, "--test", "absent.csv"), "absent.csv")
+    assert_refused(exoid_("identify", "bleex", TRAIN, *option), said)
 
 
 # ------------------------------------------------------------------------------------------- validate
@@ -189,14 +176,10 @@ def saved(tmp_path, estimate):
     return "leg.json"
 
 
-def test_validate_prints_the_validation(exoid_, estimate, data, saved):
-    assert exoid_("validate", saved, TEST) == (0, f"{exoid.validate(estimate, data.test)}\n", "")
-
-
-def test_validate_as_json_equals_the_api(exoid_, estimate, data, saved):
-    run = exoid_("validate", saved, TEST, "--json")
-    assert (run.code, run.err) == (0, "")
-    assert json.loads(run.out) == exoid.validate(estimate, data.test).to_json()
+def test_validate_prints_the_validation_or_json(exoid_, estimate, data, saved):
+    expected = exoid.validate(estimate, data.test)
+    assert exoid_("validate", saved, TEST) == (0, f"{expected}\n", "")
+    assert json.loads(exoid_("validate", saved, TEST, "--json").out) == expected.to_json()
 
 
 def test_validate_reads_logs_as_identify_does(exoid_, estimate, data, saved, tmp_path):
@@ -230,34 +213,23 @@ def test_the_real_recording_from_end_to_end(exoid_):
     assert elbow <= 0.149
 
 
-# ------------------------------------------------------------------------------------------- bad input
-
 # ------------------------------------------------------------------------------------------- usage
 
 
-def test_version():
-    result = CliRunner().invoke(app, ["--version"])
-    assert (result.exit_code, result.output) == (0, f"exoid {exoid.__version__}\n")
+def test_version(exoid_):
+    assert exoid_("--version") == (0, f"exoid {exoid.__version__}\n", "")
 
 
 # ------------------------------------------------------------------------------------------- as a process
 
 
-def command(*arguments, folder):
-    return subprocess.run(
-        [sys.executable, "-c", "from exoid.cli import main; main()", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        check=False,
-        timeout=120,
-    )
-
-
 @pytest.mark.slow
 def test_a_process_writes_json_to_its_output_and_nothing_else(tmp_path):
-    done = command("identify", "bleex", TRAIN, "-o", "leg.json", "--json", folder=tmp_path)
+    program = "from exoid.cli import main; main()"
+    words = ["identify", "bleex", TRAIN, "-o", "leg.json", "--no-check", "--json"]
+    done = subprocess.run(
+        [sys.executable, "-c", program, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["values"]["X1"] == pytest.approx(3.986, abs=0.01)
     assert [path.name for path in tmp_path.iterdir()] == ["leg.json"]

@@ -101,9 +101,3 @@ def test_an_option_of_several_verbs_takes_the_same_kind_of_value_in_each():
             if each.param_type_name == "option" and each.metavar is not None:
                 kinds.setdefault(each.opts[0], {}).setdefault(each.metavar, []).append(name)
     assert {option: found for option, found in kinds.items() if len(found) > 1 and option != "--output"} == {}
-
-
-@pytest.mark.parametrize("name", VERBS)
-def test_help_shows_at_most_25_options(name):
-    shown = [each for each in load_verb(name).params if each.param_type_name == "option" and not each.hidden]
-    assert len(shown) + 1 <= 25, "with --help"

@@ -65,16 +65,6 @@ def test_the_help_lists_every_verb_in_order():
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_a_verbs_help_has_its_own_arguments_and_options(name):
-    result = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "200"})
-    assert result.exit_code == 0
-    assert f"Usage: exoid {name} " in result.output
-    for parameter in (each for each in load_verb(name).params if not each.hidden):
-        shown = parameter.opts[0] if parameter.param_type_name == "option" else parameter.metavar or parameter.name
-        assert shown in result.output
-
-
-@pytest.mark.parametrize("name", VERBS)
 def test_help_at_60_columns_cuts_no_word_and_keeps_units(name):
     wide, narrow = (
         CliRunner().invoke(app, [name, "-h"], terminal_width=width, max_content_width=width).output
