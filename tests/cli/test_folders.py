@@ -21,23 +21,23 @@ def folder(tmp_path):
 
 
 def test_a_folder_stands_for_its_logs(exoid_, folder):
-    code, out, _ = exoid_("identify", "bleex", "logs", "--json")
+    code, out, _ = exoid_("identify", "bleex", "logs", "--no-check", "--json")
     assert code == 0
     assert [one["name"] for one in json.loads(out)["inputs"]] == ["part.1.csv", "part.2.csv", "part.10.csv"]
     files = [folder / f"part.{number}.csv" for number in (1, 2, 10)]
-    _, alone, _ = exoid_("identify", "bleex", *files, "--json")
+    _, alone, _ = exoid_("identify", "bleex", *files, "--no-check", "--json")
     assert json.loads(out)["values"] == json.loads(alone)["values"]
 
 
 def test_options_hold_for_logs_in_a_folder_too(exoid_, folder):
-    _, whole, _ = exoid_("identify", "bleex", "logs", "--json")
-    code, part, _ = exoid_("identify", "bleex", "logs", "--start", "6.2", "--json")
+    _, whole, _ = exoid_("identify", "bleex", "logs", "--no-check", "--json")
+    code, part, _ = exoid_("identify", "bleex", "logs", "--no-check", "--start", "6.2", "--json")
     assert code == 0
     assert json.loads(part)["inputs"][0]["samples"] < json.loads(whole)["inputs"][0]["samples"]
 
 
 def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
-    code, out, _ = exoid_("identify", "bleex", "logs", "--own", "offset")
+    code, out, _ = exoid_("identify", "bleex", "logs", "--no-check", "--own", "offset")
     assert code == 0
     assert "offset_hip[part.10]" in out
 
@@ -45,6 +45,6 @@ def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
 @pytest.mark.slow
 def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
     with undrawn():
-        code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")
+        code, _, _ = exoid_("identify", "bleex", "logs", "--no-check", "--report", "page.html")
     assert code == 0
     assert "part.10.csv" in (tmp_path / "page.html").read_text(encoding="utf-8")

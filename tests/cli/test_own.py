@@ -10,6 +10,7 @@ import pytest
 import exoid
 from exoid import Estimate, Recording
 
+IDENTIFY = ("identify", "bleex", "--no-check")
 ZERO = (2.0, -1.0, 0.5)
 """By which torque sensors differ between the two logs [N·m]."""
 
@@ -26,9 +27,9 @@ def logs(tmp_path):
 
 
 def test_each_log_has_its_own_and_the_table_says_so(exoid_, logs):
-    code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset", "-o", "leg.json")
+    code, out, err = exoid_(*IDENTIFY, *logs, "--own", "offset", "-o", "leg.json")
     together = exoid.identify(
-        exoid.load_leg("bleex"), {log[:-4]: Recording.from_csv(log) for log in logs}, own="offset"
+        exoid.load_leg("bleex"), {log[:-4]: Recording.from_csv(log) for log in logs}, own="offset", check=False
     )
     assert (code, out, err) == (0, f"{together}\n", "")
     for log in ("monday", "tuesday"):
@@ -40,12 +41,15 @@ def test_each_log_has_its_own_and_the_table_says_so(exoid_, logs):
 
 
 def test_json_equals_the_api(exoid_, logs):
-    code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset,c0_hip", "--terms", "coulomb,offset", "--json")
+    code, out, err = exoid_(
+        "identify", "bleex", "--no-check", *logs, "--own", "offset,c0_hip", "--terms", "coulomb,offset", "--json"
+    )
     together = exoid.identify(
         exoid.load_leg("bleex"),
         {log[:-4]: Recording.from_csv(log) for log in logs},
         (exoid.Coulomb(), exoid.Offset()),
         own=("offset", "c0_hip"),
+        check=False,
     )
     expected = json.loads(json.dumps(together.to_json(), allow_nan=False))
     for estimate in expected["groups"].values():
@@ -57,7 +61,9 @@ def test_json_equals_the_api(exoid_, logs):
 def test_left_and_right_logs_find_their_legs(exoid_, logs, tmp_path):
     text = (tmp_path / "tuesday.csv").read_text(encoding="utf-8")
     (tmp_path / "right.csv").write_text(text.replace("left_", "right_"), encoding="utf-8")
-    code, _, _ = exoid_("identify", "bleex", "monday.csv", "right.csv", "--own", "c0,d,offset", "-o", "leg.json")
+    code, _, _ = exoid_(
+        "identify", "bleex", "--no-check", "monday.csv", "right.csv", "--own", "c0,d,offset", "-o", "leg.json"
+    )
     assert code == 0
     assert Estimate.load("leg-right.json").joint_names == ("right_hip", "right_knee", "right_ankle")
     assert Estimate.load("leg-monday.json").joint_names == ("left_hip", "left_knee", "left_ankle")
@@ -68,7 +74,9 @@ def test_logs_of_one_name_in_several_folders_are_told_apart(exoid_, logs, tmp_pa
         folder = tmp_path / log[:-4]
         folder.mkdir()
         (tmp_path / log).rename(folder / "log.csv")
-    code, out, _ = exoid_("identify", "bleex", "monday/log.csv", "tuesday/log.csv", "--own", "offset", "-o", "e.json")
+    code, out, _ = exoid_(
+        "identify", "bleex", "--no-check", "monday/log.csv", "tuesday/log.csv", "--own", "offset", "-o", "e.json"
+    )
     assert code == 0
     assert "offset_hip[monday/log.csv]" in out
     assert Estimate.load("e-tuesday-log.csv.json").value("offset_hip") > 1.0
