@@ -22,7 +22,6 @@ from .options import (
     LogNames,
     LogOptions,
     Number,
-    Text,
 )
 from .outputs import check_outputs, print_result
 from .progress import progress_bar
@@ -33,7 +32,6 @@ def select(
     leg: LegName,
     logs: LogNames,
     output: EstimateOutput = None,
-    test: Annotated[Text, Option(metavar="LOG", help="Validate the selected model, once, on another log.")] = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[Number, Option(metavar="HZ", help="Low-pass of both torques; 8, or less by noise.")] = None,
     choice: LegOptions = ANY_LEG,
@@ -45,23 +43,16 @@ def select(
     Example: exoid select bleex bleex_swing:train -o est.json
     """
     refuse_unknown_leg(leg)
-    check_outputs({"--output": output}, [leg, *logs, test])
-    tests = [] if test is None else [test]
-    recordings = read_logs(logs, reading, beside=tests)
-    tested = read_logs(tests, reading._replace(start=None, stop=None), beside=logs)
+    check_outputs({"--output": output}, [leg, *logs])
+    recordings = read_logs(logs, reading)
     found = find_leg(leg, choice, recordings[0].joint_names)
     drives = read_drives(reading, found)
     if drives is not None:
-        recordings, tested = ([drives.torque(each) for each in logged] for logged in (recordings, tested))
+        recordings = [drives.torque(each) for each in recordings]
     with progress_bar("selecting friction") as progress:
         select_terms = exoid.identification.select_terms
         selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
     estimate = selection.estimate
     if output is not None:
         estimate.save(output)
-    data, text = selection.to_json(), [str(selection), str(estimate)]
-    for each in tested:
-        validation = exoid.validate(estimate, each)
-        data["test"] = validation.to_json()
-        text.append(str(validation))
-    print_result("\n\n".join(text), as_json=as_json, data=data)
+    print_result(f"{selection}\n\n{estimate}", as_json=as_json, data=selection.to_json())

@@ -14,7 +14,7 @@ COMMANDS = {
     "identify": "identify one.urdf log.csv --test test.csv -o new.json --report report.html",
     "identify --own": "identify one.urdf log.csv test.csv --own offset --terms coulomb,offset,viscous -o own.json",
     "check": "check one.urdf log.csv",
-    "select": "select one.urdf log.csv --folds 3 --test test.csv",
+    "select": "select one.urdf log.csv --folds 3",
     "validate": "validate est.json test.csv",
     "interaction": "interaction est.json test.csv -o torque.csv --report report.html",
     "compare": "compare est.json other.json",

@@ -1,4 +1,4 @@
-"""``exoid select`` chooses the friction of each joint, identifies with it, and tests the estimate once."""
+"""``exoid select`` chooses the friction of each joint, and identifies with it."""
 
 import json
 
@@ -17,11 +17,9 @@ FEW = ("--folds", "3", "--stop", "8")
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """The command on a part of a log, as JSON, with an estimate and a test."""
+    """The command on a part of a log, as JSON, with an estimate."""
     path = tmp_path_factory.mktemp("select") / "est.json"
-    result = CliRunner().invoke(
-        app, ["select", *TRAIN, *FEW, "--test", "bleex_swing:test", "-o", str(path), "--json"], catch_exceptions=False
-    )
+    result = CliRunner().invoke(app, ["select", *TRAIN, *FEW, "-o", str(path), "--json"], catch_exceptions=False)
     assert result.exit_code == 0, result.output
     return json.loads(result.stdout), path
 
@@ -37,10 +35,8 @@ def test_json_is_all_there_is_on_standard_output_and_equals_the_api(run):
 
 
 @pytest.mark.slow
-def test_the_choice_is_identified_written_and_tested(run):
+def test_the_choice_is_identified_and_written(run):
     data, path = run
     estimate = Estimate.load(path)
-    assert data["test"]["joint_names"] == data["joint_names"] == list(estimate.joint_names)
-    validation = exoid.validate(estimate, exoid.datasets.bleex_swing().test)
-    np.testing.assert_allclose(data["test"]["nrmse"], validation.nrmse, rtol=1e-6)
-    assert all(error < 0.2 for error in data["test"]["nrmse"])
+    assert data["joint_names"] == list(estimate.joint_names)
+    assert (exoid.validate(estimate, exoid.datasets.bleex_swing().test).nrmse < 0.2).all()
