@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import make_table, to_text
 
 from .precision import Precision
@@ -41,17 +42,12 @@ def precision_to_json(precision: Precision) -> dict[str, Any]:
     """Convert a prediction to JSON types."""
     names = precision.names
     return {
-        "predicted_std": dict(zip(names, map(_finite, precision.std), strict=True)),
-        "relative_std": dict(zip(names, map(_finite, precision.relative), strict=True)),
-        "determined": dict(zip(names, precision.identifiability, strict=True)),
-        "scale": dict(zip(names, precision.scales.scale.tolist(), strict=True)),
-        "condition_number": _finite(precision.condition_number),
-        "duration": precision.duration,
+        "predicted_std": named(names, precision.std),
+        "relative_std": named(names, precision.relative),
+        "determined": named(names, precision.identifiability),
+        "scale": named(names, precision.scales.scale),
+        **attributes(precision, "condition_number", "duration"),
     }
-
-
-def _finite(x: float) -> float | None:
-    return float(x) if math.isfinite(x) else None
 
 
 def _digits(x: float) -> str:

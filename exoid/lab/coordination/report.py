@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from exoid.control.functions import contact_name
 from exoid.lab.reproduce.report import Drawing, ReplayReport
+from exoid.tools.json_values import attributes, json_value
 from exoid.tools.tables import DataTable
 from exoid.view.coordination import DayPart, plot_day
 
@@ -26,28 +25,14 @@ def coordination_report(study: CoordinationStudy) -> ReplayReport:
     """
     functions = {
         name: {
-            "accuracy": score.accuracy,
-            "samples": score.samples,
-            "certain": score.certain,
-            "delay_p95": None if np.isnan(score.delay) else score.delay,
-            "transitions": score.transitions,
+            **attributes(score, "accuracy", "samples", "certain", "transitions"),
+            "delay_p95": json_value(score.delay),
         }
         for name, score in study.functions.items()
     }
-    events: dict[str, Any] = {
-        "cases": study.events.cases,
-        "beyond_limits": study.events.beyond_limits,
-        "support_in_air": study.events.in_air,
-        "ended": dict(study.events.ended),
-    }
-    data = {
-        "mode_accuracy": study.mode_accuracy,
-        "functions": functions,
-        "switches": dict(study.switches),
-        "seat_off": list(study.seat_off),
-        "events": events,
-        "seed": study.seed,
-    }
+    events = attributes(study.events, "cases", "beyond_limits", "ended") | {"support_in_air": study.events.in_air}
+    data = attributes(study, "mode_accuracy", "switches", "seat_off", "seed")
+    data |= {"functions": functions, "events": events}
     rows = [
         (
             name,

@@ -22,7 +22,7 @@ def friction(v):
     return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
-def logs(exo, seed=0, seconds=30.0) -> list[Standing]:
+def logs(exo, seed=0, seconds=20.0) -> list[Standing]:
     """Squats on both feet, and each leg swinging while the other stands."""
     options = {"seconds": seconds, "noise": NOISE, "encoder": ENCODER, "friction": friction}
     each = [standing(exo, feet, seed=3 * seed + k, **options) for k, feet in enumerate(("both", "left", "left"))]
@@ -59,7 +59,7 @@ def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
 def test_the_report_says_which_links_rested(estimate):
     assert [support.name for support in estimate.supports] == ["left_foot and right_foot", "left_foot", "right_foot"]
     assert "loop_1" in str(estimate)
-    np.testing.assert_allclose([support.seconds for support in estimate.supports], 30.0)
+    np.testing.assert_allclose([support.seconds for support in estimate.supports], 20.0)
 
 
 def test_the_estimate_survives_a_file(estimate, tmp_path):
@@ -126,11 +126,11 @@ def test_what_the_torques_of_a_planar_leg_do_not_tell_has_an_infinite_band(exo, 
 
 
 def wrongly(log, link, value, seed):
-    """Label 5 % of the samples of a link wrongly, in three pieces."""
+    """Label 5 % of the samples of a link wrongly, in two pieces."""
     rng, recording = np.random.default_rng(seed), log.recording
     contacts = {name: np.array(flags) for name, flags in recording.contacts.items()}
     contacts.setdefault(link, np.zeros(len(recording), dtype=bool))
-    for start in rng.uniform(1.0, 28.0, 3):
+    for start in rng.uniform(1.0, 18.0, 2):
         first = int(start * recording.sample_rate)
         contacts[link][first : first + int(0.5 * recording.sample_rate)] = value
     return replace(recording, contacts=contacts)
