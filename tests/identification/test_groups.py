@@ -371,14 +371,3 @@ def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
     assert any("Ia_hip" in note and "the same in all groups" in note for note in together.notes)
     apart = identify(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
     assert not any("the same in all groups" in note for note in apart.notes)
-
-
-def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch):
-    recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
-    whole = identify(legs, recordings, TERMS, "huber")
-    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
-    monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
-    monkeypatch.setattr("exoid.regression.rows.BLOCKS", 1)
-    pieces = identify(legs, recordings, TERMS, "huber")
-    np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
-    np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

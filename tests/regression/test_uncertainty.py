@@ -12,7 +12,7 @@ import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
 from exoid.regression.every_row import make_rows
-from exoid.regression.least_squares import RFactor, factorize_rows, solve, stack
+from exoid.regression.least_squares import RFactor, factorize_rows, solve
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
@@ -54,21 +54,6 @@ def test_the_triangle_gives_what_lstsq_gives_on_all_rows(rows, swing):
     assert sum(t.residual(solution.values) ** 2 for t in r_factors) == pytest.approx(squares, rel=1e-10)
     unit = W / np.linalg.norm(W, axis=0)
     assert solution.condition_number == pytest.approx(np.linalg.cond(unit), rel=1e-8)
-
-
-def test_halves_joined_give_the_estimate_of_the_whole(rows, swing):
-    names = TorqueModel(swing.leg, TERMS).names
-    whole = factorize_rows(rows)
-    pieces = [
-        factorize_rows(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
-        for p in (slice(None, 700), slice(700, None))
-    ]
-    joined = [stack(pair) for pair in zip(*pieces, strict=True)]
-    assert [(each.rows, each.samples) for each in joined] == [(each.rows, each.samples) for each in whole]
-    for estimator in (ols, wls):
-        one, other = (estimator(Reduced(parts, names)).solution for parts in (whole, joined))
-        np.testing.assert_allclose(other.values, one.values, rtol=1e-10, atol=1e-10 * np.abs(one.values).max())
-        np.testing.assert_allclose(other.covariance, one.covariance, rtol=1e-8, atol=1e-14)
 
 
 def test_the_covariance_is_the_classical_one(rows, swing):
