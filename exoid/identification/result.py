@@ -170,15 +170,7 @@ class Result:
                 bounded=tuple(names[problem.names[k]] for k in solution.bounded if problem.names[k] in names),
             ),
         )
-        if not check or not standing:
-            return estimate
-        stretches = [
-            Stretch(model.links, (), one)
-            for k in ordinary
-            for one in problem.groups[k].data
-            if isinstance(one, Recording) and isinstance(model := problem.groups[k].model, SupportModel)
-        ]
-        return replace(estimate, findings=ordered((*estimate.findings, *cone_findings(estimate, stretches))))
+        return _with_cones_checked(estimate, [problem.groups[k] for k in ordinary]) if check and standing else estimate
 
     def grouped(self, *, check: bool) -> GroupedEstimate:
         """Make the estimates of all groups."""
@@ -218,6 +210,17 @@ class Result:
             warnings=(*common, *single),
             notes=(*notes, *agreement.notes),
         )
+
+
+def _with_cones_checked(estimate: Estimate, groups: Sequence[Group]) -> Estimate:
+    """Add what the forces of feet show that rest in some groups of rows."""
+    stretches = [
+        Stretch(group.model.links, (), one)
+        for group in groups
+        for one in group.data
+        if isinstance(one, Recording) and isinstance(group.model, SupportModel)
+    ]
+    return replace(estimate, findings=ordered((*estimate.findings, *cone_findings(estimate, stretches))))
 
 
 def _reference_scale(fitted: Fitted) -> FloatArray:
