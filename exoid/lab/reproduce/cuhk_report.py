@@ -47,7 +47,7 @@ def cuhk_report(replay: CuhkReplay) -> ReplayReport:
                 lambda figure: _draw_validation(figure, replay),
                 height=1.1,
             ),
-            "doc2_fig6_reference": Drawing("Fig. 6: hip and knee angles of a stride", _draw_gait),
+            "doc2_fig6_reference": Drawing("Fig. 6: hip and knee angles of two strides", _draw_gait),
         },
     )
 
@@ -90,7 +90,7 @@ def _parameters(replay: CuhkReplay) -> DataTable:
 def _draw_validation(figure: Figure, replay: CuhkReplay) -> None:
     time = np.arange(len(replay.measured)) / replay.validation.sample_rate
     shown = time < 16.0  # a period is 20 s; more would hide the noise
-    identified = ("identified", replay.predicted[shown], IDENTIFIED)
+    identified = ("multisine estimate", replay.predicted[shown], IDENTIFIED)
     axes = figure.subplots(2, 1, sharex=True)
     plot_torques(axes, time[shown], replay.measured[shown], [identified], JOINTS)
 
