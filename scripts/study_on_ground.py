@@ -30,7 +30,6 @@ from exoid.control.functions import (
     PHASE,
     SIDES,
     Body,
-    Condition,
     Function,
     contact_name,
     joint_angles,
@@ -176,8 +175,7 @@ def free_functions(truth: GroundPlant) -> dict[str, Function]:
         q, base = x[:, :n], x[:, n:]
         q[:, leg.joints] = leg.angles(base, 1j * lift * (up - 0.5 * press), 0.0 * PHASE)
         flexion = legs_flexion(truth.leg, q)
-        room = Condition(both, flexion[0] - 0.5, flexion[0] + 0.5)
-        out[name] = Function(name, seconds, flexion, base, order, room, room)
+        out[name] = Function(name, seconds, flexion, base, order)
     return out
 
 

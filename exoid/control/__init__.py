@@ -4,7 +4,7 @@ from . import functions as functions
 from . import ground as ground
 from . import wearer as wearer
 from .closed_loop import compare_laws, simulate_law, simulate_many
-from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation, PassiveFriction
+from .friction import AHEAD, PASSIVE, SHARP, SMOOTH, FrictionCompensation
 from .ground import stance
 from .law import Law, State, StatefulLaw, stateful
 from .laws import (
@@ -30,6 +30,7 @@ from .tracking import Tracking
 __all__ = [
     "AHEAD",
     "LAWS",
+    "PASSIVE",
     "SHARP",
     "SMOOTH",
     "ControlModel",
@@ -38,7 +39,6 @@ __all__ = [
     "LawReplay",
     "Limited",
     "MomentumObserver",
-    "PassiveFriction",
     "SensorNoise",
     "State",
     "StatefulLaw",

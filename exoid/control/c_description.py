@@ -15,13 +15,13 @@ from exoid.errors import NotSupportedError
 from exoid.torques import Coulomb, Stiffness, Term, Viscous
 from exoid.torques.term import TermBlock
 
-from .friction import Friction
+from .friction import FrictionCompensation
 from .model import ControlModel, default_gains
 
 
 def describe(
     model: ControlModel,
-    friction: Friction | None,
+    friction: FrictionCompensation | None,
     rate: float,
     dialect: Dialect,
     *,
@@ -54,7 +54,9 @@ def describe(
     )
 
 
-def leg_in_c(model: ControlModel, calls: tuple[Needed, ...], friction: Friction | None, dialect: Dialect) -> LegInC:
+def leg_in_c(
+    model: ControlModel, calls: tuple[Needed, ...], friction: FrictionCompensation | None, dialect: Dialect
+) -> LegInC:
     """Write the springs, friction and rotors of a model as sums of terms, with the functions that a law calls."""
     places: dict[str, list[list[str]]] = {place: [[] for _ in range(model.n)] for place in ("stiffness", "friction")}
     places["rotor"] = [[dialect.number(inertia)] for inertia in model.armature.tolist()]

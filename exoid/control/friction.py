@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,105 +20,81 @@ WIDTH = 0.05
 """Width of a smooth sign [rad/s]: several times the noise of a tachometer, a tenth of the speed of a slow gait."""
 
 
-class Friction(ABC):
-    """Friction compensation, whose torque is to be added to that of a law."""
-
-    width: float  # width of the smooth sign [rad/s]
-    scale: float  # share of the model's friction that is compensated
-
-    @abstractmethod
-    def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Compute the torque that compensates friction [N·m], of the shape of ``state.q``."""
-
-    @abstractmethod
-    def in_c(self, measured: str) -> tuple[str, str]:
-        """Write statements that fill ``friction``, at velocities such as ``in->v``, and the words of the equation."""
-
-
 @dataclass(frozen=True)
-class FrictionCompensation(Friction):
-    """F_r of doc. 2, eq. (25): c0 sgn(θ̇) + d θ̇, with a sign that may be smooth.
+class FrictionCompensation:
+    """F_r of doc. 2, eq. (25), whose torque is added to that of a law: c0 sgn(θ̇) + d θ̇, with a sign that may be smooth.
 
     With the measured velocity the compensation follows the true motion, but it is late. A sharp sign chatters with
     noise, and too much compensation causes a limit cycle. With the desired velocity it is known in advance.
+
+    For a wearer it must not drive the joint: it is zero where it has not the sign of the velocity. So it never gives
+    more power than true friction takes, as long as the model's friction is at most 1/scale of the true one.
 
     Attributes:
         velocity: "measured" or "desired".
         width: tanh(v / width) instead of sgn(v) [rad/s]; 0 for the sharp sign.
         scale: Share of the model's friction that is compensated, 1 for all.
+        drives: Whether it may drive a joint, as friction of the wrong sign, too much of it, or a sharp sign do.
 
     Raises:
-        ExoidError: The velocity is neither, the width is negative, or a number is not finite.
+        ExoidError: The velocity is neither, the width is negative, or a number is not finite. Without ``drives``: the
+            velocity is the desired one, the sign is sharp, or the scale is not from 0 to 1.
     """
 
     velocity: Literal["measured", "desired"] = "measured"
     width: float = WIDTH
     scale: float = 1.0
+    drives: bool = True
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        if self.velocity not in ("measured", "desired"):
-            raise BadArgumentError(f"friction of the velocity {self.velocity!r}", remedy="use measured or desired")
+        if self.velocity not in (("measured", "desired") if self.drives else ("measured",)):
+            remedy = f"use measured{' or desired' if self.drives else ', as it must not drive'}"
+            raise BadArgumentError(f"friction of the velocity {self.velocity!r}", remedy=remedy)
         checked(self.width, "width", least=0.0)
         checked(self.scale, "scale")
+        if not self.drives:
+            checked(self.width, "width", above=0.0)  # with a sharp sign noise alone would drive a joint at rest
+            checked(self.scale, "scale", least=0.0, most=1.0)  # more than all friction drives the joint
 
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Compute the torque that compensates friction."""
+        """Compute the torque that compensates friction.
+
+        Args:
+            model: Model whose friction it is.
+            state: Measured state.
+            target: Reference at this moment.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         velocity = target.v if self.velocity == "desired" else state.v
         friction = model.friction(state.q, velocity, self.width)
+        if not self.drives:
+            friction = np.where(friction * state.v > 0.0, friction, 0.0)
         return friction if self.scale == 1.0 else self.scale * friction
 
     def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the compensation in C."""
+        """Write the compensation in C.
+
+        Args:
+            measured: Measured velocities, such as ``in->v``.
+
+        Returns:
+            Statements that fill ``friction``, and the words of the equation.
+        """
         velocity = "in->v_d" if self.velocity == "desired" else measured
+        statements = f"    {{{{p}}}}_friction({velocity}, friction);"
+        if not self.drives:
+            statements += (
+                "\n    for (j = 0; j < {{N}}; ++j) { /* never drives */\n"
+                f"        friction[j] = friction[j] * {measured}[j] > "
+                "{{number(0)}} ? friction[j] : {{number(0)}};\n"
+                "    }"
+            )
+            return statements, f" + {self.scale:g} F(v), never driving"
         share = "" if self.scale == 1.0 else f"{self.scale:g} "
-        return f"    {{{{p}}}}_friction({velocity}, friction);", f" + {share}F({velocity.split('->')[1]})"
-
-
-@dataclass(frozen=True)
-class PassiveFriction(Friction):
-    """τ_f = share · r(v) where r(v) v > 0, else 0, with r(v) = c0 tanh(v / width) + d v of the model.
-
-    It is zero at rest, has the sign of the velocity, and is at most ``share`` of the model's friction. So it never
-    gives more power to the joint than true friction takes, as long as the model's friction is at most 1/share of the
-    true one. Friction that a model has with the wrong sign is not compensated.
-
-    Attributes:
-        share: Share of the model's friction that is compensated, 0 to 1.
-        width: Width of the smooth sign [rad/s], positive: with a sharp sign noise alone would drive a joint at rest.
-
-    Raises:
-        ExoidError: The share is not from 0 to 1, or the width is not positive.
-    """
-
-    share: float = 0.9
-    width: float = WIDTH
-
-    def __post_init__(self) -> None:
-        """Check the settings."""
-        checked(self.share, "share", least=0.0, most=1.0)  # more than all friction drives the joint
-        checked(self.width, "width", above=0.0)
-
-    @property
-    def scale(self) -> float:  # type: ignore[override]
-        """Share of the model's friction that is compensated."""
-        return self.share
-
-    def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Compute the torque that compensates friction, at the measured velocity."""
-        friction = model.friction(state.q, state.v, self.width)
-        return np.asarray(np.where(friction * state.v > 0.0, self.scale * friction, 0.0))
-
-    def in_c(self, measured: str) -> tuple[str, str]:
-        """Write the compensation in C."""
-        statements = (
-            f"    {{{{p}}}}_friction({measured}, friction);\n"
-            "    for (j = 0; j < {{N}}; ++j) { /* never drives */\n"
-            f"        friction[j] = friction[j] * {measured}[j] > "
-            "{{number(0)}} ? friction[j] : {{number(0)}};\n"
-            "    }"
-        )
-        return statements, f" + {self.share:g} F(v), never driving"
+        return statements, f" + {share}F({velocity.split('->')[1]})"
 
 
 SMOOTH = FrictionCompensation()
@@ -131,13 +106,8 @@ SHARP = FrictionCompensation(width=0.0)
 AHEAD = FrictionCompensation(velocity="desired")
 """Desired velocity, smooth."""
 
-PASSIVE = PassiveFriction()
-"""Nine tenths of the model's friction."""
-
-
-def wearer_friction(friction: PassiveFriction | None, model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Compute the torque of a friction compensation that may be absent."""
-    return np.zeros_like(v) if friction is None else friction.torque(model, State(q, v), Target(q, v))
+PASSIVE = FrictionCompensation(scale=0.9, drives=False)
+"""Nine tenths of the model's friction, which never drives: for a wearer."""
 
 
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:

@@ -7,7 +7,7 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.tools.numbers import checked
 
-from .friction import AHEAD, PASSIVE, FrictionCompensation, PassiveFriction, model_to_compensate
+from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate
 from .law import RATE, gains
 from .model import ControlModel, ModelSource
 from .tracking_law import TrackingLaw
@@ -136,7 +136,7 @@ def impedance(
     stiffness: ArrayLike,
     damping: ArrayLike,
     *,
-    friction: PassiveFriction | None = PASSIVE,
+    friction: FrictionCompensation | None = PASSIVE,
     rate: float = RATE,
 ) -> TrackingLaw:
     """Make impedance control, τ = K (θ_d − θ) + D (θ̇_d − θ̇) + M θ̈_d + C θ̇ + G + s + τ_f (Hogan 1985).
@@ -165,7 +165,7 @@ def impedance(
 
 
 def gravity_support(
-    source: ModelSource, share: ArrayLike = 1.0, *, friction: PassiveFriction | None = None, rate: float = RATE
+    source: ModelSource, share: ArrayLike = 1.0, *, friction: FrictionCompensation | None = None, rate: float = RATE
 ) -> TrackingLaw:
     """Make a controller that carries a share of the weight, τ = share · [G(q) + s(q)] + τ_f, springs included.
 
@@ -193,7 +193,9 @@ def gravity_support(
     return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)
 
 
-def transparent(source: ModelSource, *, friction: PassiveFriction | None = PASSIVE, rate: float = RATE) -> TrackingLaw:
+def transparent(
+    source: ModelSource, *, friction: FrictionCompensation | None = PASSIVE, rate: float = RATE
+) -> TrackingLaw:
     """Make a controller under which the wearer feels neither weight nor friction: zero torque at slow motion.
 
     The inertia remains; :func:`sensitivity_amplification` reduces that too.

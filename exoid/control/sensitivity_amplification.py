@@ -17,7 +17,7 @@ from exoid.rig import Target
 from exoid.tools.numbers import checked
 
 from .c_description import describe
-from .friction import PassiveFriction, wearer_friction
+from .friction import FrictionCompensation
 from .law import State, refuse_rate, spread
 from .model import ControlModel, ModelSource
 
@@ -31,7 +31,7 @@ MEMORY = {
 }
 """Memory of the motion filter in C."""
 
-WHOLE = PassiveFriction(share=1.0)
+WHOLE = FrictionCompensation(drives=False)
 """All of the model's friction, of which the controller takes the share 1 − 1/α."""
 
 
@@ -129,7 +129,7 @@ class SensitivityAmplification:
     model: ControlModel  # model of the leg
     amplification: FloatArray  # amplification α ≥ 1, a number or (n,)
     filter: MotionFilter  # motion filter
-    friction: PassiveFriction | None = WHOLE  # friction compensation, which never drives; None for none
+    friction: FrictionCompensation | None = WHOLE  # friction compensation, which never drives; None for none
 
     def __post_init__(self) -> None:
         """Check the amplification."""
@@ -153,7 +153,9 @@ class SensitivityAmplification:
         """Compute the torque; see the class."""
         moved = self.filter.step(memory, state.q, state.v)
         inertial = self.model.inverse_dynamics(moved.q, moved.v, moved.a) - self.model.statics(moved.q)
-        inertial = inertial + wearer_friction(self.friction, self.model, moved.q, moved.v)
+        if self.friction is not None:
+            filtered = state._replace(q=moved.q, v=moved.v)
+            inertial = inertial + self.friction.torque(self.model, filtered, target)
         return self.model.statics(state.q) + spread(self.share, state.q) * inertial, moved
 
     def in_c(self, dialect: Dialect) -> LawInC:
@@ -181,7 +183,7 @@ def sensitivity_amplification(
     *,
     bandwidth: float = 20.0,
     rate: float = 500.0,
-    friction: PassiveFriction | None = WHOLE,
+    friction: FrictionCompensation | None = WHOLE,
 ) -> SensitivityAmplification:
     """Make a :class:`SensitivityAmplification` controller from a model of the leg.
 

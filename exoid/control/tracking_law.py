@@ -15,7 +15,7 @@ from exoid.errors import BadArgumentError
 from exoid.rig import Target
 
 from .c_description import describe
-from .friction import Friction
+from .friction import FrictionCompensation
 from .law import RATE, State, acceleration, freeze_gains, refuse_rate, spread
 from .model import ControlModel
 
@@ -133,7 +133,7 @@ class TrackingLaw:
     kp: FloatArray  # gain Kp [N·m/rad], [1/s²] if linearising, the share of the weight; a number, (n,) or (n, B)
     kd: FloatArray  # gain Kd [N·m·s/rad], [1/s] if linearising, likewise
     model: ControlModel | None = None  # model of the leg; None without feedforward
-    friction: Friction | None = None  # friction compensation; None for none
+    friction: FrictionCompensation | None = None  # friction compensation; None for none
     rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:

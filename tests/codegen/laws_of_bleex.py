@@ -10,11 +10,11 @@ from compiled import made_up
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.control import (
+    PASSIVE,
     SHARP,
     ControlModel,
     FrictionCompensation,
     Limited,
-    PassiveFriction,
     State,
     computed_torque,
     feedforward_pd,
@@ -67,7 +67,7 @@ def laws() -> dict[str, object]:
         "gravity_only": gravity_friction_pd(source, KP, 0.0, friction=None, rate=200.0),
         "feedforward_pd": feedforward_pd(source, KP, KD, friction=FrictionCompensation("desired", 0.03, 0.7)),
         "computed_torque": Limited(computed_torque(source, 25.0, 10.0, friction=SHARP), slew=SLEW),
-        "gravity_support": Limited(gravity_support(source, (1.0, 0.6, 0.3), friction=PassiveFriction()), LIMIT),
+        "gravity_support": Limited(gravity_support(source, (1.0, 0.6, 0.3), friction=PASSIVE), LIMIT),
         "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),
         "impedance": impedance(source, KP, KD),
         "lqr": lqr(source, mean_pose(gait(), PERIOD)),

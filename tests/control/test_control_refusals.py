@@ -12,7 +12,6 @@ from exoid.control import (
     ControlModel,
     FrictionCompensation,
     Limited,
-    PassiveFriction,
     State,
     compare_laws,
     computed_torque,
@@ -80,8 +79,10 @@ REFUSED = {
     "friction": [
         *((lambda x: FrictionCompensation(**x), bad) for bad in ({"velocity": "wished"}, {"width": -0.1})),
         *((lambda x: FrictionCompensation(**x), bad) for bad in ({"width": NAN}, {"scale": INF})),
-        *((lambda x: PassiveFriction(**x), bad) for bad in ({"share": 1.2}, {"share": -0.1}, {"share": NAN})),
-        (lambda x: PassiveFriction(width=x), 0.0),
+        *(
+            (lambda x: FrictionCompensation(drives=False, **x), bad)
+            for bad in ({"scale": 1.2}, {"scale": -0.1}, {"scale": NAN}, {"width": 0.0}, {"velocity": "desired"})
+        ),
     ],
     "share": [(lambda x: gravity_support(LEG, x), bad) for bad in (1.1, -0.1, NAN, (0.5, 2.0), np.ones((2, 2)))],
     "amplification": [

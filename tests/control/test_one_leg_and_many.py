@@ -9,9 +9,9 @@ from controlled_legs import cuhk_plant, exact_estimate
 import exoid
 from exoid import Coulomb, Stiffness
 from exoid.control import (
+    PASSIVE,
     ControlModel,
     FrictionCompensation,
-    PassiveFriction,
     State,
     computed_torque,
     feedforward_pd,
@@ -46,7 +46,7 @@ LAWS = {
     "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
     "lqr": lambda source: lqr(source, np.zeros(ControlModel.of(source).n)),
     "impedance": lambda source: impedance(source, 60.0, 5.0),
-    "support": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
+    "support": lambda source: gravity_support(source, 0.5, friction=PASSIVE),
     "amplification": lambda source: sensitivity_amplification(source, 5.0),
     "self-tuning": lambda source: self_tuning(source, 20.0, 2.0),
     **{

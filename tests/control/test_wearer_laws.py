@@ -7,8 +7,9 @@ import pytest
 from worn_legs import GAIT, LIMB, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
 
 from exoid.control import (
+    PASSIVE,
     ControlModel,
-    PassiveFriction,
+    FrictionCompensation,
     State,
     gravity_support,
     impedance,
@@ -40,12 +41,12 @@ def test_friction_compensation_never_drives():
     """Its power is positive and at most that of the true friction; at rest it is zero."""
     model = ControlModel.of(RUBBING)
     v = np.random.default_rng(0).normal(0.0, 0.5, (2, 2000))
-    torque = PassiveFriction(share=1.0).torque(model, State(np.zeros_like(v), v), None)
+    torque = FrictionCompensation(drives=False).torque(model, State(np.zeros_like(v), v), None)
     true = RUBBING.coulomb * np.abs(v) + RUBBING.viscous * v**2
     assert (torque * v >= 0.0).all()
     assert (torque * v <= true * (1.0 + 1e-12)).all()
     assert np.mean(torque * v) > 0.8 * np.mean(true)
-    assert not PassiveFriction(share=1.0).torque(model, State(np.zeros(2), np.zeros(2)), None).any()
+    assert not FrictionCompensation(drives=False).torque(model, State(np.zeros(2), np.zeros(2)), None).any()
 
 
 @pytest.mark.parametrize(("c0", "d"), [(-0.5, 0.1), (0.5, -0.4), (-0.2, -0.1)])
@@ -54,14 +55,14 @@ def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
     model = ControlModel.of(RUBBING)
     wrong = replace(model, coulomb=np.full(2, c0), viscous=np.full(2, d))
     v = np.linspace(-3.0, 3.0, 61) * np.ones((2, 1))
-    torque = PassiveFriction().torque(wrong, State(np.zeros_like(v), v), None)
+    torque = PASSIVE.torque(wrong, State(np.zeros_like(v), v), None)
     assert (torque * v >= 0.0).all()
     assert (torque == 0.0)[:, np.abs(v[0]) > 2.0].all() or d > 0.0
 
 
 def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
     """Weight and friction are compensated; nothing else moves the leg."""
-    law = transparent(RUBBING, friction=PassiveFriction(share=1.0), rate=500.0)
+    law = transparent(RUBBING, friction=FrictionCompensation(drives=False), rate=500.0)
     rest = simulate_law(RUBBING, law, HOLD, 3.0, sensors=EXACT)
     np.testing.assert_array_equal(rest.q[-1], POSE)
 
@@ -91,7 +92,7 @@ def test_the_wearer_carries_the_rest_of_the_weight(share):
 
 def test_transparent_is_support_of_all_weight_with_friction():
     state = random_state(2)
-    friction = PassiveFriction().torque(ControlModel.of(RUBBING), state, None)
+    friction = PASSIVE.torque(ControlModel.of(RUBBING), state, None)
     expected = RUBBING.leg.gravity(state.q)[0] + friction
     np.testing.assert_allclose(transparent(RUBBING).torque(state, None), expected, rtol=1e-12)
 

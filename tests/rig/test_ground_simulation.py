@@ -68,7 +68,6 @@ def test_the_engine_has_the_mass_matrix_and_the_bias_of_pinocchio():
     turn[:2, :2] = [[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]]
     expected = turn.T @ leg.mass_matrix(q[None])[0] @ turn + np.diag([0.0] * 3 + PLANT.armature.tolist())
     np.testing.assert_allclose(M, expected, rtol=0, atol=1e-12)
-    assert engine.energy == pytest.approx(0.5 * rate @ expected @ rate + engine.data.energy[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("spring", [None, HOLD], ids=["free", "held"])
@@ -77,16 +76,12 @@ def test_a_run_obeys_the_equation_of_motion(spring):
     assert np.abs(residual(run)).max() < 1e-7
     assert np.abs(inverse_dynamics_residual(run)).max() < 1e-7
     assert np.abs(run.a).max() > 1.0
-    assert run.audit.energy_error < 1e-3
-    assert run.audit.momentum_error < 1e-5
 
 
 def test_so_does_a_machine_in_space(in_space):
     assert in_space.plant.leg.base_rows == 6
     assert np.abs(residual(in_space)).max() < 1e-3
     assert np.abs(inverse_dynamics_residual(in_space)).max() < 1e-3
-    assert in_space.audit.energy_error < 1e-3
-    assert in_space.audit.momentum_error < 1e-5
     assert (in_space.base.angular_velocity.std(axis=0) > 0.005).all()
 
 
@@ -103,18 +98,6 @@ def test_the_logged_acceleration_is_the_second_difference_of_the_angles():
     second = np.diff(run.q, 2, axis=0) * 2000.0**2
     np.testing.assert_allclose(run.a[1:-1], second, rtol=0, atol=1e-6)
     np.testing.assert_allclose(run.v[1:], np.diff(run.q, axis=0) * 2000.0, rtol=0, atol=1e-9)
-
-
-@pytest.mark.slow
-def test_half_the_step_has_half_the_error_of_energy():
-    """Swinging in the air, so that no impact hides the order."""
-    errors = [
-        simulate_on_ground(
-            PLANT, motion(squat=0.2, height=1.5), GAINS, spring=HOLD, rates=Rates(1 / step, 500.0, step)
-        ).audit.energy_error
-        for step in (5e-4, 2.5e-4)
-    ]
-    assert 1.7 < errors[0] / errors[1] < 2.3
 
 
 def test_the_same_input_gives_the_same_bytes():
@@ -169,4 +152,3 @@ def test_a_chair_and_a_step_bear_what_the_ground_does_not():
     assert all(foot.force[-1, 2] > 20.0 for foot in run.feet.values())
     total = sum(foot.force[-1] for foot in run.feet.values()) + held
     np.testing.assert_allclose(total, [0.0, 0.0, weight], rtol=0, atol=2e-3 * weight)
-    assert run.audit.momentum_error < 1e-5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, combinations
@@ -51,6 +51,7 @@ class ContactNoise(NamedTuple):
     change: float = 0.02  # probability that a contact changes in a block
     switch: float = 0.85  # probability that a healthy switch is right, late ones included
     late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
+    surprise: float = 0.1  # probability in a block of a set that the function does not expect, over one that it does
 
 
 class ContactReadings(NamedTuple):
@@ -204,12 +205,15 @@ class ContactFilter:
         named = (frozenset(contact_name(leg, link) for link in links) for links in self.sets)
         return dict(zip(named, map(float, row), strict=False))
 
-    def advance(self, memory: Memory, readings: ContactReadings) -> Belief:
+    def advance(
+        self, memory: Memory, readings: ContactReadings, expected: Collection[Contacts] = frozenset()
+    ) -> Belief:
         """Take in readings of any number of samples, and decide after each whole block of 10 ms.
 
         Args:
             memory: Memory of the earlier samples, which this changes.
             readings: The next samples.
+            expected: Sets of "left", "right" and "seat" that the function expects about now; empty if unknown.
 
         Returns:
             Probabilities after each block that these samples complete.
@@ -231,9 +235,11 @@ class ContactFilter:
         flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
         K, H = likelihood.shape
         probability = np.empty((K, H))
+        odds = [not expected or each in expected for each in self.chances(likelihood[:1].sum(axis=0))]
+        surprise = np.where([*odds, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(K):
             belief = self._changes @ memory.probability
-            score = self.noise.temper * (likelihood[k] - likelihood[k].max())
+            score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
             if flags.size:
                 weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
                 score = score + self._switch_score(readings, flags[k], weight)

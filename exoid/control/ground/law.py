@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.friction import PASSIVE, PassiveFriction
+from exoid.control.friction import PASSIVE, FrictionCompensation
 from exoid.control.functions import minimum_jerk
 from exoid.control.law import State
 from exoid.errors import BadArgumentError
@@ -117,7 +117,7 @@ class StanceLaw:
     model: GroundModel  # rigid bodies, springs and friction
     kp: FloatArray  # gain of angles, of the pitch last [1/s²], (n + 1,)
     kd: FloatArray  # gain of rates [1/s], (n + 1,)
-    friction: PassiveFriction | None  # compensation of friction, which never drives; None for none
+    friction: FrictionCompensation | None  # compensation of friction, which never drives; None for none
     ground_friction: float  # coefficient of friction that the law may use
     limit: FloatArray  # largest torque [N·m], (n,)
     power: FloatArray  # largest power of a joint [W], (n,)
@@ -278,7 +278,7 @@ def stance(
     *,
     kp: ArrayLike = 100.0,
     kd: ArrayLike = 20.0,
-    friction: PassiveFriction | None = PASSIVE,
+    friction: FrictionCompensation | None = PASSIVE,
     ground_friction: float = 0.6,
     limit: ArrayLike | None = None,
     power: ArrayLike = np.inf,

@@ -21,7 +21,7 @@ LOADING = 0.15
 """Time in which a foot that touches down takes its share [s], an assumption."""
 
 BOUNCE = 0.02
-"""Time for which an open switch still counts as closed [s]: a foot bounces as it touches down."""
+"""Time in which a foot whose switch opens loses its share [s]: a foot bounces as it touches down."""
 
 LEVEL = 0.05
 """Tilt up to which a sole counts as flat, which presses both its ends down [rad]."""
@@ -66,7 +66,8 @@ class GroundLoop(LawLoop):
     """Controller of :func:`exoid.rig.ground.simulate_on_ground` made of a law, with a memory: one for each run.
 
     Contacts are those of the switches, but a foot whose planned share is zero is in the air, and a level one is flat.
-    A foot that touches down takes its share in :data:`LOADING`. While nothing touches, the joints are braked.
+    A foot that touches down takes its share in :data:`LOADING`, and loses it in :data:`BOUNCE` while its switches are
+    open. While nothing touches, the joints are braked.
 
     Attributes:
         law: The law.
@@ -85,8 +86,8 @@ class GroundLoop(LawLoop):
         """Interpolate the reference."""
         reference = np.column_stack([self.motion.q, self.motion.base[:, 2]])
         self._reference = scipy.interpolate.CubicSpline(self.motion.time, reference)
-        self._closed: dict[str, float] = {}  # when a switch of each sole was closed last [s]
-        self._since: dict[str, float] = {}  # when each contact began [s]
+        self._course: dict[str, float] = {}  # course of the share of each sole, 0 to 1
+        self._last = -np.inf  # time of the last sample [s]
 
     def target(self, time: float) -> GroundTarget:
         """Return the reference at a time.
@@ -109,13 +110,13 @@ class GroundLoop(LawLoop):
             Torque [N·m], (n,).
         """
         planned = {} if self.shares is None else self.shares(reading.time)
-        self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
-        touching = [link for link, last in self._closed.items() if reading.time - last < BOUNCE]
-        contacts = [link for link in touching if planned.get(link, 1.0) > 0.0]
-        self._since = {link: self._since.get(link, reading.time) for link in contacts}
-        ramps = {link: float(minimum_jerk((reading.time - self._since[link]) / LOADING)) for link in contacts}
-        if not any(ramps.values()):
-            ramps = dict.fromkeys(contacts, 1.0)  # the first foot on the ground bears all at once
+        dt, self._last = reading.time - self._last, reading.time
+        ramps = {}
+        for link, closed in reading.switches.items():
+            course = self._course.get(link, 0.0) + (dt / LOADING if closed.any() else -dt / BOUNCE)
+            self._course[link] = course = min(max(course, 0.0), 1.0) if planned.get(link, 1.0) > 0.0 else 0.0
+            if course > 0.0:
+                ramps[link] = float(minimum_jerk(course))
         shares = {link: planned.get(link, 1.0) * ramp for link, ramp in ramps.items()}
         torque = self.supported(reading, shares, self.target(reading.time))
         return -BRAKE * reading.v if torque is None else torque
@@ -203,7 +204,8 @@ class CoordinatedLoop(LawLoop):
         if len(self._waiting) >= round(BLOCK * self.contacts.rate):
             q, tau, rates, force, measured = (np.array(x) for x in zip(*self._waiting, strict=True))
             block = ContactReadings(q, tau, rates, force, measured)
-            self._chances = self.contacts.chances(self.contacts.advance(self._told, block).probability[-1])
+            belief = self.contacts.advance(self._told, block, self.coordinator.expected(self._memory))
+            self._chances = self.contacts.chances(belief.probability[-1])
             self._waiting.clear()
 
     def _follow(self, function: str, phase: float) -> GroundTarget:

@@ -133,30 +133,6 @@ class Engine:
         self._mujoco.mju_quat2Vel(out, turn, 1.0)
         return out
 
-    @property
-    def constraint(self) -> FloatArray:
-        """Generalised force of the ground in the step, (base + n,), a view."""
-        return np.asarray(self.data.qfrc_constraint)
-
-    @property
-    def energy(self) -> float:
-        """Kinetic and potential energy at the beginning of the step, rotors and springs of the joints included [J]."""
-        self._mujoco.mj_energyPos(self.model, self.data)
-        self._mujoco.mj_energyVel(self.model, self.data)
-        springs = 0.5 * self.plant.stiffness * self.q**2 + self.plant.constant * self.q
-        return float(self.data.energy.sum() + springs.sum())
-
-    @property
-    def momentum(self) -> FloatArray:
-        """Linear momentum at the beginning of the step [N·s], (3,)."""
-        self._mujoco.mj_subtreeVel(self.model, self.data)
-        return np.asarray(self.mass * self.data.subtree_linvel[1])
-
-    @property
-    def mass(self) -> float:
-        """Mass of the machine [kg]."""
-        return float(self.model.body_subtreemass[1])
-
 
 class Holder:
     """Spring of a run; `wrench` is its force [N] and moment about the point [N·m] on the torso in the last step."""
@@ -179,7 +155,7 @@ class Holder:
         position, rotation = engine.torso
         twist, arm = engine.twist(), rotation @ self._point
         force = self._stiffness @ (self._place[step] - position - arm)
-        force += self._damping @ (self._speed[step] - twist[3:] - np.cross(twist[:3], arm))
+        force += self._damping @ (self._speed[step] - twist[3:] - _cross(twist[np.newaxis, :3], arm[np.newaxis])[0])
         target = _quaternion(-engine.plant.plane.lateral, self._pitch[step])
         moment = spring.turning_stiffness * engine.turn_to(target)
         moment += spring.turning_damping * (self._turning[step] - twist[:3])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,36 +17,6 @@ from exoid.signals import Recording, Wrench
 from .motion import per_joint
 from .plant import GroundPlant
 from .sensors import BaseSteps, GroundSensors, read_imu, read_pose, read_switch
-
-
-class Audit(NamedTuple):
-    """Balance of energy and of linear momentum of a run.
-
-    Energy: work + holding = gain + friction + contact. Momentum: ground + holder + weight = momentum. Both hold up to
-    the error of the integration.
-    """
-
-    work: float  # work of the actuators and the wearer [J]
-    holding: float  # work of the spring on the machine [J]
-    gain: float  # gain of mechanical energy, rotors and springs of the joints included [J]
-    friction: float  # energy that friction of the joints dissipates [J]
-    contact: float  # energy that the ground dissipates [J]
-    turnover: float  # ∫ |power| dt of the actuators [J], the scale of errors
-    ground: FloatArray  # impulse of the ground [N·s], (3,)
-    holder: FloatArray  # impulse of the spring [N·s], (3,)
-    weight: FloatArray  # impulse of gravity [N·s], (3,)
-    momentum: FloatArray  # gain of linear momentum [N·s], (3,)
-
-    @property
-    def energy_error(self) -> float:
-        """Residual of the energy balance over the turnover."""
-        return abs(self.work + self.holding - self.gain - self.friction - self.contact) / self.turnover
-
-    @property
-    def momentum_error(self) -> float:
-        """Residual of the momentum balance over the impulse of gravity."""
-        residual = self.ground + self.holder + self.weight - self.momentum
-        return float(np.abs(residual).max() / np.abs(self.weight).max())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +67,6 @@ class GroundRun:
         rotation: Axes of the root link as columns, (N, 3, 3).
         wrenches: Wrench on each foot, and on the root link where a spring holds it, in the axes of the link.
         feet: Load and place of each foot.
-        audit: Balance of energy and momentum.
         steps: Motion of the root link at every step of the simulation.
         interaction: Torques of the wearer on the joints [N·m], (N, n); zero without one.
     """
@@ -114,7 +82,6 @@ class GroundRun:
     rotation: FloatArray
     wrenches: Mapping[str, Wrench]
     feet: Mapping[str, Footing]
-    audit: Audit
     steps: BaseSteps
     interaction: FloatArray
 

@@ -17,7 +17,7 @@ from .control import Faults, GroundController, GroundWearer, Reader, gains_about
 from .engine import Engine, Holder
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
-from .run import Audit, Footing, GroundRun
+from .run import Footing, GroundRun
 from .sensors import BaseSteps, GroundSensors
 
 RATES = Rates(control=2000.0, log=500.0, step=5e-4)
@@ -55,7 +55,7 @@ def simulate_on_ground(
         seed: Seed of the noise of the readings.
 
     Returns:
-        True motion, torque and wrenches at the rate of the log, with an audit of energy and momentum.
+        True motion, torque and wrenches at the rate of the log.
 
     Raises:
         ExoidError: MuJoCo is not installed, rates do not fit, the motion is too short, or the machine diverges.
@@ -97,7 +97,7 @@ def simulate_on_ground(
         if now < 0:
             engine.finish()
         else:
-            books.finish(torque, muscles, held, ends=now in (0, last), logs=now % every_log == 0)
+            books.finish(torque, muscles, logs=now % every_log == 0)
         if reader is not None and (k + 1) % every_control == 0:
             reader.feel(muscles)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
@@ -109,38 +109,34 @@ def simulate_on_ground(
 
 
 class _Books:
-    """States and forces of a run: of every step for the audit and the IMU, of samples for the log."""
+    """States and forces of a run: the motion of every step for the IMU, all else of the samples of the log."""
 
     def __init__(self, engine: Engine, holder: Holder | None) -> None:
         self._engine, self._holder = engine, holder
         self._steps: list[tuple[FloatArray, ...]] = []
         self._samples: list[tuple[FloatArray, ...]] = []
         self._logged: list[int] = []
-        self._ends: list[tuple[float, FloatArray]] = []
 
-    def finish(
-        self, torque: FloatArray, muscles: FloatArray, held: FloatArray | None, *, ends: bool, logs: bool
-    ) -> None:
+    def finish(self, torque: FloatArray, muscles: FloatArray, *, logs: bool) -> None:
         """Finish a step: note the state that it begins with, then its acceleration and forces."""
-        engine = self._engine
-        begun = engine.rate.copy(), engine.torso.rotation.copy(), engine.q.copy()
-        if ends:
-            self._ends.append((engine.energy, engine.momentum))
+        engine, b = self._engine, self._engine.base
+        rate, turn, q = engine.rate.copy(), engine.torso.rotation.copy(), engine.q.copy()
         engine.finish()
-        forces = torque, muscles, engine.constraint.copy(), np.zeros_like(engine.rate) if held is None else held
         if logs:
             self._logged.append(len(self._steps))
             wrench = np.zeros((2, 3)) if self._holder is None else self._holder.wrench
-            self._samples.append((wrench, *engine.placements(), *engine.loads()))
-        self._steps.append((*begun, engine.acceleration.copy(), *forces))
+            moved = q, rate[b:], engine.acceleration[b:].copy(), torque, muscles
+            self._samples.append((*moved, wrench, *engine.placements(), *engine.loads()))
+        self._steps.append((rate[:b], engine.acceleration[:b].copy(), turn))
 
     def run(self, dt: float) -> GroundRun:
-        """Return samples, audit, and motion of the root link at every step."""
-        engine, plant, b = self._engine, self._engine.plant, self._engine.base
-        rate, turn, q, change, torque, muscles, ground, held = (np.array(x) for x in zip(*self._steps, strict=True))
-        kept = np.array(self._logged)
-        motion = _base_kinematics(plant, rate[:, :b], change[:, :b], turn)
-        wrench, position, rotation, twist, force, place = (np.array(x) for x in zip(*self._samples, strict=True))
+        """Return samples, and motion of the root link at every step."""
+        engine, plant = self._engine, self._engine.plant
+        rate, change, turn = (np.array(x) for x in zip(*self._steps, strict=True))
+        kept, motion = np.array(self._logged), _base_kinematics(plant, rate, change, turn)
+        q, v, a, torque, muscles, wrench, position, rotation, twist, force, place = (
+            np.array(x) for x in zip(*self._samples, strict=True)
+        )
         feet = {
             link: _footing(position[:, i], rotation[:, i], twist[:, i], force[:, own], place[:, own])
             for i, (link, own) in enumerate(engine.spheres.items(), start=1)
@@ -149,45 +145,21 @@ class _Books:
         if self._holder is not None:
             pulled, moment = (np.einsum("nij,ni->nj", turn[kept], wrench[:, part]) for part in (0, 1))
             wrenches[plant.root_link] = Wrench(pulled, moment, np.array(self._holder.spring.point))
+        at_samples = (x[kept] for x in (motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
         return GroundRun(
             plant,
             kept * dt,
-            q[kept],
-            rate[kept, b:],
-            change[kept, b:],
-            torque[kept],
-            BaseKinematics(
-                *(x[kept] for x in (motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
-            ),
+            q,
+            v,
+            a,
+            torque,
+            BaseKinematics(*at_samples),
             position[:, 0],
             rotation[:, 0],
             wrenches,
             feet,
-            self._audit(rate, torque + muscles, ground, held, dt),
             BaseSteps(motion, kept, dt),
-            muscles[kept],
-        )
-
-    def _audit(self, rate: FloatArray, torque: FloatArray, ground: FloatArray, held: FloatArray, dt: float) -> Audit:
-        """Balance of energy and momentum; a force acts over a step at the mean of the rates at its ends."""
-        plant, b, begin, end = self._engine.plant, self._engine.base, *self._ends
-        plane, mean, forces = plant.plane, 0.5 * (rate[1:] + rate[:-1]), (ground[:-1], held[:-1])
-        power = torque[:-1] * mean[:, b:]
-        ground_impulse, holder_impulse = (
-            total[0] * plane.forward + total[1] * plane.up if plant.is_planar else total[:3]
-            for total in (dt * force.sum(axis=0) for force in forces)
-        )
-        return Audit(
-            work=float(dt * power.sum()),
-            holding=float(dt * np.vdot(forces[1], mean)),
-            gain=end[0] - begin[0],
-            friction=float(dt * np.vdot(plant.friction(rate[:-1, b:]), mean[:, b:])),
-            contact=-float(dt * np.vdot(forces[0], mean)),
-            turnover=float(dt * np.abs(power).sum()),
-            ground=ground_impulse,
-            holder=holder_impulse,
-            weight=dt * len(mean) * self._engine.mass * plant.gravity,
-            momentum=end[1] - begin[1],
+            muscles,
         )
 
 

@@ -58,11 +58,11 @@ def test_doubt_freezes_the_support_then_damps_then_stops_and_recovers():
     machine = coordinator()
     memory = machine.begin()
     before = run(machine, memory, BOTH, 0.5)
-    frozen = run(machine, memory, BOTH, 0.1, chance=0.9)
+    frozen = run(machine, memory, BOTH, 0.1, chance=0.95)
     assert frozen.level == "frozen"
     assert frozen.shares == before.shares
-    assert run(machine, memory, BOTH, 0.2, chance=0.9).level == "damping"
-    assert run(machine, memory, BOTH, 1.6, chance=0.9).function == SAFE
+    assert run(machine, memory, BOTH, 0.2, chance=0.95).level == "damping"
+    assert run(machine, memory, BOTH, 1.6, chance=0.95).function == SAFE
     assert run(machine, memory, BOTH, 0.5).function == "stand"
 
 
@@ -86,7 +86,8 @@ def test_no_leg_that_may_be_in_the_air_bears_load():
             decision = machine.decide(memory, told, posture, request)
             for side in ("left", "right"):
                 down = sum(p for contacts, p in told.items() if side in contacts)
-                assert decision.shares.get(side, 0.0) == 0.0 or down >= (0.99 if decision.level == "support" else 0.5)
+                likely = down >= (0.99 if decision.level == "support" else 0.9 * sum(told.values()))
+                assert decision.shares.get(side, 0.0) == 0.0 or likely
             torque = machine.bound(memory, 1e3 * rng.standard_normal(6), v := 8.0 * rng.standard_normal(6))
             assert (np.abs(torque) <= LIMIT + 1e-9).all()
             assert (np.abs(torque * v) <= machine.power + 1e-6).all()

@@ -1,0 +1,181 @@
+"""Lengths of a wearer in the machine, and flexion of the legs as joint angles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import ComplexArray, FloatArray
+from exoid.errors import BadArgumentError
+from exoid.leg.leg import Leg
+from exoid.rig.ground import Sole
+from exoid.tools.numbers import checked
+
+SIDES = ("left", "right")
+"""Sides in the order of all tables."""
+
+SEAT = "seat"
+"""Name of the contact of the torso with a chair."""
+
+TURNS = np.array([1.0, -1.0, 1.0])
+"""Signs of hip, knee and ankle about −lateral: the knee flexes backward."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Lengths of a wearer in the machine, from which trajectories are scaled.
+
+    Attributes:
+        thigh: Hip to knee [m].
+        shank: Knee to ankle [m]; to the ground for a leg without ankle.
+        ankle: Height of the ankle above the sole [m]; 0 for a leg without ankle.
+        heel: Heel forward of the ankle, negative [m].
+        toe: Toe forward of the ankle [m].
+        seat: Height of the hip above the seat while seated [m], an assumption.
+
+    Raises:
+        ExoidError: A length is not positive, or the toe is not ahead of the heel.
+    """
+
+    thigh: float
+    shank: float
+    ankle: float = 0.0
+    heel: float = -0.01
+    toe: float = 0.01
+    seat: float = 0.09
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        checked([self.thigh, self.shank], "the lengths of a leg [m]", above=0.0, most=1.0)
+        checked([self.ankle, self.seat, self.toe - self.heel], "the lengths of foot and seat [m]", least=0.0, most=0.5)
+
+    @classmethod
+    def of(cls, leg: Leg, soles: Mapping[str, Sole]) -> Body:
+        """Read the lengths of the first limb of a planar machine.
+
+        Args:
+            leg: Planar machine with hip, knee and perhaps ankle.
+            soles: Sole of each foot by the name of its link.
+
+        Returns:
+            The lengths.
+
+        Raises:
+            ExoidError: The machine is not planar, or its legs have other joints.
+        """
+        joints = [limb.chain.n for limb in leg.limbs]
+        foot = next((sole for link, sole in soles.items() if link != leg.description.root_link), None)
+        if not joints or joints[0] not in (2, 3) or foot is None:
+            raise BadArgumentError(
+                "no lengths of hip, knee and sole", where=leg.description.name, remedy="use a planar machine with soles"
+            )
+        offsets = np.linalg.norm(leg.limbs[0].chain.offsets, axis=1)
+        forward, up = foot.points @ leg.plane.forward, float(foot.centre @ leg.plane.up)
+        if joints[0] == 2:  # the sole is on the shank
+            middle = float(forward.mean())
+            return cls(float(offsets[0]), -up, 0.0, float(forward.min()) - middle, float(forward.max()) - middle)
+        return cls(float(offsets[0]), float(offsets[1]), -up, float(forward.min()), float(forward.max()))
+
+    @property
+    def leg(self) -> float:
+        """Length of the straight leg, sole to hip [m]."""
+        return self.thigh + self.shank + self.ankle
+
+    def reach(
+        self, hip: ComplexArray, pitch: FloatArray | float, middle: ComplexArray, tilt: FloatArray | float
+    ) -> FloatArray:
+        """Find the flexion that puts the middle of a sole at a place (two links and a foot).
+
+        Args:
+            hip: Place of the hip [m], (K,).
+            pitch: Pitch of the torso [rad]; negative leans forward, (K,) or a number.
+            middle: Place of the middle of the sole [m], (K,).
+            tilt: Angle of the sole to the horizontal, toe up [rad], (K,) or a number.
+
+        Returns:
+            Flexion of hip, knee and ankle [rad], (K, 3).
+
+        Raises:
+            ExoidError: The leg is too short.
+        """
+        turn = np.exp(1j * np.asarray(tilt))
+        way = middle + turn * (1j * self.ankle - 0.5 * (self.heel + self.toe)) - hip
+        a, b = self.thigh, self.shank
+        cosine = (np.abs(way) ** 2 - a * a - b * b) / (2.0 * a * b)
+        if not (np.abs(cosine) < 1.0).all():
+            raise BadArgumentError(
+                f"a foot is up to {np.abs(way).max():.3g} m from the hip, a leg of {a + b:.3g} m",
+                remedy="take smaller steps, or a lower seat or riser",
+            )
+        knee = np.arccos(cosine)
+        thigh = np.angle(1j * way) + np.arctan2(b * np.sin(knee), a + b * np.cos(knee))
+        return np.column_stack([thigh - pitch, knee, tilt - (thigh - knee)])
+
+    def sole(self, hip: ComplexArray, pitch: FloatArray | float, flexion: FloatArray) -> ComplexArray:
+        """Locate heel and toe of a leg.
+
+        Args:
+            hip: Place of the hip [m], (K,).
+            pitch: Pitch of the torso [rad], (K,) or a number.
+            flexion: Flexion of hip, knee and ankle [rad], (K, 3).
+
+        Returns:
+            Places of heel and toe [m], (K, 2).
+        """
+        thigh = flexion[:, 0] + pitch
+        shank = thigh - flexion[:, 1]
+        foot = np.exp(1j * (shank + flexion[:, 2]))
+        ankle = hip - 1j * (self.thigh * np.exp(1j * thigh) + self.shank * np.exp(1j * shank))
+        return np.asarray(ankle[:, None] + foot[:, None] * (np.array([self.heel, self.toe]) - 1j * self.ankle))
+
+
+def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:
+    """Convert flexion of both legs to the joint angles of a machine, for any direction of its axes.
+
+    Args:
+        leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
+        flexion: Flexion [rad], (K, 2, 3).
+
+    Returns:
+        Angles [rad], (K, n).
+
+    Raises:
+        ExoidError: The machine has not two such legs.
+    """
+    if len(leg.limbs) != len(SIDES) or any(limb.chain.n not in (2, 3) for limb in leg.limbs):
+        raise BadArgumentError("no functions for these legs", where=leg.description.name, remedy="use two planar legs")
+    return np.hstack(
+        [flexion[:, k, : limb.chain.n] * (TURNS[: limb.chain.n] * limb.chain.signs) for k, limb in enumerate(leg.limbs)]
+    )
+
+
+def legs_flexion(leg: Leg, q: FloatArray) -> FloatArray:
+    """Convert joint angles to flexion of both legs, the inverse of :func:`joint_angles`.
+
+    Args:
+        leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
+        q: Angles [rad], (K, n).
+
+    Returns:
+        Flexion [rad], (K, 2, 3); zero of a missing ankle.
+    """
+    out = np.zeros((len(q), 2, 3))
+    for k, limb in enumerate(leg.limbs):
+        n = limb.chain.n
+        out[:, k, :n] = q[:, limb.joints] * (TURNS[:n] * limb.chain.signs)
+    return out
+
+
+def contact_name(leg: Leg, link: str) -> str:
+    """Name the contact of a link.
+
+    Args:
+        leg: Machine whose feet are on links that begin with their side.
+        link: The link.
+
+    Returns:
+        "left", "right", or "seat" of the root link.
+    """
+    return SEAT if link == leg.description.root_link else next(side for side in SIDES if link.startswith(side))

@@ -1,0 +1,117 @@
+"""A function as data: contacts in order, trajectories over its phase, conditions of entry and exit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import ArrayLike, ComplexArray, FloatArray
+from exoid.tools.numbers import checked
+
+from .body import SIDES, Body
+
+PHASE = np.linspace(0.0, 1.0, 201)
+"""Phases at which trajectories are tabulated."""
+
+ROOM = 0.5
+"""Distance from the first or last posture within which a function may begin or end [rad], an assumption."""
+
+Contacts = frozenset[str]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Function:
+    """One function of an exoskeleton as data, tabulated over :data:`PHASE`.
+
+    Attributes:
+        name: Name.
+        duration: Time from phase 0 to 1 [s].
+        flexion: Flexion of hip, knee and ankle of left and right leg [rad], (K, 2, 3).
+        torso: Hip forward and up from the ground under the start [m], and pitch [rad], (K, 3).
+        contacts: Sets of contacts in order, each with the phase at which it begins.
+        cyclic: Whether phase 1 is followed by phase 0.
+
+    Raises:
+        ExoidError: The duration is not positive, or above a minute.
+    """
+
+    name: str
+    duration: float
+    flexion: FloatArray
+    torso: FloatArray
+    contacts: tuple[tuple[float, Contacts], ...]
+    cyclic: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the duration."""
+        checked(self.duration, f"the duration of {self.name} [s]", above=0.0, most=60.0)
+
+    def near(self, phase: float, flexion: FloatArray) -> bool:
+        """Tell whether a posture is near that at a phase; with the contacts the condition of entry at 0, of exit at 1.
+
+        Args:
+            phase: Phase, 0 to 1.
+            flexion: Flexion of both legs [rad], (2, 3).
+
+        Returns:
+            Whether each angle is within :data:`ROOM` of the trajectory.
+        """
+        planned = self.flexion[round(phase * (len(PHASE) - 1))]
+        return bool((np.abs(flexion - planned) <= ROOM).all())
+
+    def expected(self, phase: float) -> Contacts:
+        """Look up the contacts that the function expects.
+
+        Args:
+            phase: Phase; of a cyclic function any number.
+
+        Returns:
+            Feet and seat that bear load.
+        """
+        p = phase % 1.0 if self.cyclic else min(max(phase, 0.0), 1.0)
+        return [contacts for start, contacts in self.contacts if start <= p + 1e-9][-1]
+
+    def __repr__(self) -> str:
+        """Name the function, its duration and its contacts."""
+        order = ", ".join("+".join(sorted(each)) or "air" for _, each in self.contacts)
+        return f"Function({self.name}: {self.duration:g} s{', cyclic' if self.cyclic else ''}; {order})"
+
+
+def placed(
+    name: str,
+    body: Body,
+    duration: float,
+    hip: ComplexArray,
+    pitch: FloatArray,
+    order: tuple[tuple[float, Contacts], ...],
+    *,
+    feet: Mapping[str, ComplexArray] | None = None,
+    tilt: Mapping[str, FloatArray] | None = None,
+    cyclic: bool = False,
+) -> Function:
+    """Function whose soles are at given places or at the origin, and level or tilted."""
+    origin = dict.fromkeys(SIDES, np.zeros(len(PHASE), dtype=np.complex128))
+    places, turn = feet or origin, tilt or dict.fromkeys(SIDES, np.zeros(len(PHASE)))
+    flexion = np.stack([body.reach(hip, pitch, places[side], turn[side]) for side in SIDES], axis=1)
+    if body.ankle == 0.0:
+        flexion[..., 2] = 0.0
+    return Function(name, duration, flexion, np.column_stack([hip.real, hip.imag, pitch]), order, cyclic)
+
+
+def minimum_jerk(s: ArrayLike) -> FloatArray:
+    """Rise from 0 to 1 with zero velocity and acceleration at both ends, 10 s³ − 15 s⁴ + 6 s⁵.
+
+    Args:
+        s: Argument, clipped to 0 to 1.
+
+    Returns:
+        The polynomial.
+
+    Example:
+        >>> minimum_jerk([0.0, 0.5, 1.0, 2.0])
+        array([0. , 0.5, 1. , 1. ])
+    """
+    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))

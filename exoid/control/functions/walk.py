@@ -1,0 +1,148 @@
+"""Walk on level ground or a slope, by the documents' stride or a CSV file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import UnreadableInputError
+from exoid.experiments.gait import healthy_gait
+from exoid.experiments.ground.walking import TILT_DEG
+from exoid.tools.numbers import checked
+
+from .body import SIDES, Body
+from .function import PHASE, Contacts, Function
+
+DOWN = 0.004
+"""Height of the lowest point of a sole below which a foot of a walk counts as on the ground [m]."""
+
+
+def stride_flexion(reference: str | os.PathLike[str] = "healthy", scale: float = 0.9) -> FloatArray:
+    """Tabulate hip, knee and ankle over a stride from heel contact: healthy gait, or a CSV file such as a norm.
+
+    Args:
+        reference: "healthy" for :func:`exoid.experiments.healthy_gait`, or a CSV file with columns ``phase`` (0 to 1),
+            ``hip_deg``, ``knee_deg`` and perhaps ``ankle_deg``, flexion positive.
+        scale: Factor of the amplitudes about the mean.
+
+    Returns:
+        Flexion at :data:`PHASE` [rad], (K, 3).
+
+    Raises:
+        ExoidError: There is no such file, or a column is missing.
+    """
+    whole = PHASE[:-1]
+    if reference != "healthy":
+        flexion = _csv_stride(Path(reference), scale)
+    else:
+        hip, knee = healthy_gait(scale, 1.0).over(whole).q.T
+        knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
+        tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(whole)
+        flexion = np.column_stack([hip, knee, np.deg2rad(scale * tilt) - hip + knee])
+    return np.vstack([flexion, flexion[:1]])
+
+
+def _csv_stride(path: Path, scale: float) -> FloatArray:
+    """Read a stride from a CSV file, without the last phase."""
+    try:
+        table = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise UnreadableInputError(
+            f"no table ({error})", where=str(path), remedy="give a CSV file with a header"
+        ) from error
+    names = table.dtype.names or ()
+    column = {name: np.atleast_1d(table[name]) for name in names}  # type: ignore[call-overload]  # a structured array
+    missing = [name for name in ("phase", "hip_deg", "knee_deg") if name not in names]
+    if missing or table.size < 8:
+        raise UnreadableInputError(
+            f"{table.size} rows, without {', '.join(missing) or 'enough of them'}",
+            where=str(path),
+            remedy="give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, of at least 8 phases",
+        )
+    phase = np.unwrap(2.0 * np.pi * column["phase"]) / (2.0 * np.pi)
+    columns = [
+        np.deg2rad(column[name]) if name in names else np.zeros(table.size)
+        for name in ("hip_deg", "knee_deg", "ankle_deg")
+    ]
+    angles = np.column_stack(columns)
+    if not np.isfinite(angles).all() or not (np.diff(phase) > 0.0).all() or phase[-1] - phase[0] < 0.9:
+        raise UnreadableInputError(
+            "the stride is not finite, or its phase does not rise over a whole stride",
+            where=str(path),
+            remedy="check its rows",
+        )
+    again = slice(0, -1) if phase[-1] - phase[0] > 1.0 - 1e-6 else slice(None)  # the last row may be the first one
+    t, x = np.append(phase[again], phase[0] + 1.0), np.vstack([angles[again], angles[:1]])
+    found = scipy.interpolate.CubicSpline(t, x, bc_type="periodic")(t[0] + (PHASE[:-1] - t[0]) % 1.0)
+    return np.asarray(found.mean(axis=0) + scale * (found - found.mean(axis=0)))
+
+
+def walk(
+    body: Body,
+    *,
+    reference: str | os.PathLike[str] = "healthy",
+    scale: float = 0.9,
+    period: float = 1.4,
+    pitch: float = 0.0,
+    lift: float = 0.015,
+    angle: float = 0.0,
+) -> Function:
+    """Walk: both legs follow a stride, half a period apart, and the lowest point of the soles rests.
+
+    Args:
+        body: The wearer.
+        reference: Stride, see :func:`stride_flexion`.
+        scale: Factor of the amplitudes about the mean.
+        period: Time of a stride [s].
+        pitch: Pitch of the torso [rad]. Norms count the flexion of the hip from a pelvis that leans by −0.19 rad.
+        lift: Height by which a swinging foot is lifted more than in the reference [m].
+        angle: Angle by which the ground rises forward [rad]. The walk turns with it, and the torso keeps its pitch.
+
+    Returns:
+        The function, "walk" or "slope"; phase 0 is the heel contact of the left foot.
+
+    Raises:
+        ExoidError: There is no such reference, a leg is too short, or the slope is above 0.3 rad.
+    """
+    checked(abs(angle), "the angle of a slope [rad]", most=0.3)
+    one = stride_flexion(reference, scale)
+    both = np.stack([one, np.vstack([one[100:], one[1:101]])], axis=1)
+    if body.ankle == 0.0:
+        both[..., 2] = 0.0
+    soles = [body.sole(np.zeros(len(PHASE), dtype=np.complex128), pitch, both[:, k]) for k in range(2)]
+    low = np.array([sole.imag.min(axis=1) for sole in soles])
+    smooth = 0.02 * len(PHASE)
+    up = scipy.ndimage.gaussian_filter1d(-low.min(axis=0)[:-1], smooth, mode="wrap")
+    load = np.exp(-(low - low.min(axis=0)) / 0.01)[:, :-1]  # passes from foot to foot over 1 cm
+    middle = np.array([s.real.mean(axis=1) for s in soles])[:, :-1]
+    speed = -((np.roll(middle, -1, axis=1) - np.roll(middle, 1, axis=1)) * 0.5 * load).sum(axis=0) / load.sum(axis=0)
+    speed = scipy.ndimage.gaussian_filter1d(speed, smooth, mode="wrap")
+    hip = np.append(0.0, np.cumsum(speed)) + 1j * np.append(up, up[0])
+    flexion = []
+    for k in range(2):
+        sole = body.sole(hip, pitch, both[:, k])
+        height = np.maximum(sole.imag.min(axis=1), 0.0)
+        raised = sole.mean(axis=1) + 1j * lift * height / (height + 0.01)
+        tilt = np.angle(sole[:, 1] - sole[:, 0])
+        found = body.reach(hip, pitch, raised, tilt if body.ankle else np.zeros(len(PHASE)))
+        found[:, 2] *= bool(body.ankle)
+        flexion.append(found)
+    down = np.array(
+        [body.sole(hip, pitch, each).imag.min(axis=1) < DOWN + low.min(axis=0) + hip.imag for each in flexion]
+    )
+    down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
+    order = _order([frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T])
+    hip = hip * np.exp(1j * angle)
+    torso = np.column_stack([hip.real, hip.imag, np.full(len(PHASE), pitch)])
+    both = np.stack(flexion, axis=1) + np.array([angle, 0.0, 0.0])
+    return Function("slope" if angle else "walk", period, both, torso, order, cyclic=True)
+
+
+def _order(sets: list[Contacts]) -> tuple[tuple[float, Contacts], ...]:
+    """Join equal sets that follow each other."""
+    starts = [k for k in range(len(sets)) if k == 0 or sets[k] != sets[k - 1]]
+    return tuple((float(PHASE[k]), sets[k]) for k in starts)
