@@ -280,16 +280,19 @@ def figures(loop: Probe, run: GroundRun) -> dict[str, float]:
         change = np.flatnonzero(np.diff(foot.touching))
         changes[(change[:, None] + np.arange(-10, 11)).clip(0, len(changes) - 1)] = True
     out |= {"samples tipped": tipped, "samples slipped": slipped, "friction used, of 0.8": used}
-    steps = np.abs(np.diff(run.tau, axis=0))[changes[1:]]
+    every = np.abs(np.diff(run.tau, axis=0))
+    steps = every[changes[1:]]
     out["step by change of contact [N·m]"] = loop.own
     out["step by change of contact [% of range]"] = 100.0 * loop.own / float(np.ptp(run.tau, axis=0).max())
     out["step at changes [N·m]"] = float(steps.max()) if len(steps) else 0.0
     out["step at changes [% of range]"] = 100.0 * float((steps / np.ptp(run.tau, axis=0)).max()) if len(steps) else 0.0
+    elsewhere = np.quantile(every[~changes[1:]], 0.99, axis=0) / np.ptp(run.tau, axis=0)
+    out["99 % of steps elsewhere [% of range]"] = 100.0 * float(elsewhere.max())
     out["infeasible [%]"] = 100.0 * float(np.mean([not (c and c.feasible) for c in loop.commands]))
     return out
 
 
-def one(machine: str, seed: int) -> dict[tuple[str, str, str], float]:
+def one(machine: str, seed: int, only: str | None = None) -> dict[tuple[str, str, str], float]:
     """All figures of a seed, by motion, model and name."""
     warnings.simplefilter("ignore")
     rng = np.random.default_rng(seed)
@@ -303,6 +306,8 @@ def one(machine: str, seed: int) -> dict[tuple[str, str, str], float]:
         motions = {"squats": (cuhk_motion(truth, seed), None)}
     out = {}
     for motion, (reference, shares) in motions.items():
+        if only not in (None, motion):
+            continue
         for model, source in models.items():
             loop = Probe(stance(source), reference, shares)
             try:
@@ -324,6 +329,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts, of BLEEX")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
+    parser.add_argument("--motion", choices=("squats", "step"), default=None)
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:
@@ -332,7 +338,9 @@ def main() -> None:
     for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
         begun = time.perf_counter()
         found = []
-        for each in Parallel(n_jobs=options.jobs, return_as="generator")(delayed(one)(machine, s) for s in seeds):
+        for each in Parallel(n_jobs=options.jobs, return_as="generator")(
+            delayed(one)(machine, s, options.motion) for s in seeds
+        ):
             found.append(each)
             print(f"{machine}: {len(found)} of {options.seeds} seeds", file=sys.stderr)
         print(f"{machine}: {options.seeds} seeds from {options.first}; mean and worst of each model")

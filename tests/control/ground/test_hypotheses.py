@@ -53,6 +53,19 @@ def test_the_seat_is_told_to_be_left_within_60_ms(told):
     assert delay <= 0.06
 
 
+def test_what_a_function_expects_is_no_proof(told):
+    """A function that never leaves the chair, or one that never sits, does not hide that the seat is left."""
+    contacts, episode, log = told["rise"]
+    both = frozenset(("left", "right"))
+    for expected in ({both}, {both | {"seat"}}):
+        belief = contacts.advance(contacts.begin(), study.readings_of(contacts, log), expected)
+        right, far = study._judge(contacts, episode, belief)
+        assert right[far].mean() > 0.95
+        free = study.over(contacts, log).probability
+        likelier = [each in expected for each in contacts.chances(free[0])]
+        assert belief.probability[:, :-1][:, likelier].sum() > free[:, :-1][:, likelier].sum()
+
+
 def test_forces_are_told_beside_the_set(told):
     """Upward force on the foot that bears, by the middle of single support, to 5 % of the weight."""
     contacts, episode, log = told["walk"]
