@@ -22,7 +22,10 @@ LIKELY = 0.9
 """Probability with which a leg bears, among known sets, from which the last support by it is kept in doubt."""
 
 ABOUT = 0.3
-"""Time by which a change of contacts may be early or late, and is still expected [s]; chosen on seeds 900 to 907."""
+"""Time by which a change of contacts may be early or late, and is still expected [s]."""
+
+LASTS = 0.1
+"""Time for which a contact that the function does not plan now must have been known before it bears [s]."""
 
 
 class Rule(NamedTuple):
@@ -177,18 +180,20 @@ class Coordinator:
         doubt = held and not known
         total = max(sum(probability.values()), 1e-9) if doubt else 1.0  # a jolt makes all sets less probable alike
         bears = {name: sum(p for each, p in probability.items() if name in each) / total for name in (*SIDES, SEAT)}
-        least = LIKELY if doubt else CERTAIN
-        kept = [name for name in memory.known if bears[name] >= least]
+        planned = memory.known if memory.function == SAFE else self.functions[memory.function].expected(memory.phase)
+        kept = []
+        for name in memory.known:  # a foot that is planned in the air needs proof that lasts
+            proven = name in planned or memory.settled >= LASTS
+            if proven and bears[name] >= (LIKELY if doubt and name in planned else CERTAIN):
+                kept.append(name)
         feet = [name for name in kept if name != SEAT]
         level = "support" if known else "frozen" if held or feet else "damping"
         leaving = self._leaving(memory)
-        for name in (*SIDES, SEAT):
-            course = memory.loaded.get(name, 0.0)
-            if level != "frozen":
-                way = -dt / self.transfer if name in leaving else dt / self.transfer
-                memory.loaded[name] = min(max(course + way, 0.0), 1.0) if name in kept and known else 0.0
-            elif name not in kept:
-                memory.loaded[name] = 0.0
+        for name in (*SIDES, SEAT):  # what is left bears less and less in doubt, too
+            way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
+            course = memory.loaded.get(name, 0.0) + way * dt / self.transfer
+            bearing = name in kept and level != "damping"
+            memory.loaded[name] = min(max(course, 0.0), 1.0) if bearing else 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
         shares = {name: float(minimum_jerk(memory.loaded[name])) for name in kept}

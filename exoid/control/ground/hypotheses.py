@@ -33,6 +33,9 @@ FREEZES, MOVES = 0.03, 0.5
 BLOCK = 0.01
 """Time between two decisions [s]."""
 
+AGREES, DISTRUSTED = 0.2, 1.0
+"""Time over which motion and torque must agree by some set [s], and time for which all are unknown if they do not."""
+
 
 class ContactNoise(NamedTuple):
     """Standard deviations of what is not in the model, and prior rates; tuned by scripts/study_coordination.py."""
@@ -51,6 +54,7 @@ class ContactNoise(NamedTuple):
     change: float = 0.02  # probability that a contact changes in a block
     switch: float = 0.85  # probability that a healthy switch is right, late ones included
     late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
+    misfit: float = 1.4  # mean log(1 + distance / freedom) of the best set from which a sensor must be wrong
     surprise: float = 0.1  # probability in a block of a set that the function does not expect, over one that it does
 
 
@@ -94,6 +98,8 @@ class Memory:
     channels: list[FloatArray] | None  # states of the low-passes; None before the first sample
     probability: FloatArray  # (H,)
     disagreement: FloatArray  # running share of the time in which each switch contradicts the torques, (F,)
+    misfit: float = 0.0  # running mean of the misfit of the best set
+    distrusted: float = 0.0  # time for which contacts stay unknown [s]
     left: int = 0  # samples since the last block
     last: FloatArray | None = None  # last sample of angles, torques and gyroscope
     still: NDArray[np.intp] | None = None  # samples for which each of them has not changed
@@ -227,9 +233,9 @@ class ContactFilter:
         ends = np.arange(every - 1 - memory.left, len(readings.q), every)
         memory.left = (memory.left + len(readings.q)) % every
         low, speed, change = self._filtered(memory, readings, ends)
-        likelihood, wrenches = self._evidence(low, speed, change)
+        likelihood, wrenches, misfit = self._evidence(low, speed, change)
         frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > MOVES)
-        likelihood[frozen] = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
+        unknown = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
         switched = self._switched(readings)
         own = [self.feet.index(link) for link in switched]
         flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
@@ -239,6 +245,11 @@ class ContactFilter:
         surprise = np.where([*odds, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(K):
             belief = self._changes @ memory.probability
+            memory.misfit += BLOCK / AGREES * (misfit[k] - memory.misfit)
+            wrong = memory.misfit > self.noise.misfit  # jolts are short
+            memory.distrusted = DISTRUSTED if wrong else max(memory.distrusted - BLOCK, 0.0)
+            if frozen[k] or memory.distrusted > 0.0:
+                likelihood[k] = unknown
             score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
             if flags.size:
                 weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
@@ -323,8 +334,10 @@ class ContactFilter:
         memory.last, memory.still = x[-1], count[-1]
         return np.asarray((count >= FREEZES * self.rate).any(axis=1))
 
-    def _evidence(self, low: FloatArray, speed: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Log-likelihood of each hypothesis, (K, H), and the expected wrenches of each set, (K, H, S, 3)."""
+    def _evidence(
+        self, low: FloatArray, speed: FloatArray, change: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Log-likelihood of each hypothesis, (K, H), wrenches of each set, (K, H, S, 3), misfit of the best, (K,)."""
         leg, noise = self.model.leg, self.noise
         n, b, K = len(leg.joint_names), leg.base_rows, len(low)
         q, gyro, tau, force, known = np.split(low, np.cumsum([n, 3, n, 3]), axis=1)
@@ -353,6 +366,7 @@ class ContactFilter:
         rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
         speeds = {link: self._speed(each, rates) for link, each in columns.items()}
         likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
+        least = np.full(K, np.inf)  # distance of the best set
         for h, links in enumerate(self.sets):
             G = np.concatenate(
                 [np.zeros((K, b + n, 0)), *(loads[link] for link in self.soles if link in links)], axis=2
@@ -362,6 +376,7 @@ class ContactFilter:
             y = np.linalg.solve(inner, x)
             distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
             likelihood[:, h] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
+            least = np.minimum(least, distance)
             own = [k for k, link in enumerate(self.soles) if link in links]
             for one, other in combinations((link for link in self.soles if link in links), 2):
                 apart = ((speeds[one] - speeds[other]) ** 2).sum(axis=1)  # whatever the velocity of the base is
@@ -377,7 +392,7 @@ class ContactFilter:
         inner = np.eye(b + n) + wide @ np.swapaxes(wide, 1, 2)
         distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
         likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
-        return likelihood, wrenches
+        return likelihood, wrenches, np.log1p(least.clip(0.0) / noise.freedom)
 
     def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
         """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""

@@ -183,8 +183,11 @@ class StanceLaw:
         least, most = -limit - added - bias[joints] - T @ x, limit - added - bias[joints] - T @ x
         F = self._cones(rows)
         top = np.concatenate([np.zeros(len(F) - len(rows)), LARGEST_SHARE * shares / max(shares.sum(), 1e-9)])
-        limits, cones = Rows(T @ N, least, most), Rows(F @ N, np.full(len(F), -np.inf), top - F @ x)
-        y, feasible = minimise(self._daqp, A @ N, b - A @ x, limits, cones)
+        F, top, none = F @ N, top - F @ x, np.full(len(F), -np.inf)
+        cones, caps = slice(None, -len(rows)), slice(-len(rows), None)
+        # a seat that is left may have to bear more than its share: then its cap yields, and no foot slips or tips
+        groups = [Rows(T @ N, least, most), *(Rows(F[part], none[part], top[part]) for part in (cones, caps))]
+        y, feasible = minimise(self._daqp, A @ N, b - A @ x, groups)
         x = x + N @ y
         torque = np.clip(T @ x + bias[joints] + added, -limit, limit)
         forces, start = {}, BASE + n

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,18 +36,22 @@ class Minimum(NamedTuple):
     """Solution of a quadratic program."""
 
     y: FloatArray  # (m,)
-    feasible: bool  # whether all inequalities hold; otherwise the soft ones are violated as little as need be
+    feasible: bool  # whether at most the inequalities of the last group are violated
 
 
-def minimise(daqp: Any, A: FloatArray, b: FloatArray, hard: Rows, soft: Rows) -> Minimum:  # noqa: ANN401
-    """Minimise |A y − b|² under inequalities, the soft ones of which may be violated if no y fulfils all."""
-    rows, lower, upper = (np.concatenate(pair) for pair in zip(hard, soft, strict=True))
-    sizes = [len(hard.upper), len(soft.upper)]
-    for kind in (HARD, SOFT):  # a soft constraint that is active is always violated a little
-        sense = np.repeat(np.array([HARD, kind], dtype=np.intc), sizes)
+def minimise(daqp: Any, A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> Minimum:  # noqa: ANN401
+    """Minimise |A y − b|² under groups of inequalities.
+
+    If no y fulfils all, the last group is violated as little as need be, then the one before it, too; never the first.
+    """
+    rows, lower, upper = (np.concatenate(parts) for parts in zip(*groups, strict=True))
+    sizes = [len(group.upper) for group in groups]
+    for softened in range(len(groups)):  # a soft constraint that is active is always violated a little
+        kinds = [HARD] * (len(groups) - softened) + [SOFT] * softened
+        sense = np.repeat(np.array(kinds, dtype=np.intc), sizes)
         y, _, exit_flag, _ = daqp.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:
-            return Minimum(np.asarray(y), kind == HARD)
+            return Minimum(np.asarray(y), softened < 2)
     return Minimum(
         np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False
     )  # numbers that no solver takes: the torque is clipped in the end
