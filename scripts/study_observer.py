@@ -51,7 +51,7 @@ def worn(leg: Leg, kind: str, runs: int, seed: int) -> None:
     periods = np.linspace(*STRIDES, runs)
     run = rigs(leg, periods, 8.0, seed)
     observer = observer_of(leg, SensorNoise.of(run.recording(0)), BANDWIDTH)
-    found, late = [], np.rint(observer.delay * RATE).astype(int)
+    found, late = [], np.full(len(observer.names), round(observer.delay * RATE))
     for k in range(runs):
         truth, read = run.interaction[..., k], observer.run(run.recording(k)).torque
         aligned = [float(nrmse(x[d:], y[: len(y) - d], 1000)) for x, y, d in zip(read.T, truth.T, late, strict=True)]
@@ -61,7 +61,7 @@ def worn(leg: Leg, kind: str, runs: int, seed: int) -> None:
     worst = error.argmax(axis=0), np.arange(error.shape[1])
     print(
         f"{leg.description.name:12} {kind:8} {len(found):2} wearers   "
-        f"delay {1e3 * observer.delay.max():.1f} ms   NRMSE {error.max(axis=0).round(3)}   "
+        f"delay {1e3 * observer.delay:.1f} ms   NRMSE {error.max(axis=0).round(3)}   "
         f"median {np.median(error, axis=0).round(3)}   aligned {aligned.max(axis=0).round(3)}   "
         f"error where largest {left[worst].round(3)} of {size[worst].round(2)} N·m",
         flush=True,
@@ -96,9 +96,7 @@ def delays(leg: Leg) -> None:
         observer = MomentumObserver(estimate, 10.0, RATE, cutoff=np.inf, noise=log.sensors, velocity_delay=told)
         read = observer.run(recording)
         error = nrmse(read.torque, log.wearer, read.settling)
-        print(
-            f"{leg.description.name:12} {title:14} delay {1e3 * observer.delay.max():5.1f} ms   NRMSE {error.round(3)}"
-        )
+        print(f"{leg.description.name:12} {title:14} delay {1e3 * observer.delay:5.1f} ms   NRMSE {error.round(3)}")
 
 
 def main() -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import warnings
 from collections.abc import Container
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def wrong_laws(model: ControlModel) -> dict[str, AnyLaw]:
     """Make the laws with a wrong model, by name; those that end in :data:`LOADED` are for the rig with the weight."""
     laws: dict[str, AnyLaw] = {}
     for factor in (0.5, 1.5):
-        scaled = document_laws(model.with_friction(factor))
+        scaled = document_laws(replace(model, coulomb=factor * model.coulomb, viscous=factor * model.viscous))
         laws |= {f"{name} F x{factor:g}": law for name, law in scaled.items() if name not in ("pd_30hz", "pd")}
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
     with warnings.catch_warnings():  # the warning is expected: the model is wrong

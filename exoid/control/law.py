@@ -164,25 +164,9 @@ def name_of(law: AnyLaw) -> str:
     return str(getattr(law, "name", type(law).__name__))
 
 
-def torque_without_memory(law: AnyLaw, state: State, target: Target) -> FloatArray:
-    """Compute the torque of a controller that must not have memory."""
-    if not callable(getattr(law, "torque", None)):
-        raise BadArgumentError(
-            f"{type(law).__name__} has memory, which torque() cannot keep",
-            remedy="call begin(state) once, then torque, memory = step(memory, state, target) at each sample",
-        )
-    return law.torque(state, target)  # type: ignore[union-attr]
-
-
 def gains(value: ArrayLike, name: str) -> FloatArray:
     """Check gains, which may differ from leg to leg."""
     return checked(value, name, least=0.0, ndim=2)
-
-
-def freeze_gains(law: object, *names: str) -> None:
-    """Check gains of a controller when it is made, and replace them by read-only arrays."""
-    for name in names:
-        object.__setattr__(law, name, gains(getattr(law, name), name))
 
 
 def refuse_rate(rate: float) -> None:

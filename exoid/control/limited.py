@@ -9,10 +9,11 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.codegen.law_in_c import law_in_c
+from exoid.errors import BadArgumentError
 from exoid.rig import Target
 from exoid.tools.numbers import checked
 
-from .law import AnyLaw, Memory, State, spread, stateful, torque_without_memory
+from .law import AnyLaw, Memory, State, spread, stateful
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +61,16 @@ class Limited:
 
         Returns:
             Torque [N·m], (n,).
+
+        Raises:
+            ExoidError: The other controller has memory.
         """
-        return self._clipped(torque_without_memory(self.law, state, target), state)
+        if not callable(getattr(self.law, "torque", None)):
+            raise BadArgumentError(
+                f"{type(self.law).__name__} has memory, which torque() cannot keep",
+                remedy="call begin(state) once, then torque, memory = step(memory, state, target) at each sample",
+            )
+        return self._clipped(self.law.torque(state, target), state)  # type: ignore[union-attr]
 
     def begin(self, state: State) -> Memory:
         """Compute the memory of the other controller before the first sample.

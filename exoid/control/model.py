@@ -236,20 +236,6 @@ class ControlModel:
                 found[..., joint] += self._others_beyond_rest(q.T, a=np.tile(one[:, None], len(q))).T
         return found
 
-    def with_friction(self, scale: float) -> ControlModel:
-        """Scale the friction.
-
-        Args:
-            scale: Factor of all friction coefficients.
-
-        Returns:
-            A model with the scaled friction.
-        """
-        others = tuple(
-            other._replace(values=scale * other.values) if other.term.friction else other for other in self.others
-        )
-        return replace(self, coulomb=scale * self.coulomb, viscous=scale * self.viscous, others=others)
-
     @cached_property
     def pinocchio(self) -> pin.Model:
         """Bodies with rotors, for Pinocchio's algorithms."""

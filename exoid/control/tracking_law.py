@@ -16,7 +16,7 @@ from exoid.rig import Target
 
 from .c_description import describe
 from .friction import FrictionCompensation
-from .law import RATE, State, acceleration, freeze_gains, refuse_rate, spread
+from .law import RATE, State, acceleration, gains, refuse_rate, spread
 from .model import ControlModel
 
 
@@ -139,7 +139,8 @@ class TrackingLaw:
     def __post_init__(self) -> None:
         """Check gains and rate."""
         refuse_rate(self.rate)
-        freeze_gains(self, "kp", "kd")
+        for name in ("kp", "kd"):
+            object.__setattr__(self, name, gains(getattr(self, name), name))
 
     @property
     def name(self) -> str:

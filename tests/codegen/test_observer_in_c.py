@@ -17,7 +17,7 @@ from exoid.control.observers import MomentumObserver, SensorNoise
 NOISE = SensorNoise(1e-4, 1e-2, 0.1)
 OBSERVERS = {
     "observer": MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.0),
-    "unfiltered": MomentumObserver(model(), (5.0, 8.0, 12.0), 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
+    "unfiltered": MomentumObserver(model(), 8.0, 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
 }
 
 

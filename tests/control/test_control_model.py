@@ -66,7 +66,6 @@ def test_a_term_of_an_unknown_kind_is_compensated_too(shape):
     q, v, a = RNG.uniform(-1.0, 1.0, (3, *shape))
     whole = control.inverse_dynamics(q, v, a) + control.friction(q, v, 0.05)
     np.testing.assert_allclose(whole.T.reshape(-1, 2), est.torque(q.T, v.T, a.T), atol=1e-12)
-    np.testing.assert_allclose(control.with_friction(3.0).friction(q, v, 0.05), 3.0 * control.friction(q, v, 0.05))
 
 
 @pytest.mark.parametrize("shape", [(2,), (2, 4)])
@@ -90,10 +89,3 @@ def test_a_contact_that_bends_counts_as_one_that_slides():
     bends, slides = (ControlModel.of(estimate_of(TorqueModel(LEG, (term,)), values)) for term in two)
     q, v = RNG.uniform(-1.0, 1.0, (2, 2))
     np.testing.assert_array_equal(bends.friction(q, v, 0.02), slides.friction(q, v, 0.02))
-
-
-def test_friction_can_be_made_wrong_on_purpose():
-    model = ControlModel.of(cuhk_plant())
-    q, v = RNG.uniform(-1.0, 1.0, (2, 2))
-    np.testing.assert_allclose(model.with_friction(0.5).friction(q, v, 0.1), 0.5 * model.friction(q, v, 0.1))
-    np.testing.assert_array_equal(model.with_friction(0.5).statics(q), model.statics(q))

@@ -2,6 +2,7 @@
 
 import runpy
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -94,7 +95,8 @@ def test_gains_cannot_be_changed_afterwards():
 
 
 def test_negative_friction_is_compensated_only_with_a_warning():
-    wrong = ControlModel.of(PLANT).with_friction(-1.0)
+    right = ControlModel.of(PLANT)
+    wrong = replace(right, coulomb=-right.coulomb, viscous=-right.viscous)
     with pytest.warns(UserWarning, match=r"hip.*knee.*Table III"):
         gravity_friction_pd(wrong, KP, KD)
     with warnings.catch_warnings():

@@ -57,7 +57,9 @@ def test_the_feedforward_of_the_right_model_explains_the_recorded_torque(run):
     """Without a reference the motion of the log is the target, so that the model's torque remains."""
     found = replay_law(feedforward_pd(exact_estimate(), 60.0, 6.0), run.recording)
     assert (found.figures["rms_difference"] < 0.1 * found.figures["rms_recorded"]).all()
-    wrong = replay_law(feedforward_pd(ControlModel.of(exact_estimate()).with_friction(3.0), 60.0, 6.0), run.recording)
+    model = ControlModel.of(exact_estimate())
+    model = replace(model, coulomb=3.0 * model.coulomb, viscous=3.0 * model.viscous)
+    wrong = replay_law(feedforward_pd(model, 60.0, 6.0), run.recording)
     assert (wrong.figures["rms_difference"] > 2.0 * found.figures["rms_difference"]).all()
 
 

@@ -21,7 +21,7 @@ LOADING = 0.15
 """Time in which a foot that touches down takes its share [s], an assumption."""
 
 BOUNCE = 0.02
-"""Time in which a foot whose switch opens loses its share [s]: a foot bounces as it touches down."""
+"""Time for which an open switch still counts as closed, and then time in which the foot loses its share [s]."""
 
 LEVEL = 0.05
 """Tilt up to which a sole counts as flat, which presses both its ends down [rad]."""
@@ -66,8 +66,8 @@ class GroundLoop(LawLoop):
     """Controller of :func:`exoid.rig.ground.simulate_on_ground` made of a law, with a memory: one for each run.
 
     Contacts are those of the switches, but a foot whose planned share is zero is in the air, and a level one is flat.
-    A foot that touches down takes its share in :data:`LOADING`, and loses it in :data:`BOUNCE` while its switches are
-    open. While nothing touches, the joints are braked.
+    A foot that touches down takes its share in :data:`LOADING`. As feet bounce, an open switch counts as closed for
+    :data:`BOUNCE`, and its foot loses the share in as much time. While nothing touches, the joints are braked.
 
     Attributes:
         law: The law.
@@ -86,6 +86,7 @@ class GroundLoop(LawLoop):
         """Interpolate the reference."""
         reference = np.column_stack([self.motion.q, self.motion.base[:, 2]])
         self._reference = scipy.interpolate.CubicSpline(self.motion.time, reference)
+        self._closed: dict[str, float] = {}  # when a switch of each sole was closed last [s]
         self._course: dict[str, float] = {}  # course of the share of each sole, 0 to 1
         self._last = -np.inf  # time of the last sample [s]
 
@@ -112,8 +113,10 @@ class GroundLoop(LawLoop):
         planned = {} if self.shares is None else self.shares(reading.time)
         dt, self._last = reading.time - self._last, reading.time
         ramps = {}
-        for link, closed in reading.switches.items():
-            course = self._course.get(link, 0.0) + (dt / LOADING if closed.any() else -dt / BOUNCE)
+        self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
+        for link, closed in self._closed.items():
+            touching = reading.time - closed < BOUNCE
+            course = self._course.get(link, 0.0) + (dt / LOADING if touching else -dt / BOUNCE)
             self._course[link] = course = min(max(course, 0.0), 1.0) if planned.get(link, 1.0) > 0.0 else 0.0
             if course > 0.0:
                 ramps[link] = float(minimum_jerk(course))

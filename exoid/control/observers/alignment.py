@@ -20,16 +20,11 @@ LONGEST = 200_000
 
 
 @dataclass(frozen=True, eq=False)
-class JointFilters:
-    """Filter y = b(z) / a(z) x of order m of each joint, in transposed direct form II."""
+class JointFilter:
+    """Filter y = b(z) / a(z) x of order m, of all joints alike, in transposed direct form II."""
 
-    b: FloatArray  # numerators, powers of z⁻¹ rising, (m + 1, n)
-    a: FloatArray  # denominators, the first coefficient 1, (m + 1, n)
-
-    @classmethod
-    def alike(cls, b: FloatArray, a: FloatArray, n: int) -> JointFilters:
-        """Give every joint the same filter."""
-        return cls(np.tile(b[:, None], n), np.tile(a[:, None], n))
+    b: FloatArray  # numerator, powers of z⁻¹ rising, (m + 1,)
+    a: FloatArray  # denominator, the first coefficient 1, (m + 1,)
 
     @property
     def order(self) -> int:
@@ -37,35 +32,25 @@ class JointFilters:
         return len(self.b) - 1
 
     def settled(self, x: FloatArray) -> FloatArray:
-        """Make the memory after an input (..., n) that was constant for ever, (m, ..., n)."""
-        y = self.b.sum(axis=0) / self.a.sum(axis=0) * x
+        """Make the memory after an input that was constant for ever, (m, *x.shape)."""
+        y = self.b.sum() / self.a.sum() * x
         memory = np.zeros((self.order + 1, *x.shape))
         for k in range(self.order, 0, -1):
             memory[k - 1] = memory[k] + self.b[k] * x - self.a[k] * y
         return memory[:-1]
 
     def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Filter consecutive samples (N, ..., n); also the memory after them."""
-        if self._uniform:  # one call of SciPy for all joints: a step of one sample is mostly such calls
-            y, after = scipy.signal.lfilter(self.b[:, 0], self.a[:, 0], x, axis=0, zi=memory)
-            return y, after
-        y, after = np.empty_like(x), np.empty_like(memory)
-        for j, (b, a) in enumerate(zip(self.b.T, self.a.T, strict=True)):
-            y[..., j], after[..., j] = scipy.signal.lfilter(b, a, x[..., j], axis=0, zi=memory[..., j])
+        """Filter consecutive samples (N, ...); also the memory after them."""
+        y, after = scipy.signal.lfilter(self.b, self.a, x, axis=0, zi=memory)
         return y, after
-
-    @cached_property
-    def _uniform(self) -> bool:
-        """Whether all joints have the same filter."""
-        return bool((self.b == self.b[:, :1]).all() and (self.a == self.a[:, :1]).all())
 
     def impulse_response(self, x: FloatArray) -> FloatArray:
         """Filter a short input (k,) until the output is over."""
-        radius = max(float(np.abs(np.roots(a)).max(initial=0.0)) for a in self.a.T)
+        radius = float(np.abs(np.roots(self.a)).max(initial=0.0))
         rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))  # to e⁻³⁰
-        inputs = np.zeros((min(len(x) + rings, LONGEST), self.b.shape[1]))
-        inputs[: len(x)] = x[:, None]
-        return self.run(np.zeros((self.order, self.b.shape[1])), inputs)[0]
+        inputs = np.zeros(min(len(x) + rings, LONGEST))
+        inputs[: len(x)] = x
+        return self.run(np.zeros(self.order), inputs)[0]
 
 
 class AlignmentMemory(NamedTuple):
@@ -103,13 +88,13 @@ class Alignment:
         return max(0.0, float(self.lags.max()))
 
     @cached_property
-    def filters(self) -> tuple[JointFilters, JointFilters] | None:
+    def filters(self) -> tuple[JointFilter, JointFilter] | None:
         """Low-pass, and its derivative; None without a cut-off."""
         if not np.isfinite(self.cutoff):
             return None
         b, a = scipy.signal.butter(2, self.cutoff, fs=self.rate)
         slope = 2.0 * self.rate * b[0] * np.array([1.0, 0.0, -1.0])
-        return JointFilters.alike(b, a, self.n), JointFilters.alike(slope, a, self.n)
+        return JointFilter(b, a), JointFilter(slope, a)
 
     @cached_property
     def weights(self) -> FloatArray:

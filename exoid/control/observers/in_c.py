@@ -11,7 +11,7 @@ from exoid.control.friction import FrictionCompensation
 from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
 
-from .alignment import HISTORY, Alignment, JointFilters
+from .alignment import HISTORY, Alignment, JointFilter
 
 MEASURED = InputInC("tau_m", "measured torques of the actuators [N m]", "reading")
 
@@ -24,7 +24,7 @@ MEMORY = {
 
 
 def observer_in_c(
-    model: ControlModel, alignment: Alignment, filters: JointFilters, width: float, dialect: Dialect
+    model: ControlModel, alignment: Alignment, one: JointFilter, width: float, dialect: Dialect
 ) -> LawInC:
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
     n, rate = model.n, alignment.rate
@@ -35,15 +35,15 @@ def observer_in_c(
         )
     constants = {
         "rate": (np.array(float(rate)), "sampling rate [Hz]"),
-        "b": (filters.b[0], "gain of the observer, 1 - exp(-K T)"),
-        "pole": (-filters.a[1], "exp(-K T)"),
+        "b": (np.full(n, one.b[0]), "gain of the observer, 1 - exp(-K T)"),
+        "pole": (np.full(n, -one.a[1]), "exp(-K T)"),
     }
     remembered = [ArrayInC(name, what, np.zeros(n)) for name, what in MEMORY.items()]
     count = 2 + int(np.ceil(HISTORY * alignment.delay * rate))
     low_pass = step_of("no_low_pass")
     if alignment.filters is not None:
         low_pass = step_of("low_pass")
-        b, a = alignment.filters[0].b[:, 0], alignment.filters[0].a[:, 0]
+        b, a = alignment.filters[0].b, alignment.filters[0].a
         constants["low_b"] = b, "numerator of the low-pass"
         constants["low_a"] = a, "denominator of the low-pass, the first coefficient 1"
         remembered.append(ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))))

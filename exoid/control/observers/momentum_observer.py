@@ -20,7 +20,7 @@ from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
 
-from .alignment import Alignment, AlignmentMemory, JointFilters
+from .alignment import Alignment, AlignmentMemory, JointFilter
 from .in_c import observer_in_c
 from .momentum import MomentumModel
 from .noise import NoiseBand, Residual, SensorNoise, parameter_variance
@@ -56,8 +56,8 @@ class MomentumObserver:
 
     Attributes:
         source: Model: an estimate, whose covariance gives a band, a leg, a plant of one rig or a control model.
-        bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass [Hz], a
-            number or (n,).
+        bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass
+            [Hz].
         rate: Sampling rate [Hz].
         cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for the
             bandwidth or 20 Hz, the larger, at most a fifth of the rate.
@@ -83,7 +83,7 @@ class MomentumObserver:
     """
 
     source: ModelSource
-    bandwidth: ArrayLike
+    bandwidth: float
     rate: float
     _: KW_ONLY
     cutoff: float | None = None
@@ -97,19 +97,19 @@ class MomentumObserver:
     def __post_init__(self) -> None:
         """Check the settings."""
         refuse_rate(self.rate)
+        checked(self.bandwidth, "bandwidth [Hz]", above=0.0, ndim=0)
         _ = self.band, self.terms
 
     @property
-    def gain(self) -> FloatArray:
-        """Gain K = 2π times the bandwidth [1/s], (n,)."""
-        return 2.0 * np.pi * self.bandwidths
+    def gain(self) -> float:
+        """Gain K = 2π times the bandwidth [1/s]."""
+        return 2.0 * np.pi * self.bandwidth
 
     @cached_property
-    def filters(self) -> JointFilters:
-        """(1 − e^{−KT}) / (1 − e^{−KT} z⁻¹) of each joint."""
+    def filter(self) -> JointFilter:
+        """(1 − e^{−KT}) / (1 − e^{−KT} z⁻¹)."""
         pole = np.exp(-self.gain / self.rate)
-        none = np.zeros_like(pole)
-        return JointFilters(np.stack([-np.expm1(-self.gain / self.rate), none]), np.stack([none + 1.0, -pole]))
+        return JointFilter(np.array([1.0 - pole, 0.0]), np.array([1.0, -pole]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the observer in C, with measured velocities: its torque, without band and detection.
@@ -120,24 +120,24 @@ class MomentumObserver:
         Returns:
             Description of inputs, memory and steps.
         """
-        return observer_in_c(self.model, self.alignment, self.filters, self.width, dialect)
+        return observer_in_c(self.model, self.alignment, self.filter, self.width, dialect)
 
     @cached_property
-    def delay(self) -> FloatArray:
-        """Delay of slow torques from the leg to the reading, with that of the channels' low-pass [s], (n,)."""
-        pole = -self.filters.a[1]
+    def delay(self) -> float:
+        """Delay of slow torques from the leg to the reading, with that of the channels' low-pass [s]."""
+        pole = float(np.exp(-self.gain / self.rate))
         samples = pole / (1.0 - pole) + 0.5  # half a sample, as the balance is a mean over an interval
-        return np.asarray(samples / self.rate + self.alignment.delay)
+        return samples / self.rate + self.alignment.delay
 
     @property
-    def threshold(self) -> FloatArray:
-        """Threshold of detection in standard deviations, (n,)."""
+    def threshold(self) -> float:
+        """Threshold of detection in standard deviations."""
         return self.band.level
 
     @cached_property
     def settling(self) -> int:
         """Samples at the beginning without detection: six delays, after which the beginning is forgotten."""
-        return int(np.ceil(6.0 * self.delay.max() * self.rate))
+        return int(np.ceil(6.0 * self.delay * self.rate))
 
     def begin(self, q: ArrayLike, v: ArrayLike | None = None, tau: ArrayLike | None = None) -> ObserverMemory:
         """Make the memory at the first sample. Readings begin at zero.
@@ -171,8 +171,8 @@ class MomentumObserver:
         aligned, alignment = self.alignment.begin(first[0])
         now = self.terms.over(aligned[None, 0], aligned[None, 1])
         now.u[:, 0] += aligned[2]
-        filtered = np.zeros((self.filters.order, now.p.shape[1] + 1, self.model.n))
-        filtered[:, -1] = self.filters.settled(now.unknown[0])
+        filtered = np.zeros((self.filter.order, now.p.shape[1] + 1, self.model.n))
+        filtered[:, -1] = self.filter.settled(now.unknown[0])
         return ObserverMemory(0, angle, alignment, now.p[0], now.u[0], filtered)
 
     def step(
@@ -239,7 +239,7 @@ class MomentumObserver:
         now.u[:, 0] += aligned[:, 2]
         p, u = np.concatenate([memory.p[None], now.p]), np.concatenate([memory.u[None], now.u])
         balance = np.diff(p, axis=0) * self.rate - 0.5 * (u[1:] + u[:-1])
-        read, filtered = self.filters.run(memory.filtered, np.concatenate([balance, now.unknown[:, None]], axis=1))
+        read, filtered = self.filter.run(memory.filtered, np.concatenate([balance, now.unknown[:, None]], axis=1))
         torque, moved, bound = read[:, 0], read[:, 1:-1], read[:, -1]
         variance = self.band.variance(now.M, derived=derived)
         if isinstance(self.source, Estimate):
@@ -270,7 +270,7 @@ class MomentumObserver:
     def band(self) -> NoiseBand:
         """Noise of the reading."""
         residual = Residual.of(self.source, self.model.n)
-        return NoiseBand.of(self.alignment, self.filters, self.noise, residual, self.false_alarms)
+        return NoiseBand.of(self.alignment, self.filter, self.noise, residual, self.false_alarms)
 
     @cached_property
     def alignment(self) -> Alignment:
@@ -283,7 +283,7 @@ class MomentumObserver:
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,
             # where it causes a bias: with 10 Hz, ten minutes of fast unworn motion raised alarms, with 20 Hz none.
-            cutoff = min(max(20.0, float(self.bandwidths.max())), 0.2 * self.rate)
+            cutoff = min(max(20.0, self.bandwidth), 0.2 * self.rate)
         if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
             raise BadArgumentError(
                 f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
@@ -291,17 +291,11 @@ class MomentumObserver:
             )
         return Alignment(n, self.rate, cutoff, lags)
 
-    @cached_property
-    def bandwidths(self) -> FloatArray:
-        """−3 dB frequency of each joint [Hz], (n,)."""
-        return checked(for_joints(self.bandwidth, self.model.n, "bandwidths"), "bandwidth [Hz]", above=0.0)
-
     def __repr__(self) -> str:
         """Write bandwidth, rate and delay in one line."""
-        bandwidth = ", ".join(f"{x:.3g}" for x in np.unique(self.bandwidths))
         return (
-            f"MomentumObserver({', '.join(self.names)}: {bandwidth} Hz at {self.rate:g} Hz, "
-            f"delay {1e3 * self.delay.max():.3g} ms)"
+            f"MomentumObserver({', '.join(self.names)}: {self.bandwidth:.3g} Hz at {self.rate:g} Hz, "
+            f"delay {1e3 * self.delay:.3g} ms)"
         )
 
 

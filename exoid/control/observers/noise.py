@@ -15,7 +15,7 @@ from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
 
-from .alignment import Alignment, JointFilters
+from .alignment import Alignment, JointFilter
 
 ENCODER = 6.0**-0.5
 """Noise of an encoder for an observer over its step, √2 times the 1/√12 of a uniform error.
@@ -125,38 +125,36 @@ class NoiseBand(NamedTuple):
     # velocity that is derived from them; its part through gravity is neglected.
 
     torque: FloatArray  # variance by torque noise and by what the identification left [N²·m²], (n,)
-    velocity: FloatArray  # gain g_v,i of each reading, and variance σ_v,j² of each sensor [rad²/s²], (2, n)
-    derived: FloatArray  # the same where velocities are derived from angles: gain, and variance of angles [rad²]
-    level: FloatArray  # threshold in standard deviations, (n,)
+    velocity: FloatArray  # g_v times the variance σ_v,j² of each velocity, (n,)
+    derived: FloatArray  # the same where velocities are derived from angles, (n,)
+    level: float  # threshold in standard deviations
 
     @classmethod
     def of(
         cls,
         alignment: Alignment,
-        filters: JointFilters,
+        one: JointFilter,
         noise: SensorNoise | None,
         residual: Residual,
         false_alarms: float,
     ) -> NoiseBand:
         """Compute the gains of the observer's filters."""
-        responses, n, rate = filtered_noise(alignment, filters), alignment.n, alignment.rate
-        gains = [(h**2).sum(axis=0) for h in responses]
+        responses, n, rate = filtered_noise(alignment, one), alignment.n, alignment.rate
+        gains = [float(h @ h) for h in responses]
         if noise is None:  # the band of the residuals alone, without detection
             white = np.maximum(gains[0] * residual.density * rate, residual.variance)
-            return cls(white, np.zeros((2, n)), np.zeros((2, n)), np.full(n, np.inf))
+            return cls(white, np.zeros(n), np.zeros(n), np.inf)
         variances = [std**2 for std in noise_columns(noise, n)]
         left = np.clip(residual.variance - residual.share * variances[0], 0.0, None)
         acting = [h for h, found in zip(responses, variances, strict=True) if found.any()] or responses[:1]
         # the kind of noise that crosses most often decides
-        rho = np.min([(h[1:] * h[:-1]).sum(axis=0) / (h**2).sum(axis=0) for h in acting], axis=0)
-        level = np.array([threshold(false_alarms / n, float(each), rate) for each in rho])
-        velocity, derived = (np.stack(pair) for pair in zip(gains[1:], variances[1:], strict=True))
-        return cls(gains[0] * variances[0] + left, velocity, derived, level)
+        rho = min(float(h[1:] @ h[:-1] / (h @ h)) for h in acting)
+        torque, velocity, derived = (gain * found for gain, found in zip(gains, variances, strict=True))
+        return cls(torque + left, velocity, derived, threshold(false_alarms / n, rho, rate))
 
     def variance(self, M: FloatArray, *, derived: bool) -> FloatArray:
         """Variance of the reading at mass matrices (N, n, n), (N, n)."""
-        gain, of_sensor = self.derived if derived else self.velocity
-        return np.asarray(self.torque + gain * (M**2 @ of_sensor))
+        return np.asarray(self.torque + M**2 @ (self.derived if derived else self.velocity))
 
 
 def parameter_variance(estimate: Estimate, moved: FloatArray) -> FloatArray:
@@ -169,14 +167,14 @@ def parameter_variance(estimate: Estimate, moved: FloatArray) -> FloatArray:
     return np.asarray(np.clip(found, 0.0, None))
 
 
-def filtered_noise(alignment: Alignment, filters: JointFilters) -> list[FloatArray]:
+def filtered_noise(alignment: Alignment, one: JointFilter) -> list[FloatArray]:
     """Impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1."""
-    smoothed = slope = one = np.array([1.0])
+    smoothed = slope = pulse = np.array([1.0])
     if alignment.filters is not None:
-        smoothed, slope = (each.impulse_response(one)[:, 0] for each in alignment.filters)
+        smoothed, slope = (each.impulse_response(pulse) for each in alignment.filters)
     halves, steps = np.array([0.5, 0.5]), np.array([alignment.rate, -alignment.rate])
     pairs = ((smoothed, halves), (smoothed, steps), (slope, steps))
-    return [filters.impulse_response(np.convolve(a, b)) for a, b in pairs]
+    return [one.impulse_response(np.convolve(a, b)) for a, b in pairs]
 
 
 def threshold(per_minute: float, correlation: float, rate: float) -> float:

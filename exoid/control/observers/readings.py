@@ -45,7 +45,7 @@ class ObservedTorque:
         stiction: Largest error by friction of joints that may stick [N·m], (N, n).
         detected: Whether the torque is beyond stiction and noise, (N, n).
         joint_names: Joints, (n,).
-        delay: Delay of the torque for slow signals [s], (n,).
+        delay: Delay of the torque for slow signals [s].
         settling: Samples at the beginning that the observer needs to settle, without detection.
     """
 
@@ -55,7 +55,7 @@ class ObservedTorque:
     stiction: FloatArray
     detected: BoolArray
     joint_names: tuple[str, ...]
-    delay: FloatArray
+    delay: float
     settling: int
 
     @property
@@ -78,10 +78,8 @@ class ObservedTorque:
         rms, share = np.sqrt(np.mean(torque**2, axis=0)), 100.0 * self.detected.mean(axis=0)
         std, peak = np.sqrt(np.mean(self.std**2, axis=0)), np.abs(torque).max(axis=0)
         rows = [
-            (name, f"{a:.3g}", f"{b:.3g}", f"{c:.2g}", f"{d:.3g}", f"{e:.0f}", f"{1e3 * f:.3g}")
-            for name, a, b, c, d, e, f in zip(
-                self.joint_names, rms, peak, std, share, self.alarms, self.delay, strict=True
-            )
+            (name, f"{a:.3g}", f"{b:.3g}", f"{c:.2g}", f"{d:.3g}", f"{e:.0f}", f"{1e3 * self.delay:.3g}")
+            for name, a, b, c, d, e in zip(self.joint_names, rms, peak, std, share, self.alarms, strict=True)
         ]
         return to_text(make_table(headers, rows))
 
